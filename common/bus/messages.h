@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the processes say to each other, as domain types: the nodes and the virtual-time lap know these only.
+// Positions are metres in the workpiece frame (x right, y up in the picture, z along the beam).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace telekerf {
+
+using Vec3 = Eigen::Vector3d;
+using Vec2 = Eigen::Vector2d;
+
+/// Count of control steps of the side that made it (contract.md, "Time").
+using Tick = std::uint64_t;
+
+/// Who computes the slave's acceleration (observer.md): `local` streams the master's scaled position,
+/// the other two stream accelerations.
+enum class Law : std::uint8_t { kLocal, kAnchored, kRemoteAcceleration };
+
+/// Absolute state at a block's first tick, so that no loss leaves an offset. Workpiece frame of the slave.
+struct Anchor {
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_m_per_s = Vec3::Zero();
+};
+
+/// Coded samples, as the codec wrote them.
+struct Payload {
+  static constexpr std::size_t kCapacity = 2048;
+  std::array<std::uint8_t, kCapacity> bytes{};
+  std::uint16_t size = 0;
+
+  std::span<const std::uint8_t> view() const { return {bytes.data(), size}; }
+  std::span<std::uint8_t> room() { return bytes; }
+};
+
+/// Operator -> slave, best effort, one a block of N stream samples.
+struct CommandBlock {
+  std::uint32_t sequence = 0;
+  std::uint32_t epoch = 0;  ///< of the master process: a restarted master is a new one
+  Tick first_tick = 0;      ///< master tick of the newest block's first sample
+  std::uint32_t sample_period_ns = 0;
+  std::uint32_t contour_id = 0;
+  double beta = 1.0;  ///< slave motion = beta x master motion
+  Law law = Law::kLocal;
+  bool engaged = false;       ///< false: the slave holds its pose, laser off
+  std::uint64_t button = 0;   ///< bit n: laser button at sample n of the newest block
+  Anchor anchor;              ///< state at first_tick
+  std::int64_t sent_ns = 0;   ///< sender's monotonic clock, when handed to the bus
+  Payload payload;
+};
+
+/// Laser interlock: the first reason that forbids the beam; kReady means the button decides.
+enum class Interlock : std::uint8_t {
+  kReady,
+  kNoContour,
+  kNotEngaged,
+  kStale,
+  kOutsideWorkspace,
+  kOutsideCorridor,
+  kTracking,  ///< tool too far from its reference
+  kStopped,   ///< latched emergency stop
+};
+
+/// Slave -> operator, best effort, one a block of N stream samples of the measured tool position.
+struct StateBlock {
+  std::uint32_t sequence = 0;
+  std::uint32_t epoch = 0;         ///< of the slave process
+  std::uint32_t master_epoch = 0;  ///< whose commands it follows
+  Tick first_tick = 0;             ///< slave tick of the newest block's first sample
+  std::uint32_t sample_period_ns = 0;
+  std::uint32_t contour_id = 0;
+  double beta = 1.0;
+  Anchor anchor;  ///< measured state at first_tick
+  Interlock interlock = Interlock::kNoContour;
+  bool laser_on = false;
+  // Echo of the commands: what was applied at the block's last sample.
+  Tick applied_tick = 0;               ///< newest master tick applied
+  std::uint32_t applied_age_ticks = 0;  ///< slave ticks since it was applied (0: just now)
+  std::uint64_t applied_bitmap = 0;    ///< bit n: master tick applied_tick - n was really applied
+  std::int32_t playout_ticks = 0;      ///< depth of the play-out buffer, in stream samples
+  // Clock stamps of the newest command received: sent (master's clock), received and answered (slave's clock).
+  std::uint32_t echo_sequence = 0;
+  std::int64_t echo_sent_ns = 0;
+  std::int64_t echo_received_ns = 0;
+  std::int64_t sent_ns = 0;
+  Payload payload;
+};
+
+/// Vision -> everyone, latched and reliable. Points in drawing order; a closed contour does not repeat its first.
+struct ContourMessage {
+  std::uint32_t id = 0;
+  bool closed = true;
+  std::string source;  ///< file or camera
+  std::string mode;    ///< outline, stroke or thesis
+  double metres_per_pixel = 0.0;
+  double deviation_m = 0.0;  ///< quality record: estimated noise of the points, rms
+  std::vector<Vec2> points_m;
+};
+
+/// Modes and events, reliable.
+struct EventMessage {
+  enum class Kind : std::uint8_t { kEngage, kDisengage, kStop, kClearStop, kSetBeta, kFinished, kSetNetem };
+  std::uint32_t epoch = 0;
+  Kind kind = Kind::kDisengage;
+  double value = 0.0;
+  std::string text;
+};
+
+/// Slow named numbers of one process, for console and recorder.
+struct TelemetryMessage {
+  std::string role;
+  Tick tick = 0;
+  std::vector<std::pair<std::string, double>> values;
+};
+
+/// Who is in the cell; latched and reliable.
+struct PresenceMessage {
+  std::string role;  ///< master, slave, vision, console
+  std::string name;
+  std::uint32_t epoch = 0;
+  std::uint16_t contract = 0;
+  std::string version;
+};
+
+}  // namespace telekerf

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/runtime/config.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "common/runtime/refusal.h"
+
+namespace telekerf {
+namespace {
+
+std::string shown(const toml::node& node) {
+  std::ostringstream out;
+  node.visit([&](const auto& value) { out << value; });
+  return out.str();
+}
+
+/// "stage.0.delay_ms" -> "stage[0].delay_ms", the spelling of toml++ paths.
+std::string toml_path(const std::string& key) {
+  std::string path;
+  std::istringstream parts(key);
+  for (std::string part; std::getline(parts, part, '.');) {
+    if (!part.empty() && part.find_first_not_of("0123456789") == std::string::npos) {
+      path += "[" + part + "]";
+    } else {
+      path += (path.empty() ? "" : ".") + part;
+    }
+  }
+  return path;
+}
+
+void collect_leaves(const toml::node& node, const std::string& key, std::vector<std::string>& leaves) {
+  if (const auto* table = node.as_table()) {
+    for (const auto& [name, child] : *table) {
+      collect_leaves(child, key.empty() ? std::string(name.str()) : key + "." + std::string(name.str()), leaves);
+    }
+  } else if (const auto* array = node.as_array(); array != nullptr && array->is_array_of_tables()) {
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      collect_leaves(*array->get(i), key + "." + std::to_string(i), leaves);
+    }
+  } else {
+    leaves.push_back(key);
+  }
+}
+
+}  // namespace
+
+struct ConfigFile::Document {
+  toml::table root;
+  mutable std::set<std::string> known;
+
+  const toml::node* find(const std::string& key) const {
+    known.insert(key);
+    return root.at_path(toml_path(key)).node();
+  }
+};
+
+ConfigFile::ConfigFile(const std::filesystem::path& file)
+    : document_(std::make_unique<Document>()), name_(file.string()) {
+  try {
+    document_->root = toml::parse_file(name_);
+  } catch (const toml::parse_error& error) {
+    throw Refusal(fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
+  }
+}
+
+ConfigFile::ConfigFile(const std::string& text, const std::string& name)
+    : document_(std::make_unique<Document>()), name_(name) {
+  try {
+    document_->root = toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    throw Refusal(fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
+  }
+}
+
+ConfigFile::~ConfigFile() = default;
+ConfigFile::ConfigFile(ConfigFile&&) noexcept = default;
+ConfigFile& ConfigFile::operator=(ConfigFile&&) noexcept = default;
+
+void ConfigFile::refuse(const std::string& key, const std::string& complaint) const {
+  const toml::node* node = document_->find(key);
+  if (node == nullptr) throw Refusal(fmt::format("{}: {}: {}", name_, key, complaint));
+  throw Refusal(fmt::format("{}: {} = {}: {}", name_, key, shown(*node), complaint));
+}
+
+bool ConfigFile::has(const std::string& key) const {
+  return document_->root.at_path(toml_path(key)).node() != nullptr;
+}
+
+namespace {
+double checked(const ConfigFile& file, const std::string& key, double value, Bounds bounds) {
+  if (!std::isfinite(value)) file.refuse(key, "must be a finite number");
+  if (value < bounds.min || value > bounds.max) {
+    file.refuse(key, fmt::format("must lie within [{:g}, {:g}]", bounds.min, bounds.max));
+  }
+  return value;
+}
+}  // namespace
+
+double ConfigFile::number(const std::string& key, Bounds bounds) const {
+  const toml::node* node = document_->find(key);
+  if (node == nullptr) refuse(key, "is missing; add it to the file");
+  const auto value = node->value<double>();
+  if (!value || node->is_boolean()) refuse(key, "must be a number");
+  return checked(*this, key, *value, bounds);
+}
+
+double ConfigFile::number_or(const std::string& key, double fallback, Bounds bounds) const {
+  return document_->find(key) == nullptr ? fallback : number(key, bounds);
+}
+
+std::int64_t ConfigFile::integer(const std::string& key, Bounds bounds) const {
+  const double value = number(key, bounds);
+  if (value != std::floor(value)) refuse(key, "must be a whole number");
+  return static_cast<std::int64_t>(value);
+}
+
+std::int64_t ConfigFile::integer_or(const std::string& key, std::int64_t fallback, Bounds bounds) const {
+  return document_->find(key) == nullptr ? fallback : integer(key, bounds);
+}
+
+bool ConfigFile::boolean_or(const std::string& key, bool fallback) const {
+  const toml::node* node = document_->find(key);
+  if (node == nullptr) return fallback;
+  if (!node->is_boolean()) refuse(key, "must be true or false");
+  return **node->as_boolean();
+}
+
+std::string ConfigFile::text(const std::string& key) const {
+  const toml::node* node = document_->find(key);
+  if (node == nullptr) refuse(key, "is missing; add it to the file");
+  if (!node->is_string()) refuse(key, "must be a text in quotes");
+  return **node->as_string();
+}
+
+std::string ConfigFile::text_or(const std::string& key, const std::string& fallback) const {
+  return document_->find(key) == nullptr ? fallback : text(key);
+}
+
+std::string ConfigFile::choice_or(const std::string& key, const std::string& fallback,
+                                  const std::vector<std::string>& choices) const {
+  const std::string value = text_or(key, fallback);
+  for (const auto& choice : choices) {
+    if (choice == value) return value;
+  }
+  refuse(key, fmt::format("must be one of {}", fmt::join(choices, ", ")));
+}
+
+std::vector<double> ConfigFile::numbers(const std::string& key, std::size_t count, Bounds bounds) const {
+  const toml::node* node = document_->find(key);
+  if (node == nullptr) refuse(key, "is missing; add it to the file");
+  const toml::array* array = node->as_array();
+  if (array == nullptr || (count != 0 && array->size() != count)) {
+    refuse(key, count == 0 ? "must be a list of numbers" : fmt::format("must be a list of {} numbers", count));
+  }
+  std::vector<double> values;
+  for (const auto& element : *array) {
+    const auto value = element.value<double>();
+    if (!value) refuse(key, "must hold numbers only");
+    values.push_back(checked(*this, key, *value, bounds));
+  }
+  return values;
+}
+
+std::vector<std::string> ConfigFile::texts_or(const std::string& key,
+                                              const std::vector<std::string>& fallback) const {
+  const toml::node* node = document_->find(key);
+  if (node == nullptr) return fallback;
+  const toml::array* array = node->as_array();
+  if (array == nullptr) refuse(key, "must be a list of texts");
+  std::vector<std::string> values;
+  for (const auto& element : *array) {
+    const auto value = element.value<std::string>();
+    if (!value) refuse(key, "must hold texts only");
+    values.push_back(*value);
+  }
+  return values;
+}
+
+std::size_t ConfigFile::array_size(const std::string& key) const {
+  const toml::node* node = document_->root.at_path(toml_path(key)).node();
+  if (node == nullptr) return 0;
+  if (!node->is_array()) refuse(key, fmt::format("must be written as [[{}]]", key));
+  return node->as_array()->size();
+}
+
+void ConfigFile::refuse_unknown() const {
+  std::vector<std::string> leaves;
+  collect_leaves(document_->root, "", leaves);
+  for (const auto& leaf : leaves) {
+    if (!document_->known.contains(leaf)) {
+      throw Refusal(fmt::format("{}: unknown key '{}'; known here: {}", name_, leaf,
+                                fmt::join(document_->known, ", ")));
+    }
+  }
+}
+
+}  // namespace telekerf

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every program shares: --help, --version, one sentence on stderr and exit code 2 when it cannot work.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace telekerf {
+
+/// What the command line asked for; returns the exit code (0 good, 1 a bad verdict).
+using Action = std::function<int()>;
+
+/// Parses, runs `action` (set before, or by the callback of a chosen subcommand), reports a Refusal.
+/// Exit codes: `contract.md`; usage errors are 2 as well.
+int run_program(CLI::App& app, int argc, char** argv, Action& action);
+
+}  // namespace telekerf
