@@ -45,6 +45,7 @@ struct CommandBlock {
   std::uint32_t epoch = 0;  ///< of the master process: a restarted master is a new one
   Tick first_tick = 0;      ///< master tick of the newest block's first sample
   std::uint32_t sample_period_ns = 0;
+  std::uint16_t ticks_per_sample = 1;  ///< control steps between stream samples
   std::uint32_t contour_id = 0;
   double beta = 1.0;  ///< slave motion = beta x master motion
   Law law = Law::kLocal;
@@ -74,6 +75,7 @@ struct StateBlock {
   std::uint32_t master_epoch = 0;  ///< whose commands it follows
   Tick first_tick = 0;             ///< slave tick of the newest block's first sample
   std::uint32_t sample_period_ns = 0;
+  std::uint16_t ticks_per_sample = 1;  ///< control steps between stream samples
   std::uint32_t contour_id = 0;
   double beta = 1.0;
   Anchor anchor;  ///< measured state at first_tick
