@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ways from a separated picture to contours; extract.h chooses among them.
+#pragma once
+
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "common/vision/extract.h"
+#include "common/vision/picture.h"
+
+namespace telekerf::vision {
+
+using Contours = std::vector<PixelContour>;
+
+/// Boundaries between drawing and background by marching squares: closed, sub-pixel, in drawing order,
+/// unsorted. Regions that touch the picture's border are left out and counted in `cut_off`, as their outline
+/// is not whole.
+struct Outlines {
+  Contours contours;
+  int cut_off = 0;
+};
+Outlines outlines_of(const Field& field);
+
+/// Low-pass along the contour that leaves circles of more than a few pixels as they are (twice a Gaussian
+/// minus its square), then about one point a pixel. Fills `noise_px`.
+void smooth_and_resample(PixelContour& contour, double sigma_px);
+
+}  // namespace telekerf::vision

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+
+#include "common/vision/modes.h"
+
+namespace telekerf::vision {
+namespace {
+
+// East, south, west, north: y downwards, so this order is clockwise as seen.
+constexpr std::array<int, 4> kDx{1, 0, -1, 0};
+constexpr std::array<int, 4> kDy{0, 1, 0, -1};
+constexpr unsigned char kVisited = 127;  ///< the pixel's western side has been walked along
+
+/// Walks the sides between drawn and empty pixels with the drawing on the left. Pixels that touch by a corner
+/// belong together.
+class BorderWalk {
+ public:
+  explicit BorderWalk(const Field& field) : field_(field), drawn_(field.drawn.clone()) {}
+
+  Outlines all() {
+    Outlines out;
+    for (int y = 0; y < drawn_.rows; ++y) {
+      unsigned char before = 0;
+      auto* row = drawn_.ptr<unsigned char>(y);
+      for (int x = 0; x < drawn_.cols; ++x) {
+        const unsigned char here = row[x];
+        if (here == 255 && before == 0) {
+          PixelContour contour;
+          if (walk(x, y, contour.points_px)) {
+            out.contours.push_back(std::move(contour));
+          } else {
+            ++out.cut_off;
+          }
+        }
+        before = row[x];
+      }
+    }
+    return out;
+  }
+
+ private:
+  bool drawn(int x, int y) const noexcept {
+    return x >= 0 && y >= 0 && x < drawn_.cols && y < drawn_.rows && drawn_.at<unsigned char>(y, x) != 0;
+  }
+
+  /// False when the walk came along the picture's border.
+  bool walk(int x0, int y0, std::vector<Vec2>& points) {
+    int x = x0;
+    int y = y0;
+    int side = 2;  // where the empty pixel is
+    bool whole = true;
+    do {
+      if (side == 2) drawn_.at<unsigned char>(y, x) = kVisited;
+      const int ex = x + kDx[side];
+      const int ey = y + kDy[side];
+      if (ex < 0 || ey < 0 || ex >= drawn_.cols || ey >= drawn_.rows) {
+        whole = false;
+      } else {
+        const double inside = field_.value(x, y);
+        const double outside = field_.value(ex, ey);
+        const double t = inside / (inside - outside);
+        points.emplace_back(x + t * kDx[side], y + t * kDy[side]);
+      }
+      const int ahead = (side + 3) % 4;
+      const int ax = x + kDx[ahead];
+      const int ay = y + kDy[ahead];
+      if (drawn(ax + kDx[side], ay + kDy[side])) {  // round an inner corner
+        x = ax + kDx[side];
+        y = ay + kDy[side];
+        side = (side + 1) % 4;
+      } else if (drawn(ax, ay)) {
+        x = ax;
+        y = ay;
+      } else {  // round an outer corner of the same pixel
+        side = ahead;
+      }
+    } while (x != x0 || y != y0 || side != 2);
+    return whole;
+  }
+
+  const Field& field_;
+  cv::Mat drawn_;
+};
+
+}  // namespace
+
+Outlines outlines_of(const Field& field) { return BorderWalk(field).all(); }
+
+}  // namespace telekerf::vision

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pixels -> workpiece metres (eq. 2-4 corrected: one scale for both axes, y upwards, an anchor that lands
+// where it should).
+#pragma once
+
+#include <optional>
+
+#include "common/vision/extract.h"
+
+namespace telekerf::vision {
+
+/// Which point of the picture is put on the workpiece's origin.
+enum class AnchorMode { kBoundingBox, kFirstPoint, kImageCentre };
+
+struct ScaleRequest {
+  /// Width of the whole picture; wins over the fit.
+  std::optional<double> picture_width_m;
+  /// Known from the camera's magnification; wins over everything.
+  std::optional<double> metres_per_pixel;
+  /// Otherwise the contour's bounding circle becomes `fill` x this radius.
+  double workspace_radius_m = 0.03;
+  double fill = 0.6;
+  AnchorMode anchor = AnchorMode::kBoundingBox;
+};
+
+/// x_m = k (x_px - a_x), y_m = -k (y_px - a_y). The picture's width in pixels counts whole pixels: from the
+/// left edge of the first to the right edge of the last, so its middle is at (width - 1) / 2.
+struct Scale {
+  double metres_per_pixel = 1.0;
+  Vec2 anchor_px = Vec2::Zero();
+
+  Vec2 to_workpiece(const Vec2& px) const noexcept {
+    return metres_per_pixel * Vec2(px.x() - anchor_px.x(), anchor_px.y() - px.y());
+  }
+  Vec2 to_picture(const Vec2& m) const noexcept { return anchor_px + Vec2(m.x(), -m.y()) / metres_per_pixel; }
+};
+
+/// The scale for one contour of an extraction.
+Scale scale_for(const PixelContour& contour, int picture_width_px, int picture_height_px,
+                const ScaleRequest& request);
+geometry::Polyline to_workpiece(const PixelContour& contour, const Scale& scale);
+
+}  // namespace telekerf::vision

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws the shipped pictures anew: draw-pictures FOLDER.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "common/runtime/program.h"
+#include "common/runtime/refusal.h"
+#include "slave/vision/drawing.h"
+
+namespace {
+
+int draw_all(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  std::uint64_t seed = 11;
+  for (const std::string& name : telekerf::drawing::names()) {
+    const auto drawing = telekerf::drawing::by_name(name);
+    // Pen strokes look like paper under a lamp, regions like prints.
+    telekerf::drawing::Look look;
+    look.seed = seed++;
+    look.ink = drawing->filled ? 62.0 : 48.0;
+    look.shading = drawing->filled ? 12.0 : 30.0;
+    look.grain = 1.5;
+    look.noise = 1.5;
+    look.blur_px = 1.0;
+    const std::filesystem::path file = folder / (name + ".png");
+    if (!cv::imwrite(file.string(), telekerf::drawing::render(*drawing, look),
+                     {cv::IMWRITE_PNG_COMPRESSION, 9})) {
+      throw telekerf::Refusal(fmt::format("{}: cannot be written", file.string()));
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Draws the shipped test pictures", "draw-pictures");
+  std::string folder;
+  app.add_option("folder", folder, "where the PNG files go")->required();
+  telekerf::Action action = [&] { return draw_all(folder); };
+  return telekerf::run_program(app, argc, argv, action);
+}
