@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "netem/emulator.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace telekerf::netem {
+namespace {
+
+constexpr int kMostRetransmissions = 6;  // then it gets through: a TCP connection that lives loses nothing
+constexpr std::int64_t kLongAgo = std::numeric_limits<std::int64_t>::min() / 4;
+
+/// Uniform in [0, range), by multiplication instead of division.
+std::uint64_t uniform_below(std::uint64_t word, std::uint64_t range) noexcept {
+  return static_cast<std::uint64_t>((static_cast<unsigned __int128>(word) * range) >> 64);
+}
+
+}  // namespace
+
+Emulator::Emulator(const DirectionProfile& profile, const StreamKey& key, Capacity capacity,
+                   std::int64_t origin_ns)
+    : plan_(profile),
+      normal_(NormalTable::instance()),
+      delay_(key, Impairment::kDelay),
+      loss_(key, Impairment::kLoss),
+      loss_state_(key, Impairment::kLossState),
+      retransmission_(key, Impairment::kRetransmission),
+      duplicate_(key, Impairment::kDuplicate),
+      corrupt_(key, Impairment::kCorrupt),
+      corrupted_bit_(key, Impairment::kCorruptedBit),
+      reorder_(key, Impairment::kReorder),
+      event_delay_(key, Impairment::kEventDelay),
+      event_loss_(key, Impairment::kEventLoss),
+      slot_(key, Impairment::kSlot),
+      flight_(capacity),
+      origin_ns_(origin_ns),
+      now_ns_(kLongAgo),
+      bottleneck_free_ns_(kLongAgo),
+      last_due_ns_(kLongAgo) {}
+
+Fate Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint64_t tag) noexcept {
+  return push(now_ns, packet, static_cast<std::uint32_t>(packet.size()), tag);
+}
+
+Fate Emulator::push(std::int64_t now_ns, std::uint32_t size_bytes, std::uint64_t tag) noexcept {
+  return push(now_ns, {}, size_bytes, tag);
+}
+
+Fate Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
+                    std::uint64_t tag) noexcept {
+  now_ns = now_ns_ = std::max(now_ns, now_ns_);
+  const std::uint64_t index = index_++;
+  ++counters_.pushed;
+  if (plan_.recording && !plan_.loss_only) {
+    Fate fate = replay(index, now_ns);
+    keep(fate, now_ns, packet, size, tag, index);
+    return fate;
+  }
+
+  const Plan::Stage& stage = stage_at(now_ns - origin_ns_);
+  Fate fate;
+  // The states of loss and delay advance with every packet, whatever else befalls it.
+  fate.lost_by_model = lose(stage, index);
+  fate.drawn_ns = law_delay(stage, index);
+  std::int64_t leaves_ns = now_ns;
+  if (stage.ns_per_byte > 0) {
+    const std::int64_t waits_ns = std::max<std::int64_t>(0, bottleneck_free_ns_ - now_ns);
+    const auto sends_ns = static_cast<std::int64_t>(size * stage.ns_per_byte + 0.5);
+    // The packet on the wire is not in the queue: an idle bottleneck takes any packet.
+    fate.queue_full = waits_ns > 0 && waits_ns + sends_ns > stage.queue_ns;
+    if (!fate.queue_full) leaves_ns = bottleneck_free_ns_ = now_ns + waits_ns + sends_ns;
+  }
+  if (!plan_.events.empty()) meet_events(leaves_ns - origin_ns_, index, fate);
+
+  std::int64_t due_ns = leaves_ns + fate.drawn_ns + fate.event_ns;
+  if (stage.tcp_like && !fate.queue_full) due_ns += retransmit(stage, leaves_ns - origin_ns_, index, fate);
+  if (fate.lost()) {
+    fate.queue_full ? ++counters_.queue_full : ++counters_.lost;
+    return fate;
+  }
+
+  if (stage.order == Order::kReorder && stage.reorder.happens(reorder_.draw(index))) {
+    const std::int64_t earlier_ns = overtake(stage, now_ns, fate);
+    if (fate.reordered) due_ns = earlier_ns;
+  }
+  if (stage.order != Order::kFree && !fate.reordered) {
+    due_ns = std::max(due_ns, last_due_ns_);
+    if (stage.slot_ns > 0) due_ns = next_slot(stage, due_ns, size);
+    recent_due_ns_[in_order_++ % kLargestGap] = due_ns;
+  }
+  fate.due_ns = due_ns;
+  fate.duplicated = stage.duplicate.possible() && stage.duplicate.happens(duplicate_.draw(index));
+  fate.corrupted = stage.corrupt.possible() && stage.corrupt.happens(corrupt_.draw(2 * index));
+  keep(fate, now_ns, packet, size, tag, index);
+  return fate;
+}
+
+const Plan::Stage& Emulator::stage_at(std::int64_t since_ns) noexcept {
+  while (stage_ + 1 < plan_.stages.size() && since_ns >= plan_.stages[stage_ + 1].from_ns) ++stage_;
+  return plan_.stages[stage_];
+}
+
+bool Emulator::lose(const Plan::Stage& stage, std::uint64_t index) noexcept {
+  if (plan_.loss_only) {
+    const auto& recording = *plan_.recording;
+    return recording[(index - plan_index_) % recording.size()].lost;
+  }
+  if (!stage.lossy) return false;
+  int next = 0;
+  if (stage.has_states) {
+    const auto& up_to = state_ < 0 ? stage.first_state : stage.loss[state_].up_to;
+    const std::uint64_t word = loss_state_.draw(index);
+    for (const Chance& chance : up_to) next += chance.happens(word) ? 0 : 1;
+  }
+  state_ = next;
+  return stage.loss[next].lost.happens(loss_.draw(index));
+}
+
+std::int64_t Emulator::law_delay(const Plan::Stage& stage, std::uint64_t index) noexcept {
+  if (stage.constant) return stage.delay.at(0.0);
+  const double fresh = normal_.at(delay_.draw(index));
+  score_ =
+      has_score_ && stage.correlation > 0 ? stage.correlation * score_ + stage.innovation * fresh : fresh;
+  has_score_ = true;
+  return stage.delay.at(score_);
+}
+
+void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, Fate& fate) const noexcept {
+  for (std::size_t i = 0; i < plan_.events.size(); ++i) {
+    const Plan::Event& event = plan_.events[i];
+    const std::int64_t occurrence = event.occurrence(since_ns);
+    if (occurrence < 0) continue;
+    const std::uint64_t word = event_delay_.draw(static_cast<std::uint64_t>(occurrence) * kMostEvents + i);
+    fate.event_ns +=
+        event.add_min_ns + static_cast<std::int64_t>(uniform_below(word, event.add_range_ns + 1));
+    if (event.lost.possible() && event.lost.happens(event_loss_.draw(index * kMostEvents + i))) {
+      fate.lost_by_event = true;
+    }
+  }
+}
+
+bool Emulator::lost_again(const Plan::Stage& stage, std::int64_t since_ns,
+                          std::uint64_t counter) const noexcept {
+  if (stage.retransmission_lost.happens(retransmission_.draw(counter * (kMostEvents + 1)))) return true;
+  for (std::size_t i = 0; i < plan_.events.size(); ++i) {
+    const Plan::Event& event = plan_.events[i];
+    const std::uint64_t word = retransmission_.draw(counter * (kMostEvents + 1) + 1 + i);
+    if (event.lost.possible() && event.occurrence(since_ns) >= 0 && event.lost.happens(word)) return true;
+  }
+  return false;
+}
+
+/// The wait that a loss becomes: rto, then twice as long for every further attempt that is lost.
+std::int64_t Emulator::retransmit(const Plan::Stage& stage, std::int64_t since_ns, std::uint64_t index,
+                                  Fate& fate) const noexcept {
+  if (!fate.lost()) return 0;
+  fate.lost_by_model = fate.lost_by_event = false;
+  std::int64_t wait_ns = 0;
+  std::int64_t rto_ns = stage.rto_ns;
+  do {
+    wait_ns += rto_ns;
+    rto_ns *= 2;
+    ++fate.retransmissions;
+  } while (fate.retransmissions < kMostRetransmissions &&
+           lost_again(stage, since_ns + wait_ns, index * kMostRetransmissions + fate.retransmissions));
+  return wait_ns;
+}
+
+std::int64_t Emulator::next_slot(const Plan::Stage& stage, std::int64_t due_ns, std::uint32_t size) noexcept {
+  const auto start_ns = [&](std::int64_t number) {
+    const std::uint64_t word = slot_.draw(static_cast<std::uint64_t>(number));
+    return origin_ns_ + number * stage.slot_ns +
+           static_cast<std::int64_t>(uniform_below(word, stage.slot_jitter_ns + 1));
+  };
+  std::int64_t number = std::max<std::int64_t>(0, (due_ns - origin_ns_) / stage.slot_ns);
+  if (start_ns(number) < due_ns) ++number;
+  number = std::max(number, slot_number_);
+  if (number == slot_number_) {
+    const bool full = (stage.slot_packets > 0 && slot_used_packets_ >= stage.slot_packets) ||
+                      (stage.slot_bytes > 0 && slot_used_bytes_ + size > stage.slot_bytes);
+    if (full) ++number;
+  }
+  if (number != slot_number_) slot_used_packets_ = slot_used_bytes_ = 0;
+  slot_number_ = number;
+  ++slot_used_packets_;
+  slot_used_bytes_ += size;
+  return std::max(due_ns, start_ns(number));
+}
+
+std::int64_t Emulator::overtake(const Plan::Stage& stage, std::int64_t now_ns, Fate& fate) const noexcept {
+  for (std::uint64_t gap = std::min<std::uint64_t>(stage.reorder_gap, in_order_); gap > 0; --gap) {
+    const std::int64_t ahead_ns = recent_due_ns_[(in_order_ - gap) % kLargestGap];
+    if (ahead_ns <= now_ns) continue;  // has arrived already
+    fate.reordered = true;
+    return ahead_ns - 1;
+  }
+  return now_ns;
+}
+
+Fate Emulator::replay(std::uint64_t index, std::int64_t now_ns) const noexcept {
+  const Recording& recording = *plan_.recording;
+  const RecordedFate& recorded = recording[(index - plan_index_) % recording.size()];
+  Fate fate;
+  fate.drawn_ns = recorded.delay_ns;
+  fate.due_ns = now_ns + recorded.delay_ns;
+  fate.lost_by_model = recorded.lost;
+  fate.duplicated = recorded.duplicated;
+  fate.corrupted = recorded.corrupted;
+  return fate;
+}
+
+void Emulator::keep(Fate& fate, std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
+                    std::uint64_t tag, std::uint64_t index) noexcept {
+  if (fate.lost()) {
+    ++counters_.lost;
+    return;
+  }
+  const auto bit = [&](std::uint64_t copy) -> std::int64_t {
+    if (packet.empty()) return -1;
+    return static_cast<std::int64_t>(uniform_below(corrupted_bit_.draw(2 * index + copy), 8 * packet.size()));
+  };
+  InFlight::Packet kept{now_ns, tag, size, fate.corrupted, false};
+  if (!flight_.insert(fate.due_ns, kept, packet, fate.corrupted ? bit(0) : -1)) {
+    fate.overflowed = true;
+    ++counters_.overflowed;
+    return;
+  }
+  last_due_ns_ = std::max(last_due_ns_, fate.due_ns);
+  counters_.corrupted += fate.corrupted;
+  counters_.reordered += fate.reordered;
+  if (!fate.duplicated) return;
+  // The copy follows right behind, with a fate of its own only as to corruption.
+  kept.duplicate = true;
+  kept.corrupted = plan_.recording && !plan_.loss_only
+                       ? fate.corrupted
+                       : plan_.stages[stage_].corrupt.happens(corrupt_.draw(2 * index + 1));
+  if (flight_.insert(fate.due_ns, kept, packet, kept.corrupted ? bit(1) : -1)) {
+    ++counters_.duplicated;
+    counters_.corrupted += kept.corrupted;
+  } else {
+    ++counters_.overflowed;
+  }
+}
+
+std::optional<std::int64_t> Emulator::next_deadline() const noexcept {
+  if (flight_.empty()) return std::nullopt;
+  return flight_.next_due();
+}
+
+std::optional<Delivery> Emulator::pop(std::int64_t now_ns) noexcept {
+  if (flight_.empty() || flight_.next_due() > now_ns) return std::nullopt;
+  InFlight::Packet packet;
+  Delivery delivery;
+  flight_.take(packet, delivery.due_ns, delivery.bytes);
+  delivery.tag = packet.tag;
+  delivery.size = packet.size;
+  delivery.in_ns = packet.in_ns;
+  delivery.corrupted = packet.corrupted;
+  delivery.duplicate = packet.duplicate;
+  ++counters_.delivered;
+  return delivery;
+}
+
+void Emulator::switch_to(Plan& plan, std::int64_t now_ns) noexcept {
+  std::swap(plan_, plan);
+  origin_ns_ = now_ns;
+  plan_index_ = index_;
+  stage_ = 0;
+  state_ = -1;
+  slot_number_ = -1;
+  // A longer line of an old bottleneck does not hold up the new network; packets under way still keep their
+  // order.
+  bottleneck_free_ns_ = kLongAgo;
+}
+
+}  // namespace telekerf::netem

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// The network's core for one flow in one direction: packets in, due times out. No clock, no thread, no
+// socket.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "netem/in_flight.h"
+#include "netem/plan.h"
+#include "netem/profile.h"
+#include "netem/random.h"
+
+namespace telekerf::netem {
+
+/// What was decided for one packet; everything is decided when it enters.
+struct Fate {
+  std::int64_t due_ns = 0;    ///< meaningless when lost
+  std::int64_t drawn_ns = 0;  ///< the delay that the law alone gave
+  std::int64_t event_ns = 0;  ///< added by events
+  bool lost_by_model = false;
+  bool lost_by_event = false;
+  bool queue_full = false;  ///< tail drop before the bottleneck
+  bool overflowed =
+      false;  ///< the emulator's own capacity was too small: a fault of the set-up, not of the network
+  bool duplicated = false;
+  bool corrupted = false;
+  bool reordered = false;  ///< chosen to overtake
+  std::uint8_t retransmissions = 0;
+  bool lost() const noexcept { return lost_by_model || lost_by_event || queue_full || overflowed; }
+};
+
+/// A packet that has arrived. `bytes` stay valid until the emulator's next push or pop; they are empty if the
+/// packet was pushed as a size only.
+struct Delivery {
+  std::uint64_t tag = 0;
+  std::span<const std::byte> bytes;
+  std::uint32_t size = 0;
+  std::int64_t in_ns = 0;
+  std::int64_t due_ns = 0;
+  bool corrupted = false;
+  bool duplicate = false;
+};
+
+struct Counters {
+  std::uint64_t pushed = 0;
+  std::uint64_t delivered = 0;  ///< copies included
+  std::uint64_t lost = 0;       ///< by loss model or event
+  std::uint64_t queue_full = 0;
+  std::uint64_t overflowed = 0;  ///< capacity of this object
+  std::uint64_t duplicated = 0;
+  std::uint64_t corrupted = 0;
+  std::uint64_t reordered = 0;
+};
+
+/// Same profile, key and sequence of pushes: same fates, on every machine. Nothing allocates after
+/// construction. Not thread-safe: one owner. Times are integer nanoseconds on any clock that the caller
+/// likes.
+class Emulator {
+ public:
+  /// The profile's stages and events count from `origin_ns`.
+  Emulator(const DirectionProfile& profile, const StreamKey& key, Capacity capacity = {},
+           std::int64_t origin_ns = 0);
+
+  /// Decides the packet's fate and keeps a copy of it. `now_ns` earlier than an earlier push counts as that
+  /// one.
+  Fate push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint64_t tag) noexcept;
+  /// The same for simulations that need no payload: only the size counts (rate, slots).
+  Fate push(std::int64_t now_ns, std::uint32_t size_bytes, std::uint64_t tag) noexcept;
+
+  /// When the next pop will succeed.
+  std::optional<std::int64_t> next_deadline() const noexcept;
+
+  /// The earliest packet that is due by `now_ns`; never one before its due time.
+  std::optional<Delivery> pop(std::int64_t now_ns) noexcept;
+
+  /// Puts another network in place, from the next push on; what is under way keeps its due time. `plan`
+  /// receives the old one, to be destroyed by the caller where allocation is allowed. Stages and events count
+  /// from `now_ns`.
+  void switch_to(Plan& plan, std::int64_t now_ns) noexcept;
+
+  const Counters& counters() const noexcept { return counters_; }
+  std::size_t memory_bytes() const noexcept { return flight_.memory_bytes(); }
+
+ private:
+  Fate push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
+            std::uint64_t tag) noexcept;
+  const Plan::Stage& stage_at(std::int64_t since_ns) noexcept;
+  bool lose(const Plan::Stage& stage, std::uint64_t index) noexcept;
+  void meet_events(std::int64_t since_ns, std::uint64_t index, Fate& fate) const noexcept;
+  std::int64_t law_delay(const Plan::Stage& stage, std::uint64_t index) noexcept;
+  bool lost_again(const Plan::Stage& stage, std::int64_t since_ns, std::uint64_t counter) const noexcept;
+  std::int64_t retransmit(const Plan::Stage& stage, std::int64_t since_ns, std::uint64_t index,
+                          Fate& fate) const noexcept;
+  std::int64_t next_slot(const Plan::Stage& stage, std::int64_t due_ns, std::uint32_t size) noexcept;
+  std::int64_t overtake(const Plan::Stage& stage, std::int64_t now_ns, Fate& fate) const noexcept;
+  Fate replay(std::uint64_t index, std::int64_t now_ns) const noexcept;
+  void keep(Fate& fate, std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
+            std::uint64_t tag, std::uint64_t index) noexcept;
+
+  Plan plan_;
+  const NormalTable& normal_;
+  Stream delay_, loss_, loss_state_, retransmission_, duplicate_, corrupt_, corrupted_bit_, reorder_,
+      event_delay_, event_loss_, slot_;
+  InFlight flight_;
+  Counters counters_;
+
+  std::int64_t origin_ns_;
+  std::int64_t now_ns_;
+  std::uint64_t index_ = 0;       // of the next packet: the counter of every stream
+  std::uint64_t plan_index_ = 0;  // index of the first packet under this plan
+  std::size_t stage_ = 0;
+  int state_ = -1;      // of the loss chain; -1: not drawn yet
+  double score_ = 0.0;  // normal score of the last delay
+  bool has_score_ = false;
+  std::int64_t bottleneck_free_ns_;
+  std::int64_t last_due_ns_;
+  std::int64_t slot_number_ = -1, slot_used_packets_ = 0, slot_used_bytes_ = 0;
+  std::array<std::int64_t, kLargestGap> recent_due_ns_{};  // ring of packets that kept their order
+  std::uint64_t in_order_ = 0;
+};
+
+}  // namespace telekerf::netem

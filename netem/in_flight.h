@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Packets under way, ordered by due time: fixed storage, O(1) while they come in order, a heap for those that
+// don't.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace telekerf::netem {
+
+/// Bounds of what one emulator may hold at once.
+struct Capacity {
+  std::uint32_t packets = 4096;
+  std::uint32_t bytes = 4U << 20;
+  std::uint32_t largest_packet = 65536;
+};
+
+class InFlight {
+ public:
+  struct Packet {
+    std::int64_t in_ns = 0;
+    std::uint64_t tag = 0;
+    std::uint32_t size = 0;
+    bool corrupted = false;
+    bool duplicate = false;
+  };
+
+  explicit InFlight(Capacity capacity);
+
+  bool empty() const noexcept { return run_size_ == 0 && heap_.empty(); }
+  std::int64_t next_due() const noexcept {
+    return next_from_run() ? run_[run_begin_].due_ns : heap_.front().due_ns;
+  }
+
+  /// False, and nothing kept, if there is no room. `bytes` may be empty: then nothing is stored but the
+  /// numbers. `flip_bit` < 0: none.
+  bool insert(std::int64_t due_ns, const Packet& packet, std::span<const std::byte> bytes,
+              std::int64_t flip_bit) noexcept;
+
+  /// Precondition: not empty. Bytes stay valid until the next insert or take.
+  void take(Packet& packet, std::int64_t& due_ns, std::span<const std::byte>& bytes) noexcept;
+
+  std::size_t memory_bytes() const noexcept;
+
+ private:
+  /// Equal due times leave in the order they came.
+  struct Key {
+    std::int64_t due_ns;
+    std::uint32_t sequence;
+    std::uint32_t slot;
+    bool before(const Key& other) const noexcept {
+      if (due_ns != other.due_ns) return due_ns < other.due_ns;
+      return static_cast<std::int32_t>(sequence - other.sequence) < 0;
+    }
+  };
+  struct Slot {
+    std::int64_t in_ns;
+    std::uint64_t tag;
+    std::uint32_t first_chunk;  // also links free slots
+    std::uint32_t size : 30;
+    std::uint32_t corrupted : 1;
+    std::uint32_t duplicate : 1;
+  };
+  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+  static constexpr std::uint32_t kChunk_bytes = 512;
+
+  bool next_from_run() const noexcept {
+    return run_size_ != 0 && (heap_.empty() || run_[run_begin_].before(heap_.front()));
+  }
+  void push_heap(Key key) noexcept;
+  Key pop_heap() noexcept;
+  std::uint32_t store(std::span<const std::byte> bytes, std::int64_t flip_bit) noexcept;
+  std::span<const std::byte> load(std::uint32_t chunk, std::size_t size) noexcept;
+
+  std::vector<Key> run_;  // a ring of those that came in order of their due time
+  std::size_t run_begin_ = 0, run_size_ = 0;
+  std::int64_t run_last_due_ns_ = 0;
+  std::vector<Key> heap_;  // four children a node: half the levels of a binary heap
+  std::vector<Slot> slots_;
+  std::uint32_t free_slot_ = 0;
+  std::uint32_t free_slots_;
+  std::vector<std::byte> chunks_;
+  std::vector<std::uint32_t> next_chunk_;
+  std::uint32_t free_chunk_ = 0;
+  std::uint32_t free_chunks_;
+  std::vector<std::byte> joined_;  // a packet of several chunks, on its way out
+  std::uint32_t sequence_ = 0;
+};
+
+}  // namespace telekerf::netem

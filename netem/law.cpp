@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "netem/law.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <boost/math/special_functions/erf.hpp>
+#include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
+#include <numbers>
+
+namespace telekerf::netem {
+namespace {
+
+constexpr int kPartsBits = 6;
+constexpr int kParts = 1 << kPartsBits;  // linear pieces in one octave of the tail probability
+constexpr int kOctaves = 63;
+constexpr double kReach = 9.25;  // in z
+constexpr int kNodesPerUnit = 64;
+constexpr int kNodes = static_cast<int>(2 * kReach * kNodesPerUnit) + 1;
+
+/// The normal number above which the share `upper` <= 0.5 lies, on a grid of 2^-40 so that the last digits of
+/// a library's functions leave no trace.
+double normal_above(double upper) {
+  const double z = std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * upper);
+  return std::ldexp(std::round(std::ldexp(z, 40)), -40);
+}
+
+double upper_of(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
+
+/// Symmetric laws about zero with standard deviation 1.
+double symmetric_quantile(Law law, double lower, double upper) {
+  if (lower > upper) return -symmetric_quantile(law, upper, lower);
+  switch (law) {
+    case Law::kUniform:
+      return std::numbers::sqrt3 * (2.0 * lower - 1.0);
+    case Law::kNormal:
+      return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * lower);
+    default:
+      return std::log(2.0 * lower) / std::numbers::sqrt2;  // Laplace
+  }
+}
+
+/// Share of a symmetric law below -x (x >= 0, in standard deviations).
+double symmetric_share_below(Law law, double x) {
+  switch (law) {
+    case Law::kUniform:
+      return std::max(0.0, 0.5 * (1.0 - x / std::numbers::sqrt3));
+    case Law::kNormal:
+      return upper_of(x);
+    default:
+      return 0.5 * std::exp(-std::numbers::sqrt2 * x);
+  }
+}
+
+/// Laws that begin at zero, with standard deviation 1.
+double one_sided_quantile(Law law, double shape, double lower, double upper) {
+  switch (law) {
+    case Law::kGamma: {
+      const double x =
+          lower < upper ? boost::math::gamma_p_inv(shape, lower) : boost::math::gamma_q_inv(shape, upper);
+      return x / std::sqrt(shape);
+    }
+    case Law::kLognormal: {
+      const double z = symmetric_quantile(Law::kNormal, lower, upper);
+      const double variance = std::expm1(shape * shape) * std::exp(shape * shape);  // at median 1
+      return std::exp(shape * z) / std::sqrt(variance);
+    }
+    default: {  // Pareto beginning at zero (Lomax), with its real tail
+      const double sd = std::sqrt(shape / (shape - 2.0)) / (shape - 1.0);
+      return std::expm1(-std::log(upper) / shape) / sd;
+    }
+  }
+}
+
+double table_quantile(const DelayLaw& law, double lower) {
+  const auto above = std::upper_bound(law.table_p.begin(), law.table_p.end(), lower);
+  if (above == law.table_p.end()) return law.table_s.back();
+  const auto i = above - law.table_p.begin();
+  const double part = (lower - law.table_p[i - 1]) / (law.table_p[i] - law.table_p[i - 1]);
+  return std::lerp(law.table_s[i - 1], law.table_s[i], part);
+}
+
+}  // namespace
+
+NormalTable::NormalTable() : cells_(kOctaves * kParts) {
+  for (int octave = 0; octave < kOctaves; ++octave) {
+    for (int part = 0; part < kParts; ++part) {
+      const double scale = std::ldexp(1.0, -(octave + 2));  // octave 0: tail probabilities [1/4, 1/2)
+      const double here = normal_above(scale * (1.0 + static_cast<double>(part) / kParts));
+      const double next = normal_above(scale * (1.0 + static_cast<double>(part + 1) / kParts));
+      cells_[octave * kParts + part] = {here, next - here};
+    }
+  }
+}
+
+const NormalTable& NormalTable::instance() {
+  static const NormalTable table;
+  return table;
+}
+
+double NormalTable::at(std::uint64_t word) const noexcept {
+  const std::uint64_t magnitude = (word << 1) | 2;  // the top bit is the sign; never zero
+  const int octave = std::countl_zero(magnitude);
+  const std::uint64_t digits = magnitude << octave << 1;  // after the leading one
+  const auto part = static_cast<std::size_t>(digits >> (64 - kPartsBits));
+  const double rest = static_cast<double>((digits << kPartsBits) >> 12) * 0x1p-52;
+  const Cell& cell = cells_[static_cast<std::size_t>(octave) * kParts + part];
+  const double z = cell.value + rest * cell.rise;
+  return (word >> 63) != 0 ? z : -z;
+}
+
+double delay_quantile(const DelayLaw& law, double lower, double upper) {
+  switch (law.law) {
+    case Law::kConstant:
+      return law.delay_s;
+    case Law::kUniform:
+    case Law::kNormal:
+    case Law::kLaplace: {
+      const double cut = symmetric_share_below(law.law, law.delay_s / law.jitter_s);
+      const double x = symmetric_quantile(law.law, cut + (1.0 - cut) * lower, (1.0 - cut) * upper);
+      return std::max(0.0, law.delay_s + law.jitter_s * x);
+    }
+    case Law::kGamma:
+    case Law::kLognormal:
+    case Law::kPareto:
+      return law.delay_s + law.jitter_s * one_sided_quantile(law.law, law.shape, lower, upper);
+    case Law::kTable:
+      return law.delay_s + table_quantile(law, lower);
+  }
+  return law.delay_s;
+}
+
+double delay_at_normal(const DelayLaw& law, double z) {
+  return delay_quantile(law, upper_of(-z), upper_of(z));
+}
+
+Moments delay_moments(const DelayLaw& law, double z_limit) {
+  if (law.law == Law::kConstant) return {law.delay_s, 0.0};
+  // Simpson's rule over z; the two tails beyond the limit carry the limit's own value.
+  constexpr int kSteps = 4096;
+  const double step = 2.0 * z_limit / kSteps;
+  const double tail = upper_of(z_limit);
+  const double low = delay_at_normal(law, -z_limit);
+  const double high = delay_at_normal(law, z_limit);
+  const double centre = delay_at_normal(law, 0.0);
+  double mass = 0.0;
+  double first = 0.0;
+  double second = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double z = -z_limit + i * step;
+    const double weight = (i == 0 || i == kSteps ? 1.0 : (i % 2 == 1 ? 4.0 : 2.0)) * step / 3.0 *
+                          std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+    const double x = delay_at_normal(law, z) - centre;
+    mass += weight;
+    first += weight * x;
+    second += weight * x * x;
+  }
+  mass += 2.0 * tail;
+  first = (first + tail * (low - centre) + tail * (high - centre)) / mass;
+  second =
+      (second + tail * (low - centre) * (low - centre) + tail * (high - centre) * (high - centre)) / mass;
+  return {centre + first, std::sqrt(std::max(0.0, second - first * first))};
+}
+
+DelayTable::DelayTable(const DelayLaw& law) : nodes_ns_(kNodes) {
+  constexpr double kLongest_ns =
+      3.6e12;  // an hour; beyond every quantile that a bounded law of a profile can draw
+  for (int i = 0; i < kNodes; ++i) {
+    const double z = -kReach + static_cast<double>(i) / kNodesPerUnit;
+    nodes_ns_[i] = std::llround(std::min(delay_at_normal(law, z) * 1e9, kLongest_ns));
+  }
+}
+
+std::int64_t DelayTable::at(double z) const noexcept {
+  const double at = (std::clamp(z, -kReach, kReach - 1e-9) + kReach) * kNodesPerUnit;
+  const auto node = static_cast<std::size_t>(at);
+  const std::int64_t here = nodes_ns_[node];
+  const auto rise = static_cast<double>(nodes_ns_[node + 1] - here);
+  return here + static_cast<std::int64_t>(rise * (at - static_cast<double>(node)) + 0.5);
+}
+
+double DelayTable::normal_score(std::int64_t delay_ns) const {
+  const auto above = std::upper_bound(nodes_ns_.begin() + 1, nodes_ns_.end() - 1, delay_ns);
+  const auto node = static_cast<double>(above - nodes_ns_.begin() - 1);
+  const auto here = static_cast<double>(*(above - 1));
+  const auto rise = static_cast<double>(*above) - here;
+  const double part = rise > 0 ? (static_cast<double>(delay_ns) - here) / rise : 0.0;
+  return (node + part) / kNodesPerUnit - kReach;
+}
+
+}  // namespace telekerf::netem

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Delay laws by inversion: a standard normal number z goes through the law's quantile function, z ->
+// Q(Phi(z)). Correlated normals therefore give correlated delays whose marginal law is exact (Gaussian
+// copula).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "netem/profile.h"
+
+namespace telekerf::netem {
+
+/// A standard normal number from 64 random bits, monotone in the word's magnitude; |z| <= 9.1.
+/// Tables, no libm call: the same on every machine and at every optimisation level.
+class NormalTable {
+ public:
+  static const NormalTable& instance();
+  double at(std::uint64_t word) const noexcept;
+
+ private:
+  NormalTable();
+  struct Cell {
+    double value, rise;
+  };
+  std::vector<Cell> cells_;  // (octave of the tail probability) x kParts
+};
+
+/// The delay that a share `lower` of all packets stays below (nominal law, cut at zero included). `upper` = 1
+/// - lower is given as well because a far tail cannot be told from 1 otherwise. Seconds.
+double delay_quantile(const DelayLaw& law, double lower, double upper);
+
+/// The same over the standard normal: delay_quantile(Phi(z), 1 - Phi(z)).
+double delay_at_normal(const DelayLaw& law, double z);
+
+struct Moments {
+  double mean_s = 0.0;
+  double sd_s = 0.0;
+};
+/// Of the nominal law, between its quantiles at normal scores -z_limit and z_limit (values outside count as
+/// the limits themselves: winsorised).
+Moments delay_moments(const DelayLaw& law, double z_limit = 8.0);
+
+/// z -> delay in whole nanoseconds, linear between 64 nodes per unit of z.
+class DelayTable {
+ public:
+  explicit DelayTable(const DelayLaw& law);
+  std::int64_t at(double z) const noexcept;
+  /// The inverse, for statistics: the normal score of a delay (its lower end where the law is flat).
+  double normal_score(std::int64_t delay_ns) const;
+
+ private:
+  std::vector<std::int64_t> nodes_ns_;
+};
+
+}  // namespace telekerf::netem

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "netem/plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace telekerf::netem {
+namespace {
+
+std::int64_t to_ns(double s) { return std::llround(s * 1e9); }
+
+std::array<Chance, kMostLossStates - 1> cumulative(const std::array<double, kMostLossStates>& shares) {
+  std::array<Chance, kMostLossStates - 1> up_to;
+  double sum = 0.0;
+  for (int i = 0; i < kMostLossStates - 1; ++i) {
+    sum += shares[i];
+    up_to[i] = Chance(std::min(sum, 1.0));
+  }
+  return up_to;
+}
+
+}  // namespace
+
+Plan::Stage::Stage(const netem::Stage& stage)
+    : from_ns(to_ns(stage.from_s)),
+      delay(stage.conditions.delay),
+      constant(stage.conditions.delay.law == Law::kConstant),
+      correlation(stage.conditions.delay.correlation),
+      innovation(std::sqrt(1.0 - correlation * correlation)),
+      order(stage.conditions.order),
+      reorder(stage.conditions.reorder),
+      reorder_gap(static_cast<std::uint32_t>(stage.conditions.reorder_gap)),
+      tcp_like(stage.conditions.tcp_like),
+      rto_ns(to_ns(stage.conditions.rto_s)),
+      duplicate(stage.conditions.duplicate),
+      corrupt(stage.conditions.corrupt),
+      ns_per_byte(0.0),
+      queue_ns(0),
+      slot_ns(to_ns(stage.conditions.slots.period_s)),
+      slot_jitter_ns(to_ns(stage.conditions.slots.jitter_s)),
+      slot_packets(stage.conditions.slots.packets),
+      slot_bytes(stage.conditions.slots.bytes) {
+  const Conditions& now = stage.conditions;
+  const LossChain chain = loss_chain(now.loss);
+  lossy = mean_loss(chain) > 0;
+  has_states = chain.states > 1;
+  retransmission_lost = Chance(mean_loss(chain));
+  first_state = cumulative(chain.share);
+  for (int i = 0; i < kMostLossStates; ++i) loss[i] = {cumulative(chain.to[i]), Chance(chain.lost[i])};
+  if (now.rate_bit_per_s > 0) {
+    ns_per_byte = 8e9 / now.rate_bit_per_s;
+    queue_ns = std::llround(static_cast<double>(now.queue_bytes) * ns_per_byte);
+  }
+}
+
+Plan::Event::Event(const netem::Event& event)
+    : first_ns(to_ns(event.first_s)),
+      every_ns(to_ns(event.every_s)),
+      duration_ns(to_ns(event.duration_s)),
+      add_min_ns(to_ns(event.add_delay_min_s)),
+      add_range_ns(to_ns(event.add_delay_max_s) - add_min_ns),
+      lost(event.loss) {}
+
+std::int64_t Plan::Event::occurrence(std::int64_t since_ns) const noexcept {
+  const std::int64_t after = since_ns - first_ns;
+  if (after < 0) return -1;
+  if (every_ns == 0) return after < duration_ns ? 0 : -1;
+  const std::int64_t count = after / every_ns;
+  return after - count * every_ns < duration_ns ? count : -1;
+}
+
+Plan::Plan(const DirectionProfile& profile) : recording(profile.recording), loss_only(profile.loss_only) {
+  for (const auto& stage : profile.stages) stages.emplace_back(stage);
+  for (const auto& event : profile.events) events.emplace_back(event);
+}
+
+}  // namespace telekerf::netem

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// A direction's profile, made ready for the packet path: tables, integer thresholds, nanoseconds.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "netem/law.h"
+#include "netem/loss.h"
+#include "netem/profile.h"
+#include "netem/random.h"
+
+namespace telekerf::netem {
+
+/// Built outside the packet path (it allocates), then swapped into an emulator as a whole.
+struct Plan {
+  struct State {
+    std::array<Chance, kMostLossStates - 1> up_to;  ///< cumulative: the next state is at most 0, 1, 2
+    Chance lost;
+  };
+  struct Stage {
+    explicit Stage(const netem::Stage& stage);
+    std::int64_t from_ns;
+    DelayTable delay;
+    bool constant;  ///< no draw needed
+    double correlation, innovation;
+    std::array<State, kMostLossStates> loss;
+    std::array<Chance, kMostLossStates - 1> first_state;
+    bool lossy, has_states;
+    Chance retransmission_lost;
+    Order order;
+    Chance reorder;
+    std::uint32_t reorder_gap;
+    bool tcp_like;
+    std::int64_t rto_ns;
+    Chance duplicate, corrupt;
+    double ns_per_byte;     ///< 0: no bottleneck
+    std::int64_t queue_ns;  ///< waiting time that fills the queue
+    std::int64_t slot_ns, slot_jitter_ns, slot_packets, slot_bytes;
+  };
+  struct Event {
+    explicit Event(const netem::Event& event);
+    std::int64_t first_ns, every_ns, duration_ns, add_min_ns, add_range_ns;
+    Chance lost;
+    /// Number of the occurrence that `since_ns` (since the profile began) falls into, or -1.
+    std::int64_t occurrence(std::int64_t since_ns) const noexcept;
+  };
+
+  explicit Plan(const DirectionProfile& profile);
+
+  std::vector<Stage> stages;
+  std::vector<Event> events;
+  std::shared_ptr<const Recording> recording;
+  bool loss_only = false;
+};
+
+}  // namespace telekerf::netem

@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "netem/profile.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/runtime/config.h"
+#include "common/runtime/refusal.h"
+#include "common/runtime/resources.h"
+#include "netem/trace.h"
+
+namespace telekerf::netem {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kMillisecond_s = 1e-3;
+constexpr Bounds kDelay_ms{0.0, 60'000.0};
+constexpr Bounds kProbability{0.0, 1.0};
+constexpr std::size_t kMostStages = 64;
+
+/// One direction at one stage. A key is sought in several tables, the most special one first:
+/// stage.0.forward, stage.0.both, forward, both.
+class Section {
+ public:
+  Section(const ConfigFile& file, std::vector<std::string> tables)
+      : file_(file), tables_(std::move(tables)) {}
+
+  double number(const std::string& key, double fallback, Bounds bounds) const {
+    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
+      fallback = file_.number_or(*table + key, fallback, bounds);
+    }
+    return fallback;
+  }
+  std::int64_t integer(const std::string& key, std::int64_t fallback, Bounds bounds) const {
+    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
+      fallback = file_.integer_or(*table + key, fallback, bounds);
+    }
+    return fallback;
+  }
+  bool boolean(const std::string& key, bool fallback) const {
+    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
+      fallback = file_.boolean_or(*table + key, fallback);
+    }
+    return fallback;
+  }
+  std::string text(const std::string& key, std::string fallback) const {
+    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
+      fallback = file_.text_or(*table + key, fallback);
+    }
+    return fallback;
+  }
+  std::vector<double> numbers(const std::string& key, Bounds bounds) const {
+    std::vector<double> values;
+    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
+      if (file_.has(*table + key)) values = file_.numbers(*table + key, 0, bounds);
+    }
+    return values;
+  }
+  /// Index into `choices`, which stand in the enum's order.
+  int choice(const std::string& key, int fallback, const std::vector<std::string>& choices) const {
+    std::string value = choices[fallback];
+    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
+      value = file_.choice_or(*table + key, value, choices);
+    }
+    for (std::size_t i = 0; i < choices.size(); ++i) {
+      if (choices[i] == value) return static_cast<int>(i);
+    }
+    return fallback;
+  }
+
+  /// How special the table is that holds the key (0: most), or tables_.size() if none does.
+  std::size_t rank(const std::string& key) const {
+    std::size_t i = 0;
+    while (i < tables_.size() && !file_.has(tables_[i] + key)) ++i;
+    return i;
+  }
+  bool has(const std::string& key) const { return rank(key) < tables_.size(); }
+
+  [[noreturn]] void refuse(const std::string& key, const std::string& complaint) const {
+    file_.refuse(tables_[has(key) ? rank(key) : tables_.size() - 1] + key, complaint);
+  }
+  /// `key` needs `selector` to be something else than it is. A stage that overrides the selector may leave
+  /// the keys of the old choice standing in the tables below it.
+  void refuse_misplaced(const std::string& key, const std::string& selector,
+                        const std::string& complaint) const {
+    if (has(key) && rank(key) <= rank(selector)) refuse(key, complaint);
+  }
+
+ private:
+  const ConfigFile& file_;
+  std::vector<std::string> tables_;
+};
+
+DelayLaw read_delay(const Section& section) {
+  DelayLaw law;
+  law.delay_s = section.number("delay_ms", 0.0, kDelay_ms) * kMillisecond_s;
+  law.jitter_s = section.number("jitter_ms", 0.0, kDelay_ms) * kMillisecond_s;
+  law.law = static_cast<Law>(
+      section.choice("distribution", 0,
+                     {"constant", "uniform", "normal", "laplace", "gamma", "lognormal", "pareto", "table"}));
+  law.correlation = section.number("correlation", 0.0, {0.0, 0.999});
+  law.shape = section.number("shape", 0.0, {0.0, 1000.0});
+  for (const double p : section.numbers("table_p", kProbability)) law.table_p.push_back(p);
+  for (const double ms : section.numbers("table_ms", kDelay_ms)) law.table_s.push_back(ms * kMillisecond_s);
+
+  const bool has_jitter = law.law != Law::kConstant && law.law != Law::kTable;
+  if (law.jitter_s > 0 && law.law == Law::kConstant)
+    section.refuse("jitter_ms", "jitter needs a distribution");
+  if (law.jitter_s > 0 && law.law == Law::kTable) section.refuse("jitter_ms", "a table has its own jitter");
+  if (law.jitter_s == 0 && has_jitter)
+    section.refuse("jitter_ms", "this distribution needs a jitter above 0");
+  if (law.correlation > 0 && law.law == Law::kConstant) {
+    section.refuse("correlation", "a constant delay has nothing to correlate");
+  }
+  switch (law.law) {
+    case Law::kGamma:
+      if (law.shape < 0.1) section.refuse("shape", "gamma needs a shape k of 0.1 or more");
+      break;
+    case Law::kLognormal:
+      if (law.shape < 0.01 || law.shape > 3) {
+        section.refuse("shape", "lognormal needs a shape (sigma of the logarithm) within [0.01, 3]");
+      }
+      break;
+    case Law::kPareto:
+      if (law.shape < 2.05) {
+        section.refuse("shape",
+                       "pareto needs a shape (tail index) of 2.05 or more, or its jitter would be infinite");
+      }
+      break;
+    default:
+      section.refuse_misplaced("shape", "distribution", "belongs to gamma, lognormal or pareto");
+  }
+  if (law.law == Law::kTable) {
+    const auto& p = law.table_p;
+    if (p.size() < 2 || p.front() != 0 || p.back() != 1) section.refuse("table_p", "must run from 0 to 1");
+    if (law.table_s.size() != p.size()) section.refuse("table_ms", "must be as long as table_p");
+    for (std::size_t i = 1; i < p.size(); ++i) {
+      if (p[i] <= p[i - 1]) section.refuse("table_p", "must ascend");
+      if (law.table_s[i] < law.table_s[i - 1]) section.refuse("table_ms", "must not descend");
+    }
+  } else {
+    for (const char* key : {"table_p", "table_ms"}) {
+      section.refuse_misplaced(key, "distribution", "belongs to distribution = \"table\"");
+    }
+  }
+  return law;
+}
+
+LossLaw read_loss(const Section& section) {
+  LossLaw law;
+  law.model = static_cast<LossModel>(
+      section.choice("loss_model", 1, {"none", "bernoulli", "gilbert-elliott", "four-state", "trace"}));
+  law.loss = section.number("loss", 0.0, kProbability);
+  const double burst = section.number("loss_burst_packets", 0.0, {1.0, 1e6});
+  law.ge_p = section.number("ge_p", 0.0, kProbability);
+  law.ge_r = section.number("ge_r", 1.0, kProbability);
+  law.ge_h = section.number("ge_h", 0.0, kProbability);
+  law.ge_k = section.number("ge_k", 1.0, kProbability);
+  law.p13 = section.number("p13", 0.0, kProbability);
+  law.p31 = section.number("p31", 1.0, kProbability);
+  law.p32 = section.number("p32", 0.0, kProbability);
+  law.p23 = section.number("p23", 0.0, kProbability);
+  law.p14 = section.number("p14", 0.0, kProbability);
+
+  const auto refuse_unless = [&](bool belongs, std::initializer_list<const char*> keys,
+                                 const char* complaint) {
+    for (const char* key : keys) {
+      if (!belongs) section.refuse_misplaced(key, "loss_model", complaint);
+    }
+  };
+  const bool gilbert = law.model == LossModel::kGilbertElliott;
+  const bool four = law.model == LossModel::kFourState;
+  refuse_unless(gilbert || law.model == LossModel::kBernoulli, {"loss"},
+                "belongs to loss_model = \"bernoulli\" or \"gilbert-elliott\"");
+  refuse_unless(gilbert, {"loss_burst_packets", "ge_p", "ge_r", "ge_h", "ge_k"},
+                "belongs to loss_model = \"gilbert-elliott\"");
+  refuse_unless(four, {"p13", "p31", "p32", "p23", "p14"}, "belongs to loss_model = \"four-state\"");
+  refuse_unless(law.model == LossModel::kTrace, {"loss_trace"}, "belongs to loss_model = \"trace\"");
+
+  if (gilbert && section.has("loss_burst_packets")) {
+    for (const char* key : {"ge_p", "ge_r", "ge_h", "ge_k"}) {
+      if (section.has(key))
+        section.refuse(key, "either loss and loss_burst_packets, or the ge_ probabilities");
+    }
+    // Bad state: everything lost, left after `burst` packets on average; good state: nothing lost.
+    law.ge_r = 1.0 / burst;
+    if (law.loss * (1.0 + law.ge_r) > 1.0) section.refuse("loss", "is too much for bursts this short");
+    law.ge_p = law.loss == 1.0 ? 1.0 : law.ge_r * law.loss / (1.0 - law.loss);
+  } else if (gilbert) {
+    if (!section.has("ge_p") || !section.has("ge_r")) {
+      section.refuse("ge_p",
+                     "gilbert-elliott needs loss and loss_burst_packets, or ge_p and ge_r (and ge_h, ge_k)");
+    }
+    if (section.has("loss"))
+      section.refuse("loss", "needs loss_burst_packets; or give the ge_ probabilities alone");
+    if (law.ge_p > 0 && law.ge_r == 0) section.refuse("ge_r", "must be above 0, or the bad state never ends");
+  }
+  if (four) {
+    if (law.p13 + law.p14 > 1) section.refuse("p13", "p13 + p14 must not exceed 1");
+    if (law.p31 + law.p32 > 1) section.refuse("p31", "p31 + p32 must not exceed 1");
+    if (law.p13 > 0 && law.p31 == 0) section.refuse("p31", "must be above 0, or the burst never ends");
+    if (law.p32 > 0 && law.p23 == 0) section.refuse("p23", "must be above 0, or the burst never goes on");
+  }
+  if (law.model == LossModel::kBernoulli && law.loss == 0) law.model = LossModel::kNone;
+  return law;
+}
+
+Conditions read_conditions(const Section& section) {
+  Conditions now;
+  now.delay = read_delay(section);
+  now.loss = read_loss(section);
+  now.order = static_cast<Order>(section.choice("order", 0, {"fifo", "free", "reorder"}));
+  now.reorder = section.number("reorder", 0.0, kProbability);
+  now.reorder_gap = static_cast<int>(section.integer("reorder_gap", 1, {1.0, kLargestGap}));
+  now.tcp_like = section.boolean("tcp_like", false);
+  now.rto_s = section.number("rto_ms", 200.0, {1.0, 60'000.0}) * kMillisecond_s;
+  now.duplicate = section.number("duplicate", 0.0, kProbability);
+  now.corrupt = section.number("corrupt", 0.0, kProbability);
+  now.rate_bit_per_s = section.number("rate_kbit_per_s", 0.0, {1.0, 1e9}) * 1e3;
+  now.queue_bytes = section.integer("queue_bytes", 0, {64.0, 1e9});
+  now.slots.period_s = section.number("slot_ms", 0.0, {0.01, 10'000.0}) * kMillisecond_s;
+  now.slots.jitter_s = section.number("slot_jitter_ms", 0.0, {0.0, 10'000.0}) * kMillisecond_s;
+  now.slots.packets = section.integer("slot_packets", 0, {1.0, 1e6});
+  now.slots.bytes = section.integer("slot_bytes", 0, {1500.0, 1e9});
+
+  if (now.order == Order::kReorder) {
+    if (now.reorder == 0) section.refuse("reorder", "order = \"reorder\" needs a probability above 0");
+  } else {
+    for (const char* key : {"reorder", "reorder_gap"}) {
+      section.refuse_misplaced(key, "order", "belongs to order = \"reorder\"");
+    }
+  }
+  if (now.tcp_like) {
+    if (now.order != Order::kFifo)
+      section.refuse("order", "a TCP-like link keeps the order; leave it at \"fifo\"");
+    if (now.duplicate > 0) section.refuse("duplicate", "a TCP-like link delivers every packet once");
+    if (now.corrupt > 0) section.refuse("corrupt", "a TCP-like link delivers every packet whole");
+  } else {
+    section.refuse_misplaced("rto_ms", "tcp_like", "belongs to tcp_like = true");
+  }
+  if (now.rate_bit_per_s > 0 && now.queue_bytes == 0)
+    section.refuse("queue_bytes", "a rate needs a queue limit");
+  if (now.rate_bit_per_s == 0 && now.queue_bytes > 0) section.refuse("queue_bytes", "needs rate_kbit_per_s");
+  if (now.slots.period_s == 0) {
+    for (const char* key : {"slot_jitter_ms", "slot_packets", "slot_bytes"}) {
+      if (section.has(key)) section.refuse(key, "needs slot_ms");
+    }
+  } else {
+    if (now.slots.jitter_s > now.slots.period_s) section.refuse("slot_jitter_ms", "must not exceed slot_ms");
+    if (now.order != Order::kFifo) section.refuse("slot_ms", "slots keep the order; leave it at \"fifo\"");
+  }
+  return now;
+}
+
+void read_events(const ConfigFile& file, Profile& profile) {
+  const std::size_t count = file.array_size("event");
+  if (count > kMostEvents) throw Refusal(fmt::format("{}: more than {} events", file.name(), kMostEvents));
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string at = fmt::format("event.{}.", i);
+    Event event;
+    event.first_s = file.number_or(at + "first_s", 0.0, {0.0, 1e6});
+    event.every_s = file.number_or(at + "every_s", 0.0, {0.01, 1e6});
+    event.duration_s = file.number(at + "duration_ms", {0.01, 1e7}) * kMillisecond_s;
+    if (event.every_s > 0 && event.duration_s > event.every_s)
+      file.refuse(at + "duration_ms", "must fit every_s");
+    if (file.has(at + "add_delay_ms")) {
+      const auto range = file.numbers(at + "add_delay_ms", 2, kDelay_ms);
+      if (range[0] > range[1]) file.refuse(at + "add_delay_ms", "is written as [least, most]");
+      event.add_delay_min_s = range[0] * kMillisecond_s;
+      event.add_delay_max_s = range[1] * kMillisecond_s;
+    }
+    event.loss = file.number_or(at + "loss", 0.0, kProbability);
+    if (event.add_delay_max_s == 0 && event.loss == 0)
+      file.refuse(at + "loss", "an event adds delay or loses packets");
+    const auto direction = file.choice_or(at + "direction", "both", {"both", "forward", "backward"});
+    if (direction != "backward") profile.forward.events.push_back(event);
+    if (direction != "forward") profile.backward.events.push_back(event);
+  }
+}
+
+DirectionProfile read_direction(const ConfigFile& file, const std::string& name, const std::string& folder) {
+  DirectionProfile direction;
+  const Section base(file, {name + ".", "both."});
+  const auto path = [&](const std::string& trace) { return (fs::path(folder) / trace).string(); };
+  const std::string trace = base.text("trace", "");
+  const std::string loss_trace = base.text("loss_trace", "");
+  direction.stages.front().conditions = read_conditions(base);
+  if (direction.stages.front().conditions.loss.model == LossModel::kTrace) {
+    if (loss_trace.empty()) base.refuse("loss_trace", "loss_model = \"trace\" needs a trace file");
+    direction.recording = std::make_shared<Recording>(load_recording(path(loss_trace)));
+    direction.loss_only = true;
+  }
+  if (!trace.empty()) {
+    for (const char* key : {"delay_ms", "distribution", "loss_model", "loss", "order", "tcp_like",
+                            "duplicate", "corrupt", "rate_kbit_per_s", "slot_ms"}) {
+      if (base.has(key)) base.refuse(key, "a trace already decides the fate of every packet");
+    }
+    if (file.array_size("stage") + file.array_size("event") > 0) {
+      base.refuse("trace", "a trace knows neither stages nor events");
+    }
+    direction.recording = std::make_shared<Recording>(load_recording(path(trace)));
+  }
+  for (std::size_t i = 0; i < file.array_size("stage"); ++i) {
+    const std::string at = fmt::format("stage.{}.", i);
+    Stage stage;
+    stage.from_s = file.number(at + "from_s", {0.0, 1e6});
+    if (stage.from_s <= direction.stages.back().from_s)
+      file.refuse(at + "from_s", "stages must ascend from above 0");
+    stage.conditions = read_conditions(Section(file, {at + name + ".", at + "both.", name + ".", "both."}));
+    if (stage.conditions.loss.model == LossModel::kTrace && !direction.loss_only) {
+      file.refuse(at + "from_s", "loss_model = \"trace\" must already stand at the beginning");
+    }
+    direction.stages.push_back(stage);
+  }
+  return direction;
+}
+
+Profile read_profile(const ConfigFile& file, const std::string& name, const std::string& folder) {
+  Profile profile;
+  profile.name = name;
+  profile.description = file.text_or("description", "");
+  profile.source = file.text_or("source", "");
+  for (const char* direction : {"forward", "backward"}) {
+    if (!file.has("both") && !file.has(direction)) {
+      throw Refusal(fmt::format("{}: has neither [{}] nor [both]", file.name(), direction));
+    }
+  }
+  if (file.array_size("stage") > kMostStages) {
+    throw Refusal(fmt::format("{}: more than {} stages", file.name(), kMostStages));
+  }
+  profile.forward = read_direction(file, "forward", folder);
+  profile.backward = read_direction(file, "backward", folder);
+  read_events(file, profile);
+  file.refuse_unknown();
+  return profile;
+}
+
+}  // namespace
+
+Profile parse_profile(const std::string& text, const std::string& name, const std::string& folder) {
+  return read_profile(ConfigFile(text, name), name, folder);
+}
+
+Profile load_profile(const std::string& name_or_path) {
+  const fs::path path = find_resource("profiles", name_or_path, ".toml");
+  if (path.extension() == ".csv") {
+    Profile profile;
+    profile.name = path.stem().string();
+    profile.description = "recorded trace";
+    profile.source = path.string();
+    profile.forward.recording = std::make_shared<Recording>(load_recording(path.string()));
+    profile.backward.recording = profile.forward.recording;
+    return profile;
+  }
+  return read_profile(ConfigFile(path), path.stem().string(), path.parent_path().string());
+}
+
+Profile simple_profile(double rtt_s, double jitter_s, double loss) {
+  std::string text = fmt::format("[both]\ndelay_ms = {:.9f}\nloss = {:.9f}\n", rtt_s * 500.0, loss);
+  if (jitter_s != 0) text += fmt::format("distribution = \"normal\"\njitter_ms = {:.9f}\n", jitter_s * 1e3);
+  return parse_profile(text, "rtt, jitter and loss");
+}
+
+}  // namespace telekerf::netem

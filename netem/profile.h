@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// A network, written down: what happens to packets in either direction. TOML files; netem/README.md explains
+// the keys.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace telekerf::netem {
+
+/// Laws of the one-way delay. uniform, normal, laplace: `delay_s` is the centre, cut off at zero delay (the
+/// law under the condition delay >= 0). gamma, lognormal, pareto: `delay_s` is the floor and the law is added
+/// on top. table: quantiles added to `delay_s`.
+enum class Law { kConstant, kUniform, kNormal, kLaplace, kGamma, kLognormal, kPareto, kTable };
+
+struct DelayLaw {
+  Law law = Law::kConstant;
+  double delay_s = 0.0;
+  double jitter_s = 0.0;  ///< standard deviation of the law (of symmetric laws before the cut at zero)
+  double shape = 0.0;     ///< gamma: k; lognormal: sigma of the logarithm; pareto: tail index > 2
+  double correlation =
+      0.0;  ///< between neighbouring packets, of the Gaussian behind the law (copula); [0, 1)
+  std::vector<double> table_p;  ///< table: ascending from 0 to 1
+  std::vector<double> table_s;  ///< table: quantiles at `table_p`, not descending
+};
+
+enum class LossModel { kNone, kBernoulli, kGilbertElliott, kFourState, kTrace };
+
+struct LossLaw {
+  LossModel model = LossModel::kNone;
+  double loss = 0.0;  ///< bernoulli: probability
+  /// Gilbert-Elliott: good -> bad, bad -> good, and the shares *delivered* in the bad (h) and good (k) state.
+  double ge_p = 0.0, ge_r = 1.0, ge_h = 0.0, ge_k = 1.0;
+  /// 1 delivered, 2 delivered inside a burst, 3 lost in a burst, 4 lost alone (4 -> 1 always).
+  double p13 = 0.0, p31 = 1.0, p32 = 0.0, p23 = 0.0, p14 = 0.0;
+};
+
+/// fifo: nothing overtakes. free: jitter alone decides. reorder: fifo, but a chosen packet overtakes
+/// `reorder_gap` packets before it as far as they are still under way.
+enum class Order { kFifo, kFree, kReorder };
+
+/// Packets leave only at slot starts (n * period + uniform in [0, jitter]); 0 packets or bytes: no limit.
+struct Slots {
+  double period_s = 0.0;  ///< 0: no slots
+  double jitter_s = 0.0;
+  std::int64_t packets = 0;
+  std::int64_t bytes = 0;
+};
+
+/// The network at one time.
+struct Conditions {
+  DelayLaw delay;
+  LossLaw loss;
+  Order order = Order::kFifo;
+  double reorder = 0.0;  ///< probability
+  int reorder_gap = 1;   ///< packets, <= kLargestGap
+  bool tcp_like =
+      false;  ///< nothing is lost: a loss becomes a wait of rto, 3 rto, 7 rto ... for all that follow
+  double rto_s = 0.2;
+  double duplicate = 0.0;        ///< probability
+  double corrupt = 0.0;          ///< probability that one bit flips
+  double rate_bit_per_s = 0.0;   ///< 0: unlimited
+  std::int64_t queue_bytes = 0;  ///< waiting before the bottleneck; only with a rate
+  Slots slots;
+};
+inline constexpr int kLargestGap = 64;
+
+struct Stage {
+  double from_s = 0.0;  ///< since the profile began
+  Conditions conditions;
+};
+
+/// Something that comes back: during [first + n every, + duration) packets wait longer (one uniform draw per
+/// occurrence) and are lost with probability `loss`; loss = 1 is an outage.
+struct Event {
+  double first_s = 0.0;
+  double every_s = 0.0;  ///< 0: once
+  double duration_s = 0.0;
+  double add_delay_min_s = 0.0;
+  double add_delay_max_s = 0.0;
+  double loss = 0.0;
+};
+inline constexpr std::size_t kMostEvents = 16;
+
+/// The recorded fate of one packet.
+struct RecordedFate {
+  std::int64_t in_ns = 0;
+  std::int64_t delay_ns = 0;
+  bool lost = false;
+  bool duplicated = false;
+  bool corrupted = false;
+};
+using Recording = std::vector<RecordedFate>;
+
+struct DirectionProfile {
+  std::vector<Stage> stages{Stage{}};  ///< ascending; the first begins at 0
+  std::vector<Event> events;           ///< at most kMostEvents
+  /// Replayed packet by packet and from its start again at its end; with `loss_only` only its losses.
+  std::shared_ptr<const Recording> recording;
+  bool loss_only = false;
+};
+
+struct Profile {
+  std::string name;
+  std::string description;
+  std::string source;
+  DirectionProfile forward;   ///< operator -> slave
+  DirectionProfile backward;  ///< slave -> operator
+};
+
+/// A shipped name, a TOML file, or a recorded trace (*.csv, both directions). Throws Refusal: missing file,
+/// unknown or misplaced key, value out of bounds, contradictory models.
+Profile load_profile(const std::string& name_or_path);
+
+/// The same from text; `name` stands in messages, relative trace files are sought in `folder`.
+Profile parse_profile(const std::string& text, const std::string& name, const std::string& folder = ".");
+
+/// Half of `rtt_s` each way, normal jitter (one way, standard deviation), independent losses, FIFO. Throws
+/// Refusal.
+Profile simple_profile(double rtt_s, double jitter_s, double loss);
+
+}  // namespace telekerf::netem

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "netem/trace.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <fstream>
+#include <string_view>
+
+#include "common/runtime/refusal.h"
+
+namespace telekerf::netem {
+namespace {
+
+constexpr int kFields = 6;
+
+/// Six integers, comma-separated, nothing else.
+bool parse_row(std::string_view row, std::int64_t (&fields)[kFields]) {
+  const char* at = row.data();
+  const char* const end = row.data() + row.size();
+  for (int i = 0; i < kFields; ++i) {
+    const auto [next, error] = std::from_chars(at, end, fields[i]);
+    if (error != std::errc()) return false;
+    const bool last = i == kFields - 1;
+    if (last ? next != end : (next == end || *next != ',')) return false;
+    at = next + 1;
+  }
+  return true;
+}
+
+bool is_flag(std::int64_t field) { return field == 0 || field == 1; }
+
+}  // namespace
+
+Recording load_recording(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw Refusal(fmt::format("cannot open the trace '{}'", file));
+  std::string line;
+  if (!std::getline(in, line) || line != kTraceHeader) {
+    throw Refusal(fmt::format("{}: line 1 must be '{}'", file, kTraceHeader));
+  }
+  Recording recording;
+  for (int number = 2; std::getline(in, line); ++number) {
+    const auto refuse = [&](const char* complaint) {
+      throw Refusal(fmt::format("{}: line {} ('{}'): {}", file, number, line.substr(0, 80), complaint));
+    };
+    std::int64_t field[kFields];
+    if (!parse_row(line, field)) refuse("needs six whole numbers");
+    const bool lost = field[3] == 1;
+    if (!is_flag(field[3]) || !is_flag(field[4]) || !is_flag(field[5])) refuse("flags must be 0 or 1");
+    if (field[0] != static_cast<std::int64_t>(recording.size())) refuse("index must count up from 0");
+    if (field[1] < 0) refuse("in_ns must not be negative");
+    if (!lost && field[2] < field[1]) refuse("out_ns must not lie before in_ns");
+    if (!recording.empty() && field[1] < recording.back().in_ns) refuse("in_ns must not go backwards");
+    recording.push_back({field[1], lost ? 0 : field[2] - field[1], lost, field[4] == 1, field[5] == 1});
+  }
+  if (recording.empty()) throw Refusal(fmt::format("{}: holds no packet", file));
+  return recording;
+}
+
+std::string trace_row(std::uint64_t index, const RecordedFate& fate) {
+  return fmt::format("{},{},{},{:d},{:d},{:d}", index, fate.in_ns,
+                     fate.lost ? -1 : fate.in_ns + fate.delay_ns, fate.lost, fate.duplicated, fate.corrupted);
+}
+
+}  // namespace telekerf::netem

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// A trace holds the fate of every packet: CSV `index,in_ns,out_ns,lost,duplicated,corrupted`, out_ns = -1 if
+// lost.
+#pragma once
+
+#include <string>
+
+#include "netem/profile.h"
+
+namespace telekerf::netem {
+
+inline constexpr const char* kTraceHeader = "index,in_ns,out_ns,lost,duplicated,corrupted";
+
+/// Throws Refusal naming file and line: missing file, wrong header, field or order (in_ns ascends, out_ns >=
+/// in_ns).
+Recording load_recording(const std::string& file);
+
+/// One CSV row, without the line's end.
+std::string trace_row(std::uint64_t index, const RecordedFate& fate);
+
+}  // namespace telekerf::netem
