@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Disturbance observer in joint space (eq. 21-23), with the velocity that the controllers use.
+//
+// Law: A_n qdd = K_n i - T_dis, with T_dis constant within a sample; T_hat = H(s) (K_n i - A_n qdd).
+// Instead of differencing a quantised position twice, each joint runs the model [q, qd, w], w = -A_n^-1
+// T_dis, driven by the force that was really applied and corrected by the measured position. H is then a
+// third-order low-pass of gain 1 at rest: one pole at `bandwidth` (the thesis' g_i) and two at
+// `velocity_bandwidth`.
+//
+// Discretisation: exact for a force held over the sample (zero-order hold); poles z = exp(-p T), which in
+// this form gives the gains in closed form: with r = 1 - z and their elementary symmetric sums c1, c2, c3,
+// alpha = c1 - c2 + c3, beta = c2 - 3/2 c3, gamma = c3.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace telekerf::control {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+
+class DisturbanceObserver {
+ public:
+  struct Gains {
+    double period_s = 1e-3;
+    double bandwidth_rad_per_s = 300;  ///< of the disturbance estimate
+    double velocity_bandwidth_rad_per_s =
+        900;  ///< of the velocity estimate; more: less lag, more sensor noise
+  };
+
+  explicit DisturbanceObserver(const Gains& gains) noexcept;
+
+  /// At rest at `joints_m`; the disturbance starts from zero.
+  void reset(const Vec3& joints_m) noexcept;
+
+  /// One sample: predicts over the last period with the force of applied(), then corrects by the measurement.
+  /// `valid` false (no reading): only predicts.
+  void update(const Vec3& measured_joints_m, bool valid) noexcept;
+
+  /// What acts from now to the next update: the motor force *after* clipping (so nothing winds up at the
+  /// limit) and the nominal inertia A_n that the estimate refers to (constant, or the model's A(q)).
+  void applied(const Vec3& force_n, const Mat3& nominal_inertia_kg) noexcept;
+
+  const Vec3& joints_m() const noexcept { return q_; }
+  const Vec3& joint_velocity_m_per_s() const noexcept { return v_; }
+  /// T_hat of eq. 23: everything that differs from A_n qdd = K_n i, positive when it opposes positive motion.
+  const Vec3& disturbance_n() const noexcept { return disturbance_n_; }
+
+ private:
+  double period_s_;
+  double alpha_;
+  double beta_;
+  double gamma_;
+  Vec3 q_ = Vec3::Zero();
+  Vec3 v_ = Vec3::Zero();
+  Vec3 w_ = Vec3::Zero();             // disturbance as a joint acceleration, m/s^2
+  Vec3 acceleration_ = Vec3::Zero();  // A_n^-1 times the applied force
+  Mat3 nominal_inertia_kg_ = Mat3::Identity();
+  Vec3 disturbance_n_ = Vec3::Zero();
+};
+
+}  // namespace telekerf::control

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/robot/simulated_robot.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "common/runtime/refusal.h"
+
+namespace telekerf::robot {
+namespace {
+
+// End stops: springs of this frequency against the carriage's mass, critically damped while pressed.
+constexpr double kStop_rad_per_s = 1000;
+constexpr double kStopRoom_m = 5e-3;
+
+DeltaGeometry with_room_at_the_stops(DeltaGeometry geometry) {
+  geometry.stroke_min_m -= kStopRoom_m;
+  geometry.stroke_max_m += kStopRoom_m;
+  return geometry;
+}
+
+double stop_force(const RobotModel& model, double q, double v) noexcept {
+  const double beyond = q < model.geometry.stroke_min_m ? q - model.geometry.stroke_min_m
+                                                        : std::max(0.0, q - model.geometry.stroke_max_m);
+  if (beyond == 0) return 0;
+  const double force = -model.motor.mass_kg * kStop_rad_per_s * (kStop_rad_per_s * beyond + 2 * v);
+  return force * beyond < 0 ? force : 0;  // a stop pushes, it never holds back
+}
+
+}  // namespace
+
+SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed, const Vec3& tool_in_base_m)
+    : model_(true_model), kinematics_(with_room_at_the_stops(true_model.geometry)) {
+  const auto joints = DeltaKinematics(model_.geometry).inverse(tool_in_base_m);
+  if (!joints) throw Refusal(model_.name + " cannot start there: " + describe(joints.error()));
+  const auto state = kinematics_.state(*joints, Vec3::Zero());
+  if (!state) throw Refusal(model_.name + " cannot start there: " + describe(state.error()));
+  state_ = *state;
+  std::mt19937_64 random(seed);
+  for (int i = 0; i < 3; ++i) {
+    encoder_phase_m_[i] = model_.sensor.resolution_m * static_cast<double>(random() >> 11) * 0x1p-53;
+  }
+}
+
+JointReading SimulatedRobot::read() noexcept {
+  JointReading reading;
+  const double count_m = model_.sensor.resolution_m;
+  for (int i = 0; i < 3; ++i) {
+    const double q = state_.joints_m[i];
+    // An incremental encoder: whole counts from a place within the first count, known on average.
+    reading.joints_m[i] =
+        count_m > 0 ? (std::floor((q + encoder_phase_m_[i]) / count_m) + 0.5) * count_m - encoder_phase_m_[i]
+                    : q;
+  }
+  reading.valid = !broken_;
+  reading.tick = ++reads_;
+  reading.time_ns = static_cast<std::int64_t>(std::llround(time_s_ * 1e9));
+  return reading;
+}
+
+void SimulatedRobot::write(const Vec3& currents_a) noexcept {
+  for (int i = 0; i < 3; ++i) {
+    const double force = model_.motor.force_constant_n_per_a * currents_a[i];
+    motor_force_n_[i] =
+        std::isfinite(force) ? std::clamp(force, -model_.motor.peak_force_n, model_.motor.peak_force_n) : 0.0;
+  }
+}
+
+Capabilities SimulatedRobot::capabilities() const {
+  return {model_.name, true, model_.sensor.resolution_m, model_.motor.peak_force_n, 1 / kInnerStep_s};
+}
+
+bool SimulatedRobot::acceleration(const DeltaState& state, Vec3& out) const noexcept {
+  Vec3 force = motor_force_n_ + state.jacobian.transpose() * tool_force_n_ - coriolis_force(model_, state) -
+               gravity_force(model_, kinematics_, state) -
+               friction_force(model_.friction, state.joint_velocity_m_per_s);
+  for (int i = 0; i < 3; ++i)
+    force[i] += stop_force(model_, state.joints_m[i], state.joint_velocity_m_per_s[i]);
+  out = joint_inertia(model_, state).inverse() * force;
+  return out.allFinite();
+}
+
+void SimulatedRobot::inner_step(double h) noexcept {
+  const Vec3 q = state_.joints_m;
+  const Vec3 v = state_.joint_velocity_m_per_s;
+  const auto slope = [&](const Vec3& at_q, const Vec3& at_v, Vec3& a) {
+    const auto state = kinematics_.state(at_q, at_v);
+    return state.has_value() && acceleration(*state, a);
+  };
+  Vec3 a1, a2, a3, a4;
+  const bool moved = acceleration(state_, a1) && slope(q + 0.5 * h * v, v + 0.5 * h * a1, a2) &&
+                     slope(q + 0.5 * h * v + 0.25 * h * h * a1, v + 0.5 * h * a2, a3) &&
+                     slope(q + h * v + 0.5 * h * h * a2, v + h * a3, a4);
+  if (moved) {
+    const auto next =
+        kinematics_.state(q + h * v + h * h / 6 * (a1 + a2 + a3), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4));
+    if (next) {
+      state_ = *next;
+      return;
+    }
+  }
+  broken_ = true;
+  state_.joint_velocity_m_per_s.setZero();
+  state_.tool_velocity_m_per_s.setZero();
+}
+
+void SimulatedRobot::advance(double dt_s) noexcept {
+  const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kInnerStep_s - 1e-6)));
+  for (int i = 0; i < steps && !broken_; ++i) inner_step(dt_s / steps);
+  time_s_ += dt_s;
+}
+
+}  // namespace telekerf::robot

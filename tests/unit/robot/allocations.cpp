@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/unit/robot/allocations.h"
+
+#include <atomic>
+#include <cstddef>
+
+namespace {
+std::atomic<std::uint64_t> count{0};
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// glibc's own entry, so that this definition can stand in front of it; operator new calls malloc.
+extern "C" void* __libc_malloc(std::size_t size);  // NOLINT(bugprone-reserved-identifier)
+extern "C" void* malloc(std::size_t size) noexcept {
+  count.fetch_add(1, std::memory_order_relaxed);
+  return __libc_malloc(size);
+}
+#endif
+
+namespace telekerf::testing {
+std::uint64_t allocations() noexcept { return count.load(std::memory_order_relaxed); }
+}  // namespace telekerf::testing
