@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/codec/axis_bits.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+namespace telekerf::codec {
+namespace {
+
+// Orders of the Exp-Golomb codes, measured on the traces of docs/codec.md.
+constexpr int kStepOrder = 0;
+constexpr int kCountOrder = 0;
+constexpr int kLevelValueOrder = 8;  // coefficient 0 of a stream without trend: the whole level
+constexpr int kFirstOrder = 4;
+constexpr int kBendOrder = 4;
+constexpr int kSlopeOrder = 3;
+constexpr int kCorrectionOrder = 2;
+
+// Modes by frequency: with a trend the curve is the usual one, without it nothing is.
+constexpr std::array<Mode, 5> kAnchoredModes{Mode::kCurve, Mode::kLine, Mode::kHold, Mode::kIntra,
+                                             Mode::kRaw};
+constexpr std::array<Mode, 5> kFreeModes{Mode::kIntra, Mode::kCurve, Mode::kLine, Mode::kRaw, Mode::kHold};
+constexpr int kLastMode = 4;
+
+const std::array<Mode, 5>& modes(bool anchored) { return anchored ? kAnchoredModes : kFreeModes; }
+
+/// The order for a value after one of magnitude |previous|: coefficients fall off slowly.
+int next_order(std::int64_t previous) noexcept {
+  const auto magnitude = static_cast<std::uint64_t>(previous < 0 ? -previous : previous);
+  return std::clamp(static_cast<int>(std::bit_width(magnitude)) - 1, 0, 40);
+}
+
+/// Without a level parameter coefficient 0 is the level: told whole, or by difference from the successor's
+/// guess.
+bool carries_level(const AxisCode& code, const AxisContext& context) noexcept {
+  return !(context.anchored && code.has_level());
+}
+
+IndexSet first_indices(int count) noexcept {
+  return count >= kMaxBlock ? ~IndexSet{0} : (IndexSet{1} << count) - 1;
+}
+
+/// How the index set is told: by name (enumerative), or as the prefix 0..count-1, where values may be zero.
+struct Telling {
+  bool prefix = true;
+  int count = 0;
+  IndexSet told = 0;
+};
+
+template <typename Sink>
+void write_values(Sink& out, const AxisCode& code, const AxisContext& context,
+                  const Telling& telling) noexcept {
+  int order = kFirstOrder;
+  for (auto set = telling.told; set != 0; set &= set - 1) {
+    const auto k = static_cast<std::size_t>(std::countr_zero(set));
+    const bool level = k == 0 && carries_level(code, context);
+    if (level && !context.newest) continue;  // told last
+    const std::uint64_t symbol =
+        zigzag(code.values[k]) - (telling.prefix ? 0 : 1);  // a named one is never zero
+    out.golomb(symbol, level ? kLevelValueOrder : order);
+    if (!level) order = next_order(code.values[k]);
+  }
+}
+
+Telling cheapest_telling(const AxisCode& code, const AxisContext& context, int block) noexcept {
+  const Telling named{false, std::popcount(code.set), code.set};
+  const auto length = static_cast<int>(std::bit_width(code.set));
+  const Telling prefix{true, length, first_indices(length)};
+  BitCounter named_bits;
+  named_bits.signed_golomb(named.count - context.nominal, kCountOrder);
+  named_bits.bits(0, index_set_bits(block, named.count));
+  write_values(named_bits, code, context, named);
+  BitCounter prefix_bits;
+  prefix_bits.signed_golomb(prefix.count - context.nominal, kCountOrder);
+  write_values(prefix_bits, code, context, prefix);
+  return prefix_bits.count() <= named_bits.count() ? prefix : named;
+}
+
+std::int64_t level_guess(const AxisCode& code, const ShapeEnds& ends, const AxisContext& context,
+                         const Grid& grid, int block) noexcept {
+  const double base = base_before(context.next, ends, code, grid, block);
+  if (carries_level(code, context)) return on_grid(base * std::sqrt(block), grid.step(code.step_offset));
+  const double coefficient = (code.set & 1) != 0 ? static_cast<double>(code.values[0]) : 0.0;
+  return on_grid(base - coefficient * grid.step(code.step_offset) / std::sqrt(block), grid.level);
+}
+
+std::int64_t slope_guess(const ShapeEnds& ends, const AxisContext& context, const Grid& grid,
+                         int block) noexcept {
+  if (!context.anchored) return 0;
+  return context.newest ? context.trend_slope : slope_before(context.next, ends, grid, block);
+}
+
+int slope_order(const AxisContext& context) noexcept {
+  return context.anchored ? (context.newest ? 0 : kCorrectionOrder) : kSlopeOrder;
+}
+
+template <typename Sink>
+void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const AxisContext& context,
+               const Grid& grid, int block) noexcept {
+  const auto& order = modes(context.anchored);
+  const auto at = static_cast<int>(std::find(order.begin(), order.end(), code.mode) - order.begin());
+  for (int i = 0; i < at; ++i) out.bits(1, 1);
+  if (at < kLastMode) out.bits(0, 1);
+  if (code.mode == Mode::kRaw) {
+    for (int n = 0; n < block; ++n)
+      out.bits(std::bit_cast<std::uint32_t>(code.raw[static_cast<std::size_t>(n)]), 32);
+    return;
+  }
+  out.golomb(static_cast<std::uint64_t>(code.step_offset), kStepOrder);
+  const auto telling = cheapest_telling(code, context, block);
+  out.bits(telling.prefix ? 0 : 1, 1);
+  out.signed_golomb(telling.count - context.nominal, kCountOrder);
+  if (!telling.prefix) out.bits(rank_of(code.set), index_set_bits(block, telling.count));
+  write_values(out, code, context, telling);
+  if (code.has_bend()) out.signed_golomb(code.bend, kBendOrder);
+  if (code.has_slope()) {
+    out.signed_golomb(code.slope - slope_guess(ends, context, grid, block), slope_order(context));
+  }
+  if (context.newest) return;  // its level is the trend's, or coefficient 0
+  if (!carries_level(code, context)) {
+    out.signed_golomb(code.level - level_guess(code, ends, context, grid, block), kCorrectionOrder);
+  } else if ((telling.told & 1) != 0) {
+    out.signed_golomb(code.values[0] - level_guess(code, ends, context, grid, block), kCorrectionOrder);
+  }
+}
+
+/// Reads the values of the told coefficients, coefficient 0 only where write_values() writes it.
+bool read_values(BitReader& in, AxisCode& code, const AxisContext& context, const Telling& telling) noexcept {
+  int order = kFirstOrder;
+  code.set = 0;
+  for (auto set = telling.told; set != 0; set &= set - 1) {
+    const auto k = static_cast<std::size_t>(std::countr_zero(set));
+    const bool level = k == 0 && carries_level(code, context);
+    if (level && !context.newest) continue;
+    code.values[k] = unzigzag(in.golomb(level ? kLevelValueOrder : order) + (telling.prefix ? 0 : 1));
+    if (in.failed() || std::abs(code.values[k]) > kMaxValue) return false;
+    if (!level) order = next_order(code.values[k]);
+    if (code.values[k] != 0) code.set |= IndexSet{1} << k;
+  }
+  return true;
+}
+
+bool read_telling(BitReader& in, Telling& telling, const AxisContext& context, int block) noexcept {
+  telling.prefix = !in.bit();
+  const auto count = in.signed_golomb(kCountOrder) + context.nominal;
+  if (in.failed() || count < 0 || count > block) return false;
+  telling.count = static_cast<int>(count);
+  telling.told = first_indices(telling.count);
+  if (telling.prefix) return true;
+  const auto rank = in.bits(index_set_bits(block, telling.count));
+  if (in.failed() || rank >= choose(block, telling.count)) return false;
+  telling.told = set_of_rank(rank, block, telling.count);
+  return true;
+}
+
+bool read_raw(BitReader& in, AxisCode& code, std::span<double> samples) noexcept {
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    code.raw[n] = std::bit_cast<float>(static_cast<std::uint32_t>(in.bits(32)));
+    if (!(std::abs(code.raw[n]) <= static_cast<float>(kMaxMagnitude))) return false;  // NaN too
+    samples[n] = static_cast<double>(code.raw[n]);
+  }
+  return !in.failed();
+}
+
+}  // namespace
+
+void write_axis(BitWriter& out, const AxisCode& code, const ShapeEnds& ends, const AxisContext& context,
+                const Grid& grid, int block) noexcept {
+  write_any(out, code, ends, context, grid, block);
+}
+
+int newest_axis_bits(const AxisCode& code, const AxisContext& context, const Grid& grid, int block) noexcept {
+  BitCounter counter;
+  write_any(counter, code, {}, context, grid, block);
+  return counter.count();
+}
+
+bool read_axis(BitReader& in, AxisCode& code, const AxisContext& context, const Grid& grid, const Dct& dct,
+               std::span<double> samples) noexcept {
+  const int block = dct.size();
+  int at = 0;
+  while (at < kLastMode && in.bit()) ++at;
+  code.mode = modes(context.anchored)[static_cast<std::size_t>(at)];
+  if (code.mode == Mode::kRaw) return read_raw(in, code, samples);
+  if (code.mode == Mode::kHold && !context.anchored) return false;
+
+  const auto offset = in.golomb(kStepOrder);
+  if (in.failed() || offset > kMaxStepOffset) return false;
+  code.step_offset = static_cast<int>(offset);
+  Telling telling;
+  if (!read_telling(in, telling, context, block) || !read_values(in, code, context, telling)) return false;
+  if (code.has_bend()) code.bend = in.signed_golomb(kBendOrder);
+  if (in.failed() || std::abs(code.bend) > kMaxParameter) return false;
+
+  std::array<double, kMaxBlock> shape_room;
+  const auto shape = std::span(shape_room).first(samples.size());
+  shape_of(code, grid, dct, shape);
+  const auto ends = ends_of(shape);
+  if (code.has_slope())
+    code.slope = slope_guess(ends, context, grid, block) + in.signed_golomb(slope_order(context));
+  if (std::abs(code.slope) > 2 * kMaxParameter) return false;
+  code.level = context.trend_level;
+  if (!context.newest) {
+    if (!carries_level(code, context)) {
+      code.level = level_guess(code, ends, context, grid, block) + in.signed_golomb(kCorrectionOrder);
+    } else if ((telling.told & 1) != 0) {
+      code.values[0] = level_guess(code, ends, context, grid, block) + in.signed_golomb(kCorrectionOrder);
+      if (code.values[0] != 0) code.set |= 1;
+    }
+  }
+  if (in.failed() || std::abs(code.level) > 2 * kMaxParameter || std::abs(code.values[0]) > kMaxValue)
+    return false;
+  reconstruct(code, grid, shape, samples);
+  for (const double sample : samples) {
+    if (!(std::abs(sample) <= 2.0 * kMaxMagnitude)) return false;
+  }
+  return true;
+}
+
+void write_button(BitWriter& out, std::uint64_t button, int block) noexcept {
+  // Two bits say "constant"; one press or release inside the block is its place; anything else is told bit by
+  // bit.
+  const std::uint64_t all = first_indices(block);
+  button &= all;
+  const bool start = (button & 1) != 0;
+  const std::uint64_t differs = start ? ~button & all : button;
+  if (differs == 0) {
+    out.bits(start ? 1 : 0, 2);
+    return;
+  }
+  const int change = std::countr_zero(differs);
+  if (differs == (all & ~first_indices(change))) {
+    out.bits(start ? 5 : 4, 3);
+    out.bits(static_cast<std::uint64_t>(change), 6);
+    return;
+  }
+  out.bits(3, 2);
+  out.bits(button, block);
+}
+
+std::uint64_t read_button(BitReader& in, int block) noexcept {
+  const std::uint64_t all = first_indices(block);
+  if (!in.bit()) return in.bit() ? all : 0;
+  if (in.bit()) return in.bits(block);
+  const bool start = in.bit();
+  const auto before = first_indices(static_cast<int>(in.bits(6))) & all;
+  return start ? before : all & ~before;
+}
+
+}  // namespace telekerf::codec

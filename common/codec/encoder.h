@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sender's end of one stream: a block of samples in, a packet out.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include <tl/expected.hpp>
+
+#include "common/codec/errors.h"
+#include "common/codec/packet.h"
+#include "common/codec/settings.h"
+
+namespace telekerf::codec {
+
+/// One stream of 3-axis samples. No allocation, lock or throw after construction. Closed loop: it decodes its
+/// own block, and everything that it repeats later is the same integers, so a redundant copy decodes to the
+/// same bits.
+class BlockEncoder {
+ public:
+  /// Throws Refusal when the settings are out of bounds.
+  explicit BlockEncoder(const StreamSettings& settings);
+  ~BlockEncoder();
+  BlockEncoder(BlockEncoder&&) noexcept;
+  BlockEncoder& operator=(BlockEncoder&&) noexcept;
+
+  /// One full block of N samples, oldest first. `button`: bit n at sample n. Writes the newest block and as
+  /// many of the R previous ones as exist and fit; returns the packet's bytes. An error leaves the stream as
+  /// it was, the refused block missing from it: the next packet then begins a new run of blocks.
+  [[nodiscard]] tl::expected<std::size_t, CodecError> encode(std::span<const Vec3> samples,
+                                                             std::uint64_t button, const Trend& trend,
+                                                             std::span<std::uint8_t> out) noexcept;
+
+  /// What every receiver decodes for the newest block, bit for bit; empty before the first.
+  std::span<const Vec3> decoded() const noexcept;
+  /// Bytes of the last packet that belong to its newest block alone, and its head.
+  const StreamSettings& settings() const noexcept;
+  const CodecCounters& counters() const noexcept;
+  /// Forgets previous blocks (a gap in the stream); the sequence goes on.
+  void restart() noexcept;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace telekerf::codec

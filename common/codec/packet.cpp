@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/codec/packet.h"
+
+#include "common/codec/dct.h"
+
+namespace telekerf::codec {
+namespace {
+
+constexpr std::uint64_t kKinds = 2;
+constexpr int kExponentBias = 64;
+constexpr int kPeriodOrder = 20;
+
+}  // namespace
+
+void write_head(BitWriter& out, const PacketHead& head) noexcept {
+  out.bits(kPacketVersion, 4);
+  out.bits(static_cast<std::uint64_t>(head.kind), 4);
+  out.bits(static_cast<std::uint64_t>(head.blocks - 1), 3);
+  out.bits(static_cast<std::uint64_t>(head.redundancy), 3);
+  out.bits(head.anchored ? 1 : 0, 1);
+  out.bits(head.adaptive ? 1 : 0, 1);
+  out.bits(static_cast<std::uint64_t>(head.block - 1), 6);
+  out.bits(static_cast<std::uint64_t>(head.quantum_exponent + kExponentBias), 7);
+  out.bits(head.sequence, 16);
+  out.bits(static_cast<std::uint64_t>(head.nominal), 6);
+  out.golomb(head.sample_period_ns, kPeriodOrder);
+}
+
+void patch_blocks(std::span<std::uint8_t> packet, int blocks) noexcept {
+  packet[1] = static_cast<std::uint8_t>((packet[1] & 0x1FU) | (static_cast<unsigned>(blocks - 1) << 5));
+}
+
+tl::expected<PacketHead, CodecError> read_head(BitReader& in) noexcept {
+  const auto version = in.bits(4);
+  const auto kind = in.bits(4);
+  if (in.truncated()) return tl::unexpected(CodecError::kTruncated);
+  if (version != kPacketVersion) return tl::unexpected(CodecError::kWrongVersion);
+  if (kind >= kKinds) return tl::unexpected(CodecError::kMalformed);
+  PacketHead head;
+  head.kind = static_cast<CodecKind>(kind);
+  head.blocks = static_cast<int>(in.bits(3)) + 1;
+  head.redundancy = static_cast<int>(in.bits(3));
+  head.anchored = in.bit();
+  head.adaptive = in.bit();
+  head.block = static_cast<int>(in.bits(6)) + 1;
+  head.quantum_exponent = static_cast<int>(in.bits(7)) - kExponentBias;
+  head.sequence = static_cast<std::uint16_t>(in.bits(16));
+  head.nominal = static_cast<int>(in.bits(6));
+  const auto period = in.golomb(kPeriodOrder);
+  if (in.truncated()) return tl::unexpected(CodecError::kTruncated);
+  const bool sized = head.kind == CodecKind::kRaw || head.block >= kMinTransform;
+  if (in.malformed() || !sized || head.blocks > head.redundancy + 1 || period == 0 ||
+      period > 1'000'000'000) {
+    return tl::unexpected(CodecError::kMalformed);
+  }
+  head.sample_period_ns = static_cast<std::uint32_t>(period);
+  return head;
+}
+
+bool is_finite(const Trend& trend) noexcept {
+  return trend.value.allFinite() && trend.slope_per_sample.allFinite();
+}
+
+}  // namespace telekerf::codec

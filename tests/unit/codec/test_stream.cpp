@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+// Laws of encoder and decoder together.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "common/codec/decoder.h"
+#include "common/codec/encoder.h"
+#include "common/runtime/refusal.h"
+
+namespace telekerf::codec {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Hand motion: slow wandering, 9 Hz tremor of 50 um, encoder steps of 0.5 um.
+Vec3 hand(double t) {
+  using std::numbers::pi;
+  const auto tremor = [&](double phase) { return 50e-6 * std::sin(2 * pi * 9 * t + phase); };
+  const Vec3 p(0.02 * std::sin(2 * pi * 0.3 * t) + tremor(0),
+               0.015 * std::sin(2 * pi * 0.23 * t + 1) + tremor(2), 0.1 + 1e-4 * std::sin(t));
+  return (p / 5e-7).array().round() * 5e-7;
+}
+
+struct Sent {
+  Bytes bytes;
+  Trend trend;
+  std::vector<Vec3> truth;
+  std::vector<Vec3> decoded;
+  std::uint64_t button = 0;
+};
+
+Trend trend_at(double t, double period) {
+  Trend trend;
+  trend.value = hand(t).cast<float>().cast<double>();
+  trend.slope_per_sample =
+      (((hand(t + 0.004) - hand(t - 0.004)) / 0.008).cast<float>().cast<double>()) * period;
+  return trend;
+}
+
+std::vector<Sent> send_hand(const StreamSettings& settings, int blocks) {
+  BlockEncoder encoder(settings);
+  std::vector<Sent> all;
+  std::mt19937 random(1);
+  const double period = 1e-9 * settings.sample_period_ns;
+  for (int b = 0; b < blocks; ++b) {
+    Sent sent;
+    const double start = b * settings.block * period;
+    for (int n = 0; n < settings.block; ++n) sent.truth.push_back(hand(start + n * period));
+    if (settings.anchored) sent.trend = trend_at(start, period);
+    sent.button = b % 4 == 0 ? random() : (b % 4 == 1 ? ~0ull : (b % 4 == 2 ? 0xFF0ull << 2 : 0));
+    if (settings.block < 64) sent.button &= (1ull << settings.block) - 1;
+    sent.bytes.resize(2048);
+    const auto size = encoder.encode(sent.truth, sent.button, sent.trend, sent.bytes);
+    EXPECT_TRUE(size.has_value());
+    sent.bytes.resize(size.value_or(0));
+    sent.decoded.assign(encoder.decoded().begin(), encoder.decoded().end());
+    all.push_back(sent);
+  }
+  return all;
+}
+
+bool same_bits(std::span<const Vec3> a, std::span<const Vec3> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
+std::vector<StreamSettings> many_settings() {
+  std::vector<StreamSettings> all;
+  for (const bool anchored : {true, false}) {
+    for (const int block : {4, 5, 16, 32, 64}) {
+      for (const int redundancy : {0, 1, 3}) {
+        all.push_back({.block = block, .keep = 4, .redundancy = redundancy, .anchored = anchored});
+        all.push_back({.block = block, .max_rms = 2e-6, .redundancy = redundancy, .anchored = anchored});
+      }
+    }
+    all.push_back({.kind = CodecKind::kRaw, .block = 16, .redundancy = 1, .anchored = anchored});
+    all.push_back({.kind = CodecKind::kRaw, .block = 1, .redundancy = 0, .anchored = anchored});
+  }
+  return all;
+}
+
+TEST(Stream, EveryPacketDecodesAloneToWhatTheEncoderSaidBitForBit) {
+  for (const auto& settings : many_settings()) {
+    const auto sent = send_hand(settings, 40);
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      BlockDecoder decoder;  // a fresh one: nothing else was received
+      const auto packet = decoder.decode(sent[i].bytes, sent[i].trend);
+      ASSERT_TRUE(packet.has_value()) << to_string(packet.error());
+      ASSERT_EQ((*packet)->blocks, std::min<int>(static_cast<int>(i), settings.redundancy) + 1);
+      EXPECT_EQ((*packet)->block_size, settings.block);
+      EXPECT_EQ((*packet)->head.sample_period_ns, settings.sample_period_ns);
+      for (int age = 0; age < (*packet)->blocks; ++age) {
+        const auto& block = (*packet)->blocks_newest_first[static_cast<std::size_t>(age)];
+        const auto& original = sent[i - static_cast<std::size_t>(age)];
+        EXPECT_TRUE(same_bits(block.samples, original.decoded))
+            << "N " << settings.block << " packet " << i << " age " << age << " anchored "
+            << settings.anchored;
+        EXPECT_EQ(block.button, original.button) << "packet " << i << " age " << age;
+      }
+    }
+  }
+}
+
+TEST(Stream, AdaptiveKeepsItsPromiseOnEveryBlockAndAxis) {
+  for (const double max_rms : {1e-7, 1e-6, 1e-5, 1e-3}) {
+    for (const bool anchored : {true, false}) {
+      for (const auto& sent : send_hand({.block = 32, .max_rms = max_rms, .anchored = anchored}, 60)) {
+        for (int a = 0; a < kAxes; ++a) {
+          double sum = 0;
+          for (std::size_t n = 0; n < sent.truth.size(); ++n)
+            sum += std::pow(sent.truth[n][a] - sent.decoded[n][a], 2);
+          EXPECT_LE(std::sqrt(sum / 32), max_rms);
+        }
+      }
+    }
+  }
+}
+
+TEST(Stream, WithAllCoefficientsOnlyTheStepIsLost) {
+  for (const auto& sent : send_hand({.block = 16, .keep = 16, .quantum = 1e-13, .anchored = true}, 10)) {
+    for (std::size_t n = 0; n < sent.truth.size(); ++n)
+      EXPECT_LT((sent.truth[n] - sent.decoded[n]).norm(), 1e-12);
+  }
+}
+
+TEST(Stream, DefaultSettingsFollowAHandToAMicrometreWithoutChatterAtTheEdges) {
+  double squares = 0, jumps = 0, bytes = 0;
+  int samples = 0, edges = 0;
+  Vec3 last_error = Vec3::Zero();
+  const auto all = send_hand({}, 600);
+  for (const auto& sent : all) {
+    for (std::size_t n = 0; n < sent.truth.size(); ++n) {
+      const Vec3 error = sent.decoded[n] - sent.truth[n];
+      squares += error.squaredNorm() / 3;
+      ++samples;
+      if (n == 0) {
+        jumps += (error - last_error).squaredNorm() / 3;
+        ++edges;
+      }
+      last_error = error;
+    }
+    bytes += static_cast<double>(sent.bytes.size());
+  }
+  EXPECT_LT(std::sqrt(squares / samples), 1e-6);
+  EXPECT_LT(std::sqrt(jumps / edges), 1e-6);
+  EXPECT_LT(bytes / static_cast<double>(all.size()), 53);
+}
+
+TEST(Stream, BadSamplesAreRefusedCountedAndLeaveTheStreamClean) {
+  BlockEncoder encoder({});
+  BlockDecoder decoder;
+  Bytes room(2048);
+  std::vector<Vec3> samples(16, Vec3(1e-3, 0, 0));
+  ASSERT_TRUE(encoder.encode(samples, 0, {}, room));
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
+    auto broken = samples;
+    broken[7].y() = bad;
+    EXPECT_FALSE(encoder.encode(broken, 0, {}, room));
+  }
+  EXPECT_EQ(encoder.counters().of(CodecError::kNotFinite), 2u);
+  EXPECT_EQ(encoder.counters().of(CodecError::kOutOfRange), 1u);
+  EXPECT_EQ(encoder.encode(std::span(samples).first(15), 0, {}, room).error(), CodecError::kWrongSize);
+  EXPECT_EQ(encoder.encode(samples, 0, {}, std::span(room).first(9)).error(), CodecError::kNoRoom);
+  samples[3].z() = std::numeric_limits<double>::denorm_min();
+  samples[4].z() = 1e29;
+  const auto size = encoder.encode(samples, 0, {}, room);
+  ASSERT_TRUE(size);
+  const auto packet = decoder.decode(std::span(room).first(*size), {});
+  ASSERT_TRUE(packet);
+  EXPECT_EQ((*packet)->blocks, 1);  // nothing of before the gap
+  EXPECT_TRUE(same_bits((*packet)->blocks_newest_first[0].samples, encoder.decoded()));
+}
+
+TEST(Stream, HostileBytesNeverDecodeToNonsense) {
+  std::mt19937 random(99);
+  BlockDecoder decoder;
+  const auto good = send_hand({.block = 16, .redundancy = 2}, 20);
+  std::uint64_t accepted = 0;
+  for (int round = 0; round < 20000; ++round) {
+    const auto& origin = good[static_cast<std::size_t>(round) % good.size()];
+    auto bytes = origin.bytes;
+    if (round % 3 == 0) {
+      for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+      bytes[0] = static_cast<std::uint8_t>(kPacketVersion << 4 | (random() % 4));
+    } else {
+      for (int flips = 1 + static_cast<int>(random() % 4); flips > 0; --flips) {
+        bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1U << random() % 8);
+      }
+    }
+    bytes.resize(random() % (bytes.size() + 1));
+    bytes.shrink_to_fit();  // the sanitizers see the true end
+    decoder.reset();
+    const auto packet = decoder.decode(bytes, origin.trend);
+    if (!packet) continue;
+    ++accepted;
+    for (int age = 0; age < (*packet)->blocks; ++age) {
+      for (const auto& sample : (*packet)->blocks_newest_first[static_cast<std::size_t>(age)].samples) {
+        ASSERT_TRUE(sample.allFinite());
+      }
+    }
+  }
+  EXPECT_EQ(accepted, decoder.counters().good);
+}
+
+TEST(Stream, WrongVersionTruncatedAndReplayedPacketsAreRefusedAndCounted) {
+  BlockDecoder decoder;
+  const auto sent = send_hand({}, 3);
+  auto other_version = sent[0].bytes;
+  other_version[0] ^= 0xF0;
+  EXPECT_EQ(decoder.decode(other_version, sent[0].trend).error(), CodecError::kWrongVersion);
+  for (std::size_t size = 0; size < sent[1].bytes.size(); ++size) {
+    EXPECT_FALSE(decoder.decode(std::span(sent[1].bytes).first(size), sent[1].trend)) << size;
+  }
+  EXPECT_TRUE(decoder.decode(sent[2].bytes, sent[2].trend));
+  EXPECT_TRUE(decoder.decode(sent[1].bytes, sent[1].trend));  // late is not replayed
+  EXPECT_EQ(decoder.decode(sent[1].bytes, sent[1].trend).error(), CodecError::kReplayed);
+  EXPECT_EQ(decoder.counters().of(CodecError::kReplayed), 1u);
+  EXPECT_EQ(decoder.counters().good, 2u);
+}
+
+TEST(Stream, ChangedSettingsInMidRunAreFollowed) {
+  BlockDecoder decoder;
+  for (const auto& settings : many_settings()) {
+    decoder.reset();
+    for (const auto& sent : send_hand(settings, 3)) {
+      const auto packet = decoder.decode(sent.bytes, sent.trend);
+      ASSERT_TRUE(packet);
+      EXPECT_TRUE(same_bits((*packet)->blocks_newest_first[0].samples, sent.decoded));
+    }
+  }
+}
+
+TEST(Settings, RefusalsNameSettingValueAndBound) {
+  const auto refusal = [](const StreamSettings& settings) -> std::string {
+    try {
+      (void)settings.validated();
+    } catch (const Refusal& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal({.block = 3}), "codec: block = 3: must lie within [4, 64]");
+  EXPECT_NE(refusal({.keep = 0}), "");
+  EXPECT_NE(refusal({.max_rms = std::nan("")}), "");
+  EXPECT_NE(refusal({.redundancy = 8}), "");
+  EXPECT_EQ(refusal({}), "");
+  EXPECT_THROW(codec_kind("zip"), Refusal);
+}
+
+}  // namespace
+}  // namespace telekerf::codec
