@@ -28,8 +28,8 @@ class ReferenceJoiner {
   void rejoin(const Motion& from, const Motion& source) noexcept;
   /// One step of `dt_s`: the source's motion plus what is left of the offset.
   Motion join(const Motion& source, double dt_s) noexcept;
-  /// Whether the offset has faded below `tolerance_m`.
-  bool settled(double tolerance_m) const noexcept { return offset_.norm() < tolerance_m; }
+  /// What is left of the offset.
+  double offset_m() const noexcept { return offset_.norm(); }
 
  private:
   JoinerSettings settings_;

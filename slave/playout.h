@@ -15,6 +15,7 @@ namespace telekerf::slave {
 struct StreamSample {
   Vec3 value = Vec3::Zero();  ///< position (m) or acceleration (m/s^2), by the block's law
   bool button = false;
+  bool engaged = false;
   std::uint32_t generation = 0;  ///< changes with epoch and beta: samples of two generations are not comparable
 };
 
@@ -61,6 +62,8 @@ class PlayoutClock {
 
   /// Depth from the fastest arrival of a block's last sample to its use, in samples.
   int depth_samples() const noexcept { return depth_; }
+  /// The part of the depth that is not block filling: what waiting for stragglers costs.
+  double wait_s() const noexcept { return (depth_ - (block_ - 1)) * static_cast<double>(period_ns_) * 1e-9; }
   /// Whole-sample corrections since the start (clock drift, changed depth, overruns).
   std::uint64_t corrections() const noexcept { return corrections_; }
   /// Times the clock had to be seated anew.

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-inspect robot: kinematics and workspace of a robot file; metres in base, one JSON object out.
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/inspect/commands.h"
+#include "common/inspect/robot_picture.h"
+#include "common/robot/robot_model.h"
+#include "common/runtime/refusal.h"
+
+namespace telekerf::inspect {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using robot::Mat3;
+using robot::Vec3;
+
+struct Options {
+  std::string robot;
+  std::vector<double> ik, fk, jacobian;
+  bool workspace = false;
+  std::string picture;
+};
+
+Vec3 vector_of(const std::vector<double>& values) { return {values.at(0), values.at(1), values.at(2)}; }
+
+Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Row-major: tool velocity = jacobian * joint velocity.
+Json json_of(const Mat3& m) {
+  Json rows = Json::array();
+  for (int i = 0; i < 3; ++i) rows.push_back({m(i, 0), m(i, 1), m(i, 2)});
+  return rows;
+}
+
+template <typename T>
+T value_or_refuse(const tl::expected<T, robot::KinematicsError>& result, const std::string& robot) {
+  if (!result) throw Refusal(robot + ": " + robot::describe(result.error()));
+  return *result;
+}
+
+/// A configuration and its conditioning.
+Json pose(const robot::RobotModel& model, const robot::DeltaKinematics& kinematics, const Vec3& joints,
+          const Vec3& tool) {
+  const robot::Conditioning conditioning = kinematics.conditioning(joints, tool);
+  return {{"robot", model.name},
+          {"joints_m", json_of(joints)},
+          {"tool_m", json_of(tool)},
+          {"condition", conditioning.condition},
+          {"serial_margin", conditioning.serial_margin},
+          {"parallel_margin", conditioning.parallel_margin},
+          {"working_mode", kinematics.working_mode_at(joints, tool)}};
+}
+
+Json workspace(const robot::RobotModel& model, const robot::DeltaKinematics& kinematics) {
+  const robot::Workspace& w = model.workspace;
+  const Vec3 centre_joints = value_or_refuse(kinematics.inverse(w.centre_m), model.name);
+  return {{"robot", model.name},
+          {"centre_m", json_of(w.centre_m)},
+          {"radius_m", w.radius_m},
+          {"height_m", w.height_m},
+          {"condition", kinematics.conditioning(centre_joints, w.centre_m).condition},
+          {"worst_condition", robot::worst_condition(kinematics, w)}};
+}
+
+int run(const Options& options) {
+  const robot::RobotModel model = robot::load_robot(options.robot);
+  const robot::DeltaKinematics kinematics(model.geometry);
+  Json out;
+  if (!options.ik.empty()) {
+    const Vec3 tool = vector_of(options.ik);
+    out = pose(model, kinematics, value_or_refuse(kinematics.inverse(tool), model.name), tool);
+  } else if (!options.fk.empty() || !options.jacobian.empty()) {
+    const Vec3 joints = vector_of(options.fk.empty() ? options.jacobian : options.fk);
+    const Vec3 tool = value_or_refuse(kinematics.forward(joints), model.name);
+    out = pose(model, kinematics, joints, tool);
+    if (!options.jacobian.empty()) {
+      out["jacobian"] = json_of(value_or_refuse(kinematics.jacobian(joints, tool), model.name));
+    }
+  } else {
+    out = workspace(model, kinematics);
+    if (!options.picture.empty()) {
+      draw_workspace(model, options.picture);
+      out["picture"] = options.picture;
+    }
+  }
+  std::printf("%s\n", out.dump(2).c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_robot_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("robot", "Kinematics and workspace of a robot (metres, base frame)");
+  command->add_option("robot", options->robot, "Shipped name or path of a robot file")->required();
+  auto* what = command->add_option_group("what", "What to show");
+  what->add_option("--ik", options->ik, "Joints of tool position X Y Z")->expected(3)->type_name("X Y Z");
+  what->add_option("--fk", options->fk, "Tool position of joints D1 D2 D3")
+      ->expected(3)
+      ->type_name("D1 D2 D3");
+  what->add_option("--jacobian", options->jacobian, "Tool velocity per joint velocity at joints D1 D2 D3")
+      ->expected(3)
+      ->type_name("D1 D2 D3");
+  auto* workspace =
+      what->add_flag("--workspace", options->workspace, "Largest upright cylinder, conditioning");
+  what->require_option(1);
+  command->add_option("--picture", options->picture, "Draw the workspace into this file (PNG)")
+      ->needs(workspace);
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace telekerf::inspect

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/inspect/run_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "common/geometry/nearest.h"
+#include "common/runtime/refusal.h"
+#include "common/runtime/version.h"
+#include "slave/laser/workpiece.h"
+
+namespace telekerf::inspect {
+namespace {
+
+using geometry::Polyline;
+
+struct Spread {
+  double square_sum = 0.0;
+  double max = 0.0;
+  std::size_t count = 0;
+
+  void add(double error_m) {
+    square_sum += error_m * error_m;
+    max = std::max(max, std::abs(error_m));
+    ++count;
+  }
+  nlohmann::ordered_json json() const {
+    if (count == 0) return {{"rms_um", nullptr}, {"max_um", nullptr}, {"samples", 0}};
+    return {{"rms_um", std::sqrt(square_sum / static_cast<double>(count)) * 1e6},
+            {"max_um", max * 1e6},
+            {"samples", count}};
+  }
+};
+
+Vec2 plane(const Triple& point) { return {point[0], point[1]}; }
+
+Polyline contour_of(const RunRecord& record, double scale) {
+  Polyline line;
+  line.closed = record.contour_closed;
+  for (const auto& point : record.contour_m) line.points_m.emplace_back(scale * point[0], scale * point[1]);
+  return line;
+}
+
+double figure(const Figures& figures, const std::string& name, double fallback = 0.0) {
+  const auto found = figures.find(name);
+  return found == figures.end() ? fallback : found->second;
+}
+
+std::string word(const RunRecord& record, const std::string& name) {
+  const auto found = record.words.find(name);
+  return found == record.words.end() ? "" : found->second;
+}
+
+/// The master's tool at a tick that may lie between two of its rows.
+std::optional<Vec3> master_at(const RunRecord& record, double tick) {
+  if (record.master.empty()) return std::nullopt;
+  const double place = tick - static_cast<double>(record.master.front().tick);
+  if (!(place >= 0.0) || place > static_cast<double>(record.master.size() - 1)) return std::nullopt;
+  const auto index = static_cast<std::size_t>(place);
+  const double part = place - static_cast<double>(index);
+  const auto& a = record.master[index].tool_m;
+  const auto& b = record.master[std::min(index + 1, record.master.size() - 1)].tool_m;
+  return Vec3(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]), a[2] + part * (b[2] - a[2]));
+}
+
+/// Which stretches of the contour the laser reached, in bins of arc length.
+class Coverage {
+ public:
+  explicit Coverage(const geometry::NearestIndex& contour)
+      : contour_(contour), bins_(std::max<std::size_t>(100, static_cast<std::size_t>(contour.length_m() / 50e-6))) {}
+
+  void mark(const geometry::Nearest& from, const geometry::Nearest& to) {
+    const double length = contour_.length_m();
+    double step = to.arc_length_m - from.arc_length_m;
+    if (contour_.line().closed) step -= length * std::round(step / length);
+    if (std::abs(step) > 1e-3) step = 0.0;  // a jump to another branch reaches nothing in between
+    const int pieces = 1 + static_cast<int>(std::abs(step) / length * static_cast<double>(bins_.size()) * 2.0);
+    for (int i = 0; i <= pieces; ++i) {
+      double arc = from.arc_length_m + step * i / pieces;
+      arc -= length * std::floor(arc / length);
+      bins_[std::min(bins_.size() - 1, static_cast<std::size_t>(arc / length * static_cast<double>(bins_.size())))] =
+          true;
+    }
+  }
+  double share() const {
+    return static_cast<double>(std::count(bins_.begin(), bins_.end(), true)) / static_cast<double>(bins_.size());
+  }
+
+ private:
+  const geometry::NearestIndex& contour_;
+  std::vector<bool> bins_;
+};
+
+nlohmann::ordered_json loop_json(const Figures& figures) {
+  return {{"rate_hz", figure(figures, "rate_hz")},
+          {"slack_us", {{"p50", figure(figures, "slack_p50_us")}, {"p99", figure(figures, "slack_p99_us")}}},
+          {"overruns", static_cast<std::int64_t>(figure(figures, "overruns"))}};
+}
+
+double tick_s(const std::vector<SlaveRow>& rows) {
+  return rows.size() < 2 ? 0.0
+                         : (rows.back().t_s - rows.front().t_s) / static_cast<double>(rows.size() - 1);
+}
+
+}  // namespace
+
+nlohmann::ordered_json make_report(const RunRecord& record) {
+  if (record.contour_m.size() < 2) throw Refusal("the run has no contour: nothing to report");
+  const double beta = figure(record.master_figures, "beta", 1.0);
+  const geometry::NearestIndex contour(contour_of(record, 1.0));
+  const geometry::NearestIndex guide(contour_of(record, 1.0 / beta));
+  const double dt_s = figure(record.slave_figures, "control_period_s", tick_s(record.slave));
+
+  Spread constraint;
+  for (const auto& row : record.master) {
+    if (row.guided) constraint.add(guide.find(plane(row.tool_m)).distance_m);
+  }
+
+  Spread tracking;
+  Spread cut;
+  Coverage coverage(contour);
+  double laser_on_s = 0.0;
+  double inside_j = 0.0;
+  double outside_j = 0.0;
+  std::optional<geometry::Nearest> previous;
+  for (const auto& row : record.slave) {
+    if (row.settled && row.applied >= 0.0) {
+      if (const auto master = master_at(record, row.applied)) {
+        tracking.add((Vec3(row.tool_m[0], row.tool_m[1], row.tool_m[2]) - beta * *master).norm());
+      }
+    }
+    if (row.laser_w <= 0.0) {
+      previous.reset();
+      continue;
+    }
+    const geometry::Nearest nearest = contour.find(plane(row.tool_m));
+    cut.add(nearest.distance_m);
+    laser_on_s += dt_s;
+    (nearest.distance_m <= kCorridorM ? inside_j : outside_j) += row.laser_w * dt_s;
+    if (nearest.distance_m <= kCorridorM) {
+      coverage.mark(previous.value_or(nearest), nearest);
+      previous = nearest;
+    } else {
+      previous.reset();
+    }
+  }
+
+  nlohmann::ordered_json cut_json = cut.json();
+  cut_json["coverage"] = coverage.share();
+  cut_json["laser_on_s"] = laser_on_s;
+  cut_json["energy_inside_j"] = inside_j;
+  cut_json["energy_outside_corridor_j"] = outside_j;
+
+  const Figures& m = record.master_figures;
+  const Figures& s = record.slave_figures;
+  nlohmann::ordered_json report;
+  report["contour"] = {{"points", record.contour_m.size()},
+                       {"length_m", contour.length_m()},
+                       {"closed", record.contour_closed},
+                       {"image", word(record, "image")},
+                       {"mode", word(record, "mode")}};
+  report["beta"] = beta;
+  report["law"] = word(record, "law");
+  report["estimator"] = word(record, "estimator");
+  report["constraint"] = constraint.json();
+  report["tracking"] = tracking.json();
+  report["cut"] = cut_json;
+  report["link"] = {
+      {"rtt_ms", {{"p50", figure(m, "rtt_p50_ms")}, {"p95", figure(m, "rtt_p95_ms")}, {"p99", figure(m, "rtt_p99_ms")}}},
+      {"block_ms", figure(m, "block_ms")},
+      {"playout_ms", figure(s, "playout_ms")},
+      {"total_ms", figure(m, "rtt_p50_ms") + figure(m, "block_ms") + figure(s, "playout_ms")},
+      {"lost", static_cast<std::int64_t>(figure(s, "lost") + figure(m, "lost"))},
+      {"refused", static_cast<std::int64_t>(figure(s, "refused") + figure(m, "refused"))},
+      {"payload_bytes_per_s", figure(m, "payload_bytes_per_s")},
+      {"packets_per_s", figure(m, "packets_per_s")}};
+  report["codec"] = {{"block", static_cast<std::int64_t>(figure(m, "block"))},
+                     {"kept", static_cast<std::int64_t>(figure(m, "keep"))},
+                     {"bits_per_sample", figure(m, "bits_per_sample")}};
+  report["loop"] = {{"master", loop_json(m)}, {"slave", loop_json(s)}};
+  report["seed"] = static_cast<std::int64_t>(figure(m, "seed"));
+  report["netem"] = word(record, "netem");
+  report["version"] = kVersion;
+  return report;
+}
+
+namespace {
+
+void write_trace(const std::filesystem::path& file, const RunRecord& record) {
+  std::ofstream out(file);
+  out << "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w\n";
+  for (const auto& row : record.slave) {
+    // The master's tool at the tick that the slave applies; before the first one there is nothing to show.
+    const auto master = row.applied >= 0.0 ? master_at(record, row.applied) : std::nullopt;
+    if (!master) continue;
+    out << fmt::format("{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{}\n", row.t_s, master->x(),
+                       master->y(), master->z(), row.ref_m[0], row.ref_m[1], row.tool_m[0], row.tool_m[1],
+                       row.tool_m[2], row.laser_w);
+  }
+  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
+}
+
+/// Wood, burned where energy went; the contour as a thin blue line, the slave's path without laser as a grey one.
+cv::Mat draw_cut(const RunRecord& record) {
+  double reach_m = 1e-3;
+  for (const auto& point : record.contour_m) {
+    reach_m = std::max({reach_m, std::abs(point[0]), std::abs(point[1])});
+  }
+  constexpr int kPixels = 1200;
+  slave::Workpiece workpiece({.half_width_m = 1.2 * reach_m, .pixels = kPixels, .spot_radius_m = 60e-6});
+  const double dt_s = figure(record.slave_figures, "control_period_s", tick_s(record.slave));
+  for (const auto& row : record.slave) {
+    if (row.laser_w > 0.0) workpiece.expose(plane(row.tool_m), row.laser_w * dt_s);
+  }
+
+  cv::Mat wood(kPixels, kPixels, CV_32FC3);
+  for (int r = 0; r < kPixels; ++r) {
+    for (int c = 0; c < kPixels; ++c) {
+      // Grain: a slow ripple across x; enough to tell wood from paper.
+      const double grain = std::sin(0.045 * c + 1.4 * std::sin(0.006 * r + 0.002 * c)) * 0.5 + 0.5;
+      wood.at<cv::Vec3f>(r, c) = cv::Vec3f(150.F, 195.F, 226.F) - static_cast<float>(10.0 * grain) * cv::Vec3f(1, 1, 1);
+    }
+  }
+  const double full_j = 4.0 * workpiece.pixel_m() * workpiece.pixel_m() * 1e6;  // 4 J/mm^2 chars fully
+  for (int r = 0; r < kPixels; ++r) {
+    for (int c = 0; c < kPixels; ++c) {
+      const double burn = 1.0 - std::exp(-3.0 * workpiece.energy_j().at<float>(r, c) / full_j);
+      wood.at<cv::Vec3f>(r, c) =
+          wood.at<cv::Vec3f>(r, c) * static_cast<float>(1.0 - burn) + cv::Vec3f(18, 26, 38) * static_cast<float>(burn);
+    }
+  }
+  cv::Mat picture;
+  wood.convertTo(picture, CV_8UC3);
+
+  constexpr int kShift = 4;
+  const auto pixel = [&](const Vec2& point) {
+    const cv::Point2d p = workpiece.pixel_of(point);
+    return cv::Point(static_cast<int>(std::lround(p.x * (1 << kShift))),
+                     static_cast<int>(std::lround(p.y * (1 << kShift))));
+  };
+  std::vector<cv::Point> path;
+  const auto stroke = [&](const cv::Scalar& colour, bool closed) {
+    if (path.size() > 1) cv::polylines(picture, path, closed, colour, 1, cv::LINE_AA, kShift);
+    path.clear();
+  };
+  for (const auto& row : record.slave) {
+    if (row.laser_w > 0.0) {
+      stroke({140, 130, 120}, false);
+    } else {
+      path.push_back(pixel(plane(row.tool_m)));
+    }
+  }
+  stroke({140, 130, 120}, false);
+  for (const auto& point : record.contour_m) path.push_back(pixel({point[0], point[1]}));
+  stroke({200, 110, 30}, record.contour_closed);
+
+  // A scale of 5 mm.
+  const double five_mm = 5e-3 / workpiece.pixel_m();
+  const cv::Point from(40, kPixels - 40);
+  cv::line(picture, from, from + cv::Point(static_cast<int>(five_mm), 0), {40, 40, 40}, 3, cv::LINE_AA);
+  cv::putText(picture, "5 mm", from + cv::Point(0, -12), cv::FONT_HERSHEY_SIMPLEX, 0.7, {40, 40, 40}, 2, cv::LINE_AA);
+  return picture;
+}
+
+}  // namespace
+
+void write_report(const std::filesystem::path& folder, const RunRecord& record) {
+  const auto report = make_report(record);
+  write_trace(folder / "trace.csv", record);
+  if (!cv::imwrite((folder / "cut.png").string(), draw_cut(record))) {
+    throw Refusal(fmt::format("{}: cannot be written", (folder / "cut.png").string()));
+  }
+  std::ofstream out(folder / "report.json");
+  out << report.dump(2) << "\n";
+  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", (folder / "report.json").string()));
+}
+
+}  // namespace telekerf::inspect

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the record of a run to its report: the measures of contract.md, the trace, and the picture of the cut.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "common/runtime/run_record.h"
+
+namespace telekerf::inspect {
+
+/// Half width of the corridor that the laser may not leave, to either side of the contour.
+inline constexpr double kCorridorM = 0.5e-3;
+
+/// The report (names: see README, "What a run leaves"). Pure: same record, same bytes.
+nlohmann::ordered_json make_report(const RunRecord& record);
+
+/// report.json, trace.csv and cut.png into `folder`.
+void write_report(const std::filesystem::path& folder, const RunRecord& record);
+
+}  // namespace telekerf::inspect

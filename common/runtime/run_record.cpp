@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/runtime/run_record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "common/runtime/refusal.h"
+
+namespace telekerf {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kMasterColumns =
+    "tick,t_s,tool_x_m,tool_y_m,tool_z_m,hand_x_n,hand_y_n,hand_z_n,constraint_n,guided,engaged,button";
+constexpr const char* kSlaveColumns =
+    "tick,t_s,applied_tick,ref_x_m,ref_y_m,ref_z_m,tool_x_m,tool_y_m,tool_z_m,laser_w,interlock,settled";
+constexpr const char* kContourColumns = "x_m,y_m";
+
+/// Written beside and renamed, so that nothing half-written is ever found under the final name.
+void write_whole(const fs::path& path, const std::string& text) {
+  std::error_code failed;
+  fs::create_directories(path.parent_path(), failed);
+  const fs::path draft = path.string() + ".part";
+  {
+    std::ofstream out(draft, std::ios::binary);
+    out << text;
+    if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written; is the folder writable?", path.string()));
+  }
+  fs::rename(draft, path, failed);
+  if (failed) throw Refusal(fmt::format("{}: {}", path.string(), failed.message()));
+}
+
+std::vector<std::vector<double>> read_table(const fs::path& path, std::string_view columns) {
+  std::ifstream in(path);
+  if (!in) throw Refusal(fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
+  const auto width = static_cast<std::size_t>(std::count(columns.begin(), columns.end(), ',') + 1);
+  std::string line;
+  if (!std::getline(in, line) || line != columns) {
+    throw Refusal(fmt::format("{}: line 1 must be '{}'", path.string(), columns));
+  }
+  std::vector<std::vector<double>> rows;
+  for (int number = 2; std::getline(in, line); ++number) {
+    std::vector<double> row;
+    const char* at = line.data();
+    const char* const end = at + line.size();
+    while (at < end) {
+      double value = 0;
+      const auto [next, error] = std::from_chars(at, end, value);
+      if (error != std::errc()) break;
+      row.push_back(value);
+      at = next < end && *next == ',' ? next + 1 : end;
+    }
+    if (row.size() != width) {
+      throw Refusal(fmt::format("{}: line {} must hold {} numbers", path.string(), number, width));
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+void append(std::string& text, std::initializer_list<double> values) {
+  bool first = true;
+  for (const double value : values) {
+    fmt::format_to(std::back_inserter(text), "{}{}", first ? "" : ",", value);
+    first = false;
+  }
+  text += '\n';
+}
+
+nlohmann::json as_json(const Figures& figures) {
+  nlohmann::json json = nlohmann::json::object();
+  for (const auto& [name, value] : figures) json[name] = value;
+  return json;
+}
+
+nlohmann::json read_json(const fs::path& path) {
+  std::ifstream in(path);
+  if (!in) throw Refusal(fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
+  auto json = nlohmann::json::parse(in, nullptr, false);
+  if (!json.is_object()) throw Refusal(fmt::format("{}: is not a JSON object", path.string()));
+  return json;
+}
+
+void read_figures(const nlohmann::json& json, Figures& figures) {
+  for (const auto& [name, value] : json.value("figures", nlohmann::json::object()).items()) {
+    if (value.is_number()) figures[name] = value.get<double>();
+  }
+}
+
+}  // namespace
+
+void write_contour(const fs::path& folder, const RunRecord& record) {
+  std::string text = std::string(kContourColumns) + "\n";
+  for (const auto& point : record.contour_m) append(text, {point[0], point[1]});
+  write_whole(folder / "contour.csv", text);
+  write_whole(folder / "contour.json", nlohmann::json{{"closed", record.contour_closed}}.dump(2) + "\n");
+}
+
+void write_master(const fs::path& folder, const RunRecord& record) {
+  std::string text = std::string(kMasterColumns) + "\n";
+  for (const auto& r : record.master) {
+    append(text, {static_cast<double>(r.tick), r.t_s, r.tool_m[0], r.tool_m[1], r.tool_m[2], r.hand_n[0], r.hand_n[1],
+                  r.hand_n[2], r.constraint_n, double(r.guided), double(r.engaged), double(r.button)});
+  }
+  write_whole(folder / "master.csv", text);
+  write_whole(folder / "master.json",
+              nlohmann::json{{"figures", as_json(record.master_figures)}, {"words", record.words}}.dump(2) + "\n");
+}
+
+void write_slave(const fs::path& folder, const RunRecord& record) {
+  std::string text = std::string(kSlaveColumns) + "\n";
+  for (const auto& r : record.slave) {
+    append(text, {static_cast<double>(r.tick), r.t_s, r.applied, r.ref_m[0], r.ref_m[1], r.ref_m[2], r.tool_m[0],
+                  r.tool_m[1], r.tool_m[2], r.laser_w, double(r.interlock), double(r.settled)});
+  }
+  write_whole(folder / "slave.csv", text);
+  write_whole(folder / "slave.json", nlohmann::json{{"figures", as_json(record.slave_figures)}}.dump(2) + "\n");
+}
+
+RunRecord read_run(const fs::path& folder) {
+  RunRecord record;
+  for (const auto& row : read_table(folder / "contour.csv", kContourColumns)) {
+    record.contour_m.push_back({row[0], row[1]});
+  }
+  record.contour_closed = read_json(folder / "contour.json").value("closed", true);
+  for (const auto& v : read_table(folder / "master.csv", kMasterColumns)) {
+    record.master.push_back({static_cast<std::uint64_t>(v[0]), v[1], {v[2], v[3], v[4]}, {v[5], v[6], v[7]}, v[8],
+                             v[9] != 0, v[10] != 0, v[11] != 0});
+  }
+  for (const auto& v : read_table(folder / "slave.csv", kSlaveColumns)) {
+    record.slave.push_back({static_cast<std::uint64_t>(v[0]), v[1], v[2], {v[3], v[4], v[5]}, {v[6], v[7], v[8]}, v[9],
+                            static_cast<int>(v[10]), v[11] != 0});
+  }
+  const auto master = read_json(folder / "master.json");
+  read_figures(master, record.master_figures);
+  for (const auto& [name, value] : master.value("words", nlohmann::json::object()).items()) {
+    if (value.is_string()) record.words[name] = value.get<std::string>();
+  }
+  read_figures(read_json(folder / "slave.json"), record.slave_figures);
+  return record;
+}
+
+}  // namespace telekerf

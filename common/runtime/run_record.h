@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a run leaves behind: one row a tick of each robot, and the figures that only the process itself knows.
+// Metres; the master's rows in the master's workpiece frame, the slave's in the workpiece frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace telekerf {
+
+using Triple = std::array<double, 3>;
+
+struct MasterRow {
+  std::uint64_t tick = 0;
+  double t_s = 0.0;
+  Triple tool_m{};        ///< true tool
+  Triple hand_n{};        ///< hand force on the tool
+  double constraint_n = 0.0;  ///< force by which the constraint answers, across the curve
+  bool guided = false;    ///< on the constraint, the hand moves it
+  bool engaged = false;   ///< the slave follows
+  bool button = false;
+};
+
+struct SlaveRow {
+  std::uint64_t tick = 0;
+  double t_s = 0.0;
+  double applied = -1.0;  ///< master tick being applied; negative: none (holding)
+  Triple ref_m{};         ///< commanded reference
+  Triple tool_m{};        ///< true tool
+  double laser_w = 0.0;
+  int interlock = 0;
+  bool settled = false;   ///< following, and no offset of an approach is left
+};
+
+/// Rows kept in memory that is taken before the loop starts; when it is full, further rows are counted only.
+template <typename Row>
+class Recorder {
+ public:
+  explicit Recorder(std::size_t capacity) { rows_.reserve(capacity); }
+  void push(const Row& row) noexcept {
+    if (rows_.size() < rows_.capacity()) {
+      rows_.push_back(row);
+    } else {
+      ++dropped_;
+    }
+  }
+  const std::vector<Row>& rows() const { return rows_; }
+  std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  std::vector<Row> rows_;
+  std::uint64_t dropped_ = 0;
+};
+
+/// Named figures of a process ("rtt_p50_ms" -> 100.2), kept in order of their names.
+using Figures = std::map<std::string, double>;
+using Words = std::map<std::string, std::string>;
+
+struct RunRecord {
+  std::vector<std::array<double, 2>> contour_m;  ///< as extracted, true size
+  bool contour_closed = true;
+  std::vector<MasterRow> master;
+  std::vector<SlaveRow> slave;
+  Figures master_figures, slave_figures;
+  Words words;  ///< netem, law, codec, image ...
+};
+
+/// CSV and JSON files in `folder` (created if need be); each site writes its own part. Throws Refusal.
+void write_contour(const std::filesystem::path& folder, const RunRecord& record);
+void write_master(const std::filesystem::path& folder, const RunRecord& record);
+void write_slave(const std::filesystem::path& folder, const RunRecord& record);
+/// Everything again; throws Refusal that names the file and line.
+RunRecord read_run(const std::filesystem::path& folder);
+
+}  // namespace telekerf

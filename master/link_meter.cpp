@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/link_meter.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace telekerf::master {
+
+LinkMeter::LinkMeter() : histogram_(kBins, 0) {}
+
+void LinkMeter::sent(const CommandBlock& block) noexcept {
+  ++packets_;
+  payload_bytes_ += block.payload.size;
+}
+
+void LinkMeter::received(const StateBlock& state, std::int64_t received_ns) noexcept {
+  if (last_number_ != 0 && state.sequence > last_number_ + 1) lost_ += state.sequence - last_number_ - 1;
+  last_number_ = std::max(last_number_, state.sequence);
+  ++states_;
+  // One round trip a command: a later state that echoes the same command says nothing new.
+  if (state.echo_sequence == 0 || state.echo_sequence == last_echo_) return;
+  last_echo_ = state.echo_sequence;
+  const std::int64_t held_ns = state.sent_ns - state.echo_received_ns;
+  const double rtt_ms = static_cast<double>(received_ns - state.echo_sent_ns - held_ns) * 1e-6;
+  const double bin = std::clamp(rtt_ms / kBinMs, 0.0, static_cast<double>(kBins - 1));
+  ++histogram_[static_cast<std::size_t>(bin)];
+  ++round_trips_;
+}
+
+double LinkMeter::rtt_quantile_ms(double share) const {
+  if (round_trips_ == 0) return 0.0;
+  const auto rank = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(round_trips_)));
+  std::uint64_t seen = 0;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    seen += histogram_[bin];
+    if (seen >= rank) return (static_cast<double>(bin) + 0.5) * kBinMs;
+  }
+  return kBins * kBinMs;
+}
+
+}  // namespace telekerf::master

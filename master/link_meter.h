@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the link does, seen from the master: round trips, losses, payload. Fixed memory, no allocation in the loop.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/bus/messages.h"
+
+namespace telekerf::master {
+
+class LinkMeter {
+ public:
+  LinkMeter();
+
+  void sent(const CommandBlock& block) noexcept;
+  /// Round trip of the network only: handing a command to the bus until taking the state that acknowledges it, less
+  /// the time that the slave held it (contract.md, "Time").
+  void received(const StateBlock& state, std::int64_t received_ns) noexcept;
+
+  double rtt_quantile_ms(double share) const;
+  std::uint64_t lost() const noexcept { return lost_; }
+  std::uint64_t states() const noexcept { return states_; }
+  std::uint64_t packets() const noexcept { return packets_; }
+  std::uint64_t payload_bytes() const noexcept { return payload_bytes_; }
+
+ private:
+  static constexpr double kBinMs = 0.02;
+  static constexpr std::size_t kBins = 150'000;  ///< 3 s; longer ones fall into the last
+  std::vector<std::uint32_t> histogram_;
+  std::uint64_t round_trips_ = 0;
+  std::uint32_t last_echo_ = 0;
+  std::uint32_t last_number_ = 0;
+  std::uint64_t lost_ = 0;
+  std::uint64_t states_ = 0;
+  std::uint64_t packets_ = 0;
+  std::uint64_t payload_bytes_ = 0;
+};
+
+}  // namespace telekerf::master

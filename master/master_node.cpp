@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/master_node.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/bus/rounded.h"
+
+namespace telekerf::master {
+
+MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch)
+    : model_(model),
+      kinematics_(model.geometry),
+      settings_(settings),
+      acceleration_(control::AccelerationControl::settings_for(
+          model, {.period_s = 1.0 / settings.control_hz,
+                  .bandwidth_rad_per_s = settings.observer_rad_s,
+                  .velocity_bandwidth_rad_per_s = 3.0 * settings.observer_rad_s})),
+      epoch_(epoch),
+      dt_s_(1.0 / settings.control_hz),
+      period_ns_(std::llround(1e9 / settings.control_hz)),
+      generator_(settings.constraint),
+      encoder_(settings.command),
+      samples_(static_cast<std::size_t>(settings.command.block), Vec3::Zero()),
+      ticks_per_sample_(static_cast<int>(std::lround(settings.control_hz / settings.stream_hz))) {}
+
+void MasterNode::choose_mode(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool) noexcept {
+  const auto hold_here = [&](MasterMode mode) {
+    if (mode_ != mode) hold_m_ = tool.position_m;
+    mode_ = mode;
+  };
+  for (const auto& event : inputs.events) {
+    if (event.kind == EventMessage::Kind::kStop) hold_here(MasterMode::kStopped);
+    if (event.kind == EventMessage::Kind::kClearStop && mode_ == MasterMode::kStopped) hold_here(MasterMode::kIdle);
+  }
+  if (mode_ == MasterMode::kStopped) return;
+  if (inputs.guide != guide_ || (mode_ == MasterMode::kIdle && inputs.guide != nullptr)) {
+    guide_ = inputs.guide;
+    generator_.reset();
+    if (guide_ == nullptr) {
+      hold_here(MasterMode::kIdle);
+      return;
+    }
+    // To the nearest point of the curve and the working plane, along a straight line.
+    const Vec2 goal = guide_->curve.find(tool.position_m.head<2>()).point_m;
+    approach_from_m_ = tool.position_m;
+    approach_to_m_ = Vec3(goal.x(), goal.y(), 0.0);
+    approach_s_ = 0.0;
+    approach_duration_s_ =
+        std::max(0.5, (approach_to_m_ - approach_from_m_).norm() / settings_.approach_m_per_s);
+    mode_ = MasterMode::kApproach;
+    return;
+  }
+  const bool slave_alive =
+      link_.states() > 0 && static_cast<double>(now_ns - slave_heard_ns_) * 1e-9 < settings_.stale_s &&
+      guide_ != nullptr && slave_.contour_id == guide_->contour_id && slave_.interlock != Interlock::kStopped;
+  switch (mode_) {
+    case MasterMode::kApproach:
+      // Half a second to come to rest after the planned motion.
+      if (approach_s_ > approach_duration_s_ + 0.5) mode_ = MasterMode::kGuiding;
+      break;
+    case MasterMode::kGuiding:
+      if (inputs.engage && slave_alive) mode_ = MasterMode::kEngaged;
+      break;
+    case MasterMode::kEngaged:
+      if (!inputs.engage || !slave_alive) mode_ = MasterMode::kGuiding;
+      break;
+    case MasterMode::kIdle:
+    case MasterMode::kStopped:
+      break;
+  }
+}
+
+Vec3 MasterNode::held(const Tool& tool, const Vec3& goal_m, const Vec3& goal_velocity,
+                      const Vec3& goal_acceleration) const noexcept {
+  const double w = settings_.constraint.bandwidth_rad_s;
+  return goal_acceleration + 2.0 * w * (goal_velocity - tool.velocity_m_per_s) + w * w * (goal_m - tool.position_m);
+}
+
+Vec3 MasterNode::approach(const Tool& tool) noexcept {
+  // Minimum-jerk polynomial in normalised time.
+  approach_s_ += dt_s_;
+  const double duration = approach_duration_s_;
+  const double u = std::min(approach_s_ / duration, 1.0);
+  const Vec3 way = approach_to_m_ - approach_from_m_;
+  const double place = u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
+  const double speed = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration;
+  const double acceleration = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration);
+  return held(tool, approach_from_m_ + place * way, speed * way, acceleration * way);
+}
+
+MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) noexcept {
+  MasterOutputs out;
+  if (!started_ && inputs.joints.valid) acceleration_.reset(inputs.joints.joints_m);
+  acceleration_.observe(inputs.joints);
+  const auto state = kinematics_.state(acceleration_.joints_m(), acceleration_.joint_velocity_m_per_s());
+  Tool tool;
+  if (state) {
+    tool.position_m = model_.in_workpiece(state->tool_m);
+    tool.velocity_m_per_s = state->tool_velocity_m_per_s;
+    inertia_kg_ = robot::joint_inertia(model_, *state);
+    out.hand_n = control::reaction_force(model_, kinematics_, *state, acceleration_.disturbance_n());
+  }
+  if (!started_ && state && inputs.joints.valid) {
+    hold_m_ = tool.position_m;
+    started_ = true;
+  }
+
+  for (const auto& received : inputs.states) {
+    slave_ = received.value;
+    slave_heard_ns_ = received.received_ns;
+    link_.received(received.value, received.received_ns);
+  }
+  choose_mode(now_ns, inputs, tool);
+
+  Vec3 wanted = Vec3::Zero();
+  switch (mode_) {
+    case MasterMode::kIdle:
+    case MasterMode::kStopped:
+      wanted = held(tool, hold_m_, Vec3::Zero(), Vec3::Zero());
+      break;
+    case MasterMode::kApproach:
+      wanted = approach(tool);
+      break;
+    case MasterMode::kGuiding:
+    case MasterMode::kEngaged: {
+      const ActiveConstraint active = generator_.at(*guide_, tool.position_m.head<2>());
+      wanted = constrained_acceleration(active, settings_.constraint, tool.position_m, tool.velocity_m_per_s,
+                                        out.hand_n);
+      out.constraint_n = -active.shape.gradient(tool.position_m.head<2>()).dot(out.hand_n.head<2>());
+      break;
+    }
+  }
+  const Vec3 joint_acceleration =
+      state ? state->joint_acceleration(wanted)
+            : Vec3(-2.0 * settings_.constraint.bandwidth_rad_s * acceleration_.joint_velocity_m_per_s());
+  // All of the disturbance is put back, the hand's part of it included; along the curve the hand's force comes back
+  // through the virtual mass in `wanted`, so the pen is stiff across and free along.
+  out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_, acceleration_.disturbance_n());
+  out.mode = mode_;
+  out.tool_m = tool.position_m;
+  out.velocity_m_per_s = tool.velocity_m_per_s;
+  if (guide_ != nullptr && state) stream(now_ns, inputs, tool, out);
+  ++tick_;
+  return out;
+}
+
+void MasterNode::stream(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool,
+                        MasterOutputs& out) noexcept {
+  if (tick_ % static_cast<Tick>(ticks_per_sample_) != 0) return;
+  const double beta = guide_->beta;
+  if (filled_ == 0) {
+    block_tick_ = tick_;
+    block_anchor_ = rounded(Anchor{beta * tool.position_m, beta * tool.velocity_m_per_s});
+    buttons_ = 0;
+  }
+  if (inputs.button && mode_ == MasterMode::kEngaged) buttons_ |= std::uint64_t{1} << filled_;
+  samples_[filled_++] = beta * tool.position_m;
+  if (filled_ < samples_.size()) return;
+  filled_ = 0;
+
+  CommandBlock& block = out.command.emplace();
+  block.sequence = ++number_;
+  block.epoch = epoch_;
+  block.first_tick = block_tick_;
+  block.sample_period_ns = static_cast<std::uint32_t>(period_ns_ * ticks_per_sample_);
+  block.ticks_per_sample = static_cast<std::uint16_t>(ticks_per_sample_);
+  block.contour_id = guide_->contour_id;
+  block.beta = rounded(beta);
+  block.law = Law::kLocal;
+  block.engaged = mode_ == MasterMode::kEngaged;
+  block.anchor = block_anchor_;
+  block.sent_ns = now_ns;
+  const codec::Trend trend{block.anchor.position_m,
+                           block.anchor.velocity_m_per_s * (block.sample_period_ns * 1e-9)};
+  const auto bytes = encoder_.encode(samples_, buttons_, trend, block.payload.room());
+  if (!bytes) {
+    out.command.reset();
+    return;
+  }
+  block.payload.size = static_cast<std::uint16_t>(*bytes);
+  link_.sent(block);
+}
+
+}  // namespace telekerf::master

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// The master: constraint generator and controller, state machine, command stream. Pure: the same node runs in its
+// process and in virtual time.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/bus/messages.h"
+#include "common/codec/encoder.h"
+#include "common/control/acceleration_control.h"
+#include "common/robot/robot.h"
+#include "common/robot/robot_model.h"
+#include "master/constraint.h"
+#include "master/link_meter.h"
+
+namespace telekerf::master {
+
+struct MasterSettings {
+  double control_hz = 1000.0;
+  double stream_hz = 1000.0;
+  double observer_rad_s = 300.0;       ///< of the disturbance observer
+  double approach_m_per_s = 0.05;      ///< mean speed at which the tool is brought to the curve
+  double stale_s = 0.5;                ///< no state of the slave for this long: disengage
+  codec::StreamSettings command;       ///< of the command stream
+  ConstraintSettings constraint;
+};
+
+struct MasterInputs {
+  robot::JointReading joints;
+  std::span<const Received<StateBlock>> states;  ///< since the last step, in order of arrival
+  std::span<const EventMessage> events;
+  const Guide* guide = nullptr;  ///< null: no contour yet; must outlive its use
+  bool button = false;           ///< the pen's laser button
+  bool engage = false;           ///< the operator wants the slave to follow
+};
+
+enum class MasterMode : std::uint8_t {
+  kIdle,      ///< no contour: holds its pose
+  kApproach,  ///< brings the tool to the curve
+  kGuiding,   ///< the hand moves on the curve, the slave does not follow
+  kEngaged,   ///< the slave follows
+  kStopped,   ///< latched emergency stop: holds its pose
+};
+
+struct MasterOutputs {
+  Vec3 currents_a = Vec3::Zero();
+  std::optional<CommandBlock> command;
+  MasterMode mode = MasterMode::kIdle;
+  Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
+  Vec3 velocity_m_per_s = Vec3::Zero();
+  Vec3 hand_n = Vec3::Zero();  ///< estimated force of the hand
+  double constraint_n = 0.0;   ///< how hard the constraint answers, across the curve
+};
+
+class MasterNode {
+ public:
+  MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch);
+
+  MasterOutputs step(std::int64_t now_ns, const MasterInputs& inputs) noexcept;
+
+  const LinkMeter& link() const noexcept { return link_; }
+  Tick tick() const noexcept { return tick_; }
+  /// The slave's newest state block; meaningful once link().states() > 0.
+  const StateBlock& slave() const noexcept { return slave_; }
+
+ private:
+  struct Tool {
+    Vec3 position_m = Vec3::Zero();
+    Vec3 velocity_m_per_s = Vec3::Zero();
+  };
+  void choose_mode(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool) noexcept;
+  Vec3 held(const Tool& tool, const Vec3& goal_m, const Vec3& goal_velocity, const Vec3& goal_acceleration) const noexcept;
+  Vec3 approach(const Tool& tool) noexcept;
+  void stream(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool, MasterOutputs& out) noexcept;
+
+  robot::RobotModel model_;
+  robot::DeltaKinematics kinematics_;
+  MasterSettings settings_;
+  control::AccelerationControl acceleration_;
+  robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
+  std::uint32_t epoch_;
+  double dt_s_;
+  std::int64_t period_ns_;
+  Tick tick_ = 0;
+  bool started_ = false;
+
+  MasterMode mode_ = MasterMode::kIdle;
+  ConstraintGenerator generator_;
+  const Guide* guide_ = nullptr;
+  Vec3 hold_m_ = Vec3::Zero();
+  Vec3 approach_from_m_ = Vec3::Zero();
+  Vec3 approach_to_m_ = Vec3::Zero();
+  double approach_s_ = 0.0;
+  double approach_duration_s_ = 0.0;
+
+  // Command stream.
+  codec::BlockEncoder encoder_;
+  std::vector<Vec3> samples_;
+  std::size_t filled_ = 0;
+  std::uint64_t buttons_ = 0;
+  Anchor block_anchor_;
+  Tick block_tick_ = 0;
+  std::uint32_t number_ = 0;
+  int ticks_per_sample_ = 1;
+
+  LinkMeter link_;
+  StateBlock slave_;
+  std::int64_t slave_heard_ns_ = 0;
+};
+
+}  // namespace telekerf::master

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where hand motion comes from: the seam, and a seeded simulated operator.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/bus/messages.h"
+#include "common/geometry/nearest.h"
+
+namespace telekerf::master {
+
+/// What the hand does to the pen.
+struct HandSample {
+  Vec3 force_n = Vec3::Zero();  ///< on the tool, master workpiece frame; a real hand acts on the robot itself
+  bool button = false;          ///< laser button
+};
+
+/// The hardware seam: a pen with a button, a console, a recording.
+class HandInput {
+ public:
+  virtual ~HandInput() = default;
+  /// `tool_m`, `velocity_m_per_s`: the pen's true state, master workpiece frame. `guided`: the constraint holds the pen.
+  virtual HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s, bool guided) noexcept = 0;
+};
+
+struct HandSettings {
+  double speed_m_per_s = 0.02;      ///< mean along the curve
+  double stiffness_n_per_m = 250.0;  ///< of the arm
+  double damping_ns_per_m = 8.0;
+  double max_sideways_n = 3.0;      ///< how hard it pushes off the curve at most
+  double wander_n = 2.0;            ///< rms of the sideways push
+  double tremor_n = 0.05;           ///< amplitude, 9 Hz
+  double press_share = 0.8;         ///< of the time that the button is held, in stretches
+};
+
+/// An arm that wants to go once round and round the curve but wanders off it: impedance to a point that runs along the
+/// curve, a slowly varying sideways push (bounded), tremor, and a button pressed in stretches. Same seed, same hand.
+class SimulatedHand : public HandInput {
+ public:
+  SimulatedHand(const geometry::Polyline& curve_m, const HandSettings& settings, std::uint64_t seed);
+  HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s, bool guided) noexcept override;
+
+ private:
+  double uniform() noexcept;
+  double normal() noexcept;
+  void choose_button(double now_s) noexcept;
+
+  HandSettings settings_;
+  geometry::NearestIndex curve_;
+  std::uint64_t random_;
+  std::optional<double> goal_arc_m_;  ///< where on the curve the arm aims, once it is guided
+  std::optional<double> last_s_;
+  double pace_ = 1.0;  ///< slow variation of the speed
+  double sideways_n_ = 0.0;
+  double tremor_phase_rad_ = 0.0;
+  bool button_ = false;
+  double button_until_s_ = 0.0;
+};
+
+}  // namespace telekerf::master

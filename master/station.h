@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The operator's side without bus and clock: node, robot, hand and record, one step at a time. The process and the
+// virtual-time lap run this same station.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "common/bus/messages.h"
+#include "common/robot/simulated_robot.h"
+#include "common/runtime/run_record.h"
+#include "master/master_node.h"
+#include "master/operator/hand.h"
+
+namespace telekerf::master {
+
+struct StationSettings {
+  MasterSettings node;
+  std::string robot = "master-horizontal";
+  double beta = 0.5;
+  double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
+  HandSettings hand;
+  std::uint64_t seed = 1;
+  std::uint32_t epoch = 1;
+  double record_s = 120.0;  ///< length of the record kept
+  /// The settings, or a Refusal that names what does not fit.
+  StationSettings validated() const;
+};
+
+/// A contour made ready for the loop: what the constraint and the hand need of it.
+struct Task {
+  Guide guide;
+  SimulatedHand hand;
+};
+
+class Station {
+ public:
+  explicit Station(const StationSettings& settings);
+
+  /// Allocates: call it outside the loop. Throws Refusal if the scaled contour leaves the workspace.
+  std::unique_ptr<Task> prepare(const ContourMessage& contour) const;
+
+  /// One control step: read, decide, write, and let the simulated plant move. `task` may be null.
+  MasterOutputs step(std::int64_t now_ns, Task* task, bool engage, std::span<const Received<StateBlock>> states,
+                     std::span<const EventMessage> events) noexcept;
+
+  const MasterNode& node() const { return node_; }
+  double control_period_s() const { return 1.0 / settings_.node.control_hz; }
+  /// The master's part of the record: rows and figures.
+  void report(RunRecord& record) const;
+
+ private:
+  StationSettings settings_;
+  robot::RobotModel model_;
+  robot::SimulatedRobot robot_;
+  MasterNode node_;
+  Recorder<MasterRow> recorder_;
+  bool guided_ = false;
+};
+
+}  // namespace telekerf::master

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// May the beam be on? Laser off is the answer to every doubt; the first reason that forbids it is said aloud.
+#pragma once
+
+#include "common/bus/messages.h"
+
+namespace telekerf::slave {
+
+struct InterlockSettings {
+  double corridor_m = 0.5e-3;          ///< half width, judged at the beam's centre (contract.md, "Corridor")
+  double reaction_s = 0.003;           ///< the beam may run on this long after the decision
+  double measurement_m = 20e-6;        ///< allowance for what the sensors do not see
+  double max_tracking_error_m = 0.2e-3;  ///< tool to where the master wants it
+};
+
+struct InterlockInputs {
+  bool stopped = false;
+  bool contour_known = false;  ///< and the same one that the master works on
+  bool engaged = false;
+  bool fresh = false;  ///< the sample being applied really came, and recently
+  bool inside_workspace = false;
+  double contour_distance_m = 0.0;  ///< measured tool to the contour, in plane
+  double speed_m_per_s = 0.0;
+  double tracking_error_m = 0.0;
+};
+
+/// Pure judgement, made anew at every control step.
+inline Interlock judge(const InterlockInputs& now, const InterlockSettings& settings) noexcept {
+  if (now.stopped) return Interlock::kStopped;
+  if (!now.contour_known) return Interlock::kNoContour;
+  if (!now.engaged) return Interlock::kNotEngaged;
+  if (!now.fresh) return Interlock::kStale;
+  if (!now.inside_workspace) return Interlock::kOutsideWorkspace;
+  const double reach_m = now.speed_m_per_s * settings.reaction_s + settings.measurement_m;
+  // Written so that a NaN forbids.
+  if (!(now.contour_distance_m + reach_m < settings.corridor_m)) return Interlock::kOutsideCorridor;
+  if (!(now.tracking_error_m < settings.max_tracking_error_m)) return Interlock::kTracking;
+  return Interlock::kReady;
+}
+
+const char* name_of(Interlock state) noexcept;
+
+}  // namespace telekerf::slave

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// The slave: play-out, local reference, tracking law (eq. 87), limits, laser interlock, feedback stream. Pure: the
+// same node runs in its process and in virtual time.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "common/bus/messages.h"
+#include "common/bus/rounded.h"
+#include "common/codec/decoder.h"
+#include "common/codec/encoder.h"
+#include "common/control/acceleration_control.h"
+#include "common/geometry/nearest.h"
+#include "common/robot/robot.h"
+#include "common/robot/robot_model.h"
+#include "slave/joiner.h"
+#include "slave/laser/interlock.h"
+#include "slave/playout.h"
+
+namespace telekerf::slave {
+
+struct SlaveSettings {
+  double control_hz = 1000.0;
+  double stream_hz = 1000.0;
+  double bandwidth_rad_s = 60.0;   ///< of the tracking law, critically damped
+  double observer_rad_s = 400.0;   ///< of the disturbance observer
+  double stale_s = 0.15;           ///< no command for this long: laser off, hold
+  double laser_w = 10.0;
+  codec::StreamSettings feedback;  ///< of the state stream
+  PlayoutSettings playout;
+  JoinerSettings joiner;
+  InterlockSettings interlock;
+};
+
+/// The contour as the interlock needs it; built outside the loop.
+struct Corridor {
+  std::uint32_t contour_id = 0;
+  geometry::NearestIndex contour;
+};
+
+struct SlaveInputs {
+  robot::JointReading joints;
+  std::span<const Received<CommandBlock>> commands;  ///< since the last step, in order of arrival
+  std::span<const EventMessage> events;
+  const Corridor* corridor = nullptr;  ///< null: no contour yet; must outlive its use
+};
+
+enum class SlaveMode : std::uint8_t {
+  kWaiting,    ///< no commands yet, or disengaged: holds its pose
+  kFollowing,  ///< applies the stream
+  kHolding,    ///< was following, but the stream has dried up: holds, laser off
+  kStopped,    ///< latched emergency stop
+};
+
+struct SlaveCounters {
+  std::uint64_t blocks = 0;
+  std::uint64_t lost = 0;       ///< blocks whose number never came
+  std::uint64_t stale = 0;      ///< late, reordered or repeated blocks
+  std::uint64_t refused = 0;    ///< undecodable, other contour, other master, from the future
+  std::uint64_t missed_ticks = 0;  ///< applied while their sample was not there
+};
+
+struct SlaveOutputs {
+  Vec3 currents_a = Vec3::Zero();
+  double laser_w = 0.0;
+  std::optional<StateBlock> state;
+  SlaveMode mode = SlaveMode::kWaiting;
+  Interlock interlock = Interlock::kNoContour;
+  double applied_tick = -1.0;  ///< master tick applied at this step; negative: none
+  bool settled = false;        ///< following without a rest of an approach
+  Motion reference;
+  Vec3 tool_m = Vec3::Zero();  ///< measured
+};
+
+class SlaveNode {
+ public:
+  SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch);
+
+  SlaveOutputs step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept;
+
+  const SlaveCounters& counters() const noexcept { return counters_; }
+  const PlayoutClock& playout() const noexcept { return clock_; }
+
+ private:
+  void receive(const Received<CommandBlock>& received, const Corridor* corridor) noexcept;
+  void obey(const EventMessage& event) noexcept;
+  Motion choose_source(std::int64_t now_ns, SlaveOutputs& out) noexcept;
+  void keep_inside(Motion& motion) const noexcept;
+  void report(std::int64_t now_ns, const Corridor* corridor, SlaveOutputs& out) noexcept;
+
+  robot::RobotModel model_;
+  robot::DeltaKinematics kinematics_;
+  SlaveSettings settings_;
+  control::AccelerationControl acceleration_;
+  robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
+  std::uint32_t epoch_;
+  double dt_s_;
+  std::int64_t period_ns_;
+  Tick tick_ = 0;
+
+  // Command stream.
+  codec::BlockDecoder decoder_;
+  std::unique_ptr<SampleRing> ring_;
+  PlayoutClock clock_;
+  std::optional<std::uint32_t> master_epoch_;
+  std::uint32_t number_ = 0;  ///< newest block's
+  std::int64_t newest_index_ = -1;
+  CommandBlock header_;       ///< newest block's, without payload
+  std::int64_t last_arrival_ns_ = 0;
+  bool heard_ = false;
+  std::uint32_t generation_ = 0;
+  bool starving_ = false;
+
+  // Reference.
+  SlaveMode mode_ = SlaveMode::kWaiting;
+  ReferenceJoiner joiner_;
+  Motion reference_;
+  Motion hold_;  ///< source while not following
+  bool reference_known_ = false;
+  std::uint32_t source_generation_ = 0;  ///< 0: holding
+  bool button_ = false;
+  std::uint64_t applied_bitmap_ = 0;
+  std::int64_t applied_index_ = -1;
+  std::uint32_t applied_age_ = 0;
+
+  // Feedback stream.
+  codec::BlockEncoder encoder_;
+  std::vector<Vec3> samples_;
+  std::size_t filled_ = 0;
+  std::uint64_t laser_mask_ = 0;
+  Anchor block_anchor_;
+  Tick block_tick_ = 0;
+  std::uint32_t state_number_ = 0;
+  int ticks_per_sample_ = 1;
+
+  SlaveCounters counters_;
+};
+
+}  // namespace telekerf::slave

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/station.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/runtime/refusal.h"
+
+namespace telekerf::slave {
+namespace {
+
+Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace
+
+StationSettings StationSettings::validated() const {
+  StationSettings settings = *this;
+  const double ratio = node.control_hz / node.stream_hz;
+  if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
+    throw Refusal(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}", node.control_hz,
+                              node.stream_hz));
+  }
+  settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
+  settings.node.feedback = settings.node.feedback.validated();
+  return settings;
+}
+
+Station::Station(const StationSettings& settings)
+    : settings_(settings.validated()),
+      model_(robot::load_robot(settings_.robot)),
+      // Another machine than the master's, so other deviations with the same seed.
+      robot_(robot::mismatched(model_, settings_.mismatch, settings_.seed + 1000), settings_.seed + 1000,
+             model_.in_base(Vec3::Zero())),
+      node_(model_, settings_.node, settings_.epoch),
+      recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
+
+std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const {
+  double reach_m = 0.0;
+  for (const auto& point : contour.points_m) reach_m = std::max(reach_m, point.norm());
+  if (reach_m > model_.workspace.radius_m) {
+    throw Refusal(fmt::format(
+        "the contour reaches {:.1f} mm from the workspace's centre, but {} reaches {:.1f} mm; use a smaller --width-mm",
+        reach_m * 1e3, model_.name, model_.workspace.radius_m * 1e3));
+  }
+  return std::make_unique<Corridor>(
+      Corridor{contour.id, geometry::NearestIndex(geometry::Polyline{contour.points_m, contour.closed})});
+}
+
+SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
+                           std::span<const Received<CommandBlock>> commands,
+                           std::span<const EventMessage> events) noexcept {
+  SlaveInputs inputs;
+  inputs.joints = robot_.read();
+  inputs.commands = commands;
+  inputs.events = events;
+  inputs.corridor = corridor;
+  const Vec3 tool_m = model_.in_workpiece(robot_.true_tool_in_base_m());
+  const SlaveOutputs out = node_.step(now_ns, inputs);
+  robot_.write(out.currents_a);
+  recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick, triple(out.reference.position_m),
+                  triple(tool_m), out.laser_w, static_cast<int>(out.interlock), out.settled});
+  ++tick_;
+  robot_.advance(control_period_s());
+  return out;
+}
+
+void Station::report(RunRecord& record) const {
+  record.slave = recorder_.rows();
+  const SlaveCounters& counters = node_.counters();
+  Figures& f = record.slave_figures;
+  f["rate_hz"] = settings_.node.control_hz;
+  f["control_period_s"] = control_period_s();
+  f["blocks"] = static_cast<double>(counters.blocks);
+  f["lost"] = static_cast<double>(counters.lost);
+  f["stale"] = static_cast<double>(counters.stale);
+  f["refused"] = static_cast<double>(counters.refused);
+  f["missed_ticks"] = static_cast<double>(counters.missed_ticks);
+  f["playout_corrections"] = static_cast<double>(node_.playout().corrections());
+  f["playout_ms"] = node_.playout().wait_s() * 1e3;
+  f["dropped_rows"] = static_cast<double>(recorder_.dropped());
+}
+
+}  // namespace telekerf::slave

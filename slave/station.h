@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// The workpiece's side without bus and clock: node, robot, laser and record, one step at a time. The process and the
+// virtual-time lap run this same station.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "common/bus/messages.h"
+#include "common/robot/simulated_robot.h"
+#include "common/runtime/run_record.h"
+#include "slave/slave_node.h"
+
+namespace telekerf::slave {
+
+struct StationSettings {
+  SlaveSettings node;
+  std::string robot = "slave-keops";
+  double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
+  std::uint64_t seed = 1;
+  std::uint32_t epoch = 1;
+  double record_s = 120.0;
+  StationSettings validated() const;
+};
+
+class Station {
+ public:
+  explicit Station(const StationSettings& settings);
+
+  /// Allocates: call it outside the loop. Throws Refusal if the contour leaves the workspace.
+  std::unique_ptr<Corridor> prepare(const ContourMessage& contour) const;
+
+  SlaveOutputs step(std::int64_t now_ns, const Corridor* corridor, std::span<const Received<CommandBlock>> commands,
+                    std::span<const EventMessage> events) noexcept;
+
+  const SlaveNode& node() const { return node_; }
+  double control_period_s() const { return 1.0 / settings_.node.control_hz; }
+  void report(RunRecord& record) const;
+
+ private:
+  StationSettings settings_;
+  robot::RobotModel model_;
+  robot::SimulatedRobot robot_;
+  SlaveNode node_;
+  Recorder<SlaveRow> recorder_;
+  Tick tick_ = 0;
+};
+
+}  // namespace telekerf::slave

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// The subcommands of telekerf-experiment; each declares its options and, when chosen, sets the action.
+#pragma once
+
+#include "common/runtime/program.h"
+
+namespace telekerf::experiments {
+
+void add_lap_command(CLI::App& app, Action& action);
+
+}  // namespace telekerf::experiments

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment lap: the demo's lap in virtual time, with the same report.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "common/inspect/run_report.h"
+#include "common/runtime/refusal.h"
+#include "common/runtime/settings.h"
+#include "tests/experiments/commands.h"
+#include "tests/lap/virtual_lap.h"
+
+namespace telekerf::experiments {
+namespace {
+
+struct Options {
+  lap::LapSettings lap;
+  std::string netem = "thesis-constant";
+  std::string out = "out/lap";
+  Settings settings;
+};
+
+int run(Options& options) {
+  options.settings.fill();
+  options.lap.network = netem::load_profile(options.netem);
+  const RunRecord record = lap::run_lap(options.lap);
+  std::error_code failed;
+  std::filesystem::create_directories(options.out, failed);
+  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
+  inspect::write_report(options.out, record);
+  fmt::print("{}\n", inspect::make_report(record).dump(2));
+  return 0;
+}
+
+}  // namespace
+
+void add_lap_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("lap", "Picture to cut in virtual time: report.json, trace.csv, cut.png");
+  auto options = std::make_shared<Options>();
+  auto& s = options->settings;
+  auto& lap = options->lap;
+  s.add("image", lap.image, "picture: a shipped name or a file");
+  s.add("width_mm", lap.width_mm, {.min = 0, .max = 1000}, "width of the whole picture, 0: fitted to the workspace");
+  s.add("netem", options->netem, "network profile: a shipped name or a file");
+  s.add("seed", lap.seed, {.min = 0, .max = 1e15}, "of everything random");
+  s.add("beta", lap.master.beta, {.min = 0.01, .max = 10}, "slave motion = beta x master motion");
+  s.add("duration_s", lap.duration_s, {.min = 1, .max = 600}, "length of the run");
+  s.add("out", options->out, "folder for the results");
+  s.attach(*command);
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace telekerf::experiments

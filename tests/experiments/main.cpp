@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment: the experiments, in virtual time.
+#include "tests/experiments/commands.h"
+
+int main(int argc, char** argv) {
+  CLI::App app("Experiments in virtual time", "telekerf-experiment");
+  app.require_subcommand(1);
+  telekerf::Action action;
+  telekerf::experiments::add_lap_command(app, action);
+  return telekerf::run_program(app, argc, argv, action);
+}
