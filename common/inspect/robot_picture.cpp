@@ -77,7 +77,7 @@ void draw_grid(const View& view, cv::Mat& panel) {
       Vec3 p = view.middle;
       p[axis] = v;
       const cv::Point at = view.pixel(p);
-      const std::string label = fmt::format("{:.0f}", 1e3 * v);
+      const std::string label = fmt::format("{:.0f}", std::round(1e3 * v) + 0.0);
       if (axis == view.right) {
         cv::line(panel, {at.x, 0}, {at.x, panel.rows}, kGrid);
         text(panel, label, {at.x + 3, panel.rows - 5}, 0.38);
@@ -148,8 +148,8 @@ void draw_workspace(const robot::RobotModel& robot, const std::filesystem::path&
        right + raise);
   const int foot = kHead_px + kPanel_px + 38;
   text(picture,
-       fmt::format("workspace: radius {:.1f} mm, height {:.1f} mm     condition number:",
-                   1e3 * robot.workspace.radius_m, 1e3 * robot.workspace.height_m),
+       fmt::format("workspace: radius {:.1f} mm, height {:.1f} mm", 1e3 * robot.workspace.radius_m,
+                   1e3 * robot.workspace.height_m),
        {20, foot}, 0.5);
   text(picture, "condition number", {right.x, foot}, 0.5);
   int x = right.x + 160;

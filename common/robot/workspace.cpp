@@ -173,16 +173,20 @@ Workspace largest_cylinder(const DeltaKinematics& kinematics, double worst_condi
     best.workspace.centre_m.x() = best.workspace.centre_m.y() = 0;
   }
 
-  // The grid only proposes; the radius is what the surface allows, in steps of 0.1 mm.
-  constexpr double kStep = 1e-4;
+  // The grid only proposes; in steps of 0.1 mm, the radius is what the surface allows.
+  constexpr double kStepsPerMetre = 1e4;
   Workspace found = best.workspace;
+  for (auto* value : {&found.centre_m.x(), &found.centre_m.y(), &found.centre_m.z()}) {
+    *value = std::round(*value * kStepsPerMetre) / kStepsPerMetre;
+  }
+  found.height_m = std::floor(found.height_m * kStepsPerMetre) / kStepsPerMetre;
+  Workspace larger = found;
   found.radius_m = 0;
-  for (double radius = kStep; radius <= best.workspace.radius_m + 2 * grid.step_m; radius += kStep) {
-    Workspace larger = best.workspace;
-    larger.radius_m = radius;
+  for (int k = 1; k / kStepsPerMetre <= best.workspace.radius_m + 2 * grid.step_m; ++k) {
+    larger.radius_m = k / kStepsPerMetre;
     if (!over_cylinder(larger, 1, [&](const Vec3& p) { return workable(kinematics, p, worst_condition); }))
       break;
-    found.radius_m = radius;
+    found = larger;
   }
   return found;
 }
