@@ -24,6 +24,7 @@ using Tick = std::uint64_t;
 enum class Law : std::uint8_t { kLocal, kAnchored, kRemoteAcceleration };
 
 /// Absolute state at a block's first tick, so that no loss leaves an offset. Workpiece frame of the slave.
+/// Single precision on the wire, as beta is: see rounded.h.
 struct Anchor {
   Vec3 position_m = Vec3::Zero();
   Vec3 velocity_m_per_s = Vec3::Zero();
@@ -49,10 +50,10 @@ struct CommandBlock {
   std::uint32_t contour_id = 0;
   double beta = 1.0;  ///< slave motion = beta x master motion
   Law law = Law::kLocal;
-  bool engaged = false;       ///< false: the slave holds its pose, laser off
-  std::uint64_t button = 0;   ///< bit n: laser button at sample n of the newest block
-  Anchor anchor;              ///< state at first_tick
-  std::int64_t sent_ns = 0;   ///< sender's monotonic clock, when handed to the bus
+  bool engaged = false;      ///< false: the slave holds its pose, laser off
+  std::uint64_t button = 0;  ///< bit n: laser button at sample n of the newest block
+  Anchor anchor;             ///< state at first_tick
+  std::int64_t sent_ns = 0;  ///< sender's monotonic clock, when handed to the bus
   Payload payload;
 };
 
@@ -82,11 +83,12 @@ struct StateBlock {
   Interlock interlock = Interlock::kNoContour;
   bool laser_on = false;
   // Echo of the commands: what was applied at the block's last sample.
-  Tick applied_tick = 0;               ///< newest master tick applied
+  Tick applied_tick = 0;                ///< newest master tick applied
   std::uint32_t applied_age_ticks = 0;  ///< slave ticks since it was applied (0: just now)
-  std::uint64_t applied_bitmap = 0;    ///< bit n: master tick applied_tick - n was really applied
-  std::int32_t playout_ticks = 0;      ///< depth of the play-out buffer, in stream samples
-  // Clock stamps of the newest command received: sent (master's clock), received and answered (slave's clock).
+  std::uint64_t applied_bitmap = 0;     ///< bit n: master tick applied_tick - n was really applied
+  std::int32_t playout_ticks = 0;       ///< depth of the play-out buffer, in stream samples
+  // Clock stamps of the newest command received: sent (master's clock), received and answered (slave's
+  // clock).
   std::uint32_t echo_sequence = 0;
   std::int64_t echo_sent_ns = 0;
   std::int64_t echo_received_ns = 0;
@@ -94,7 +96,8 @@ struct StateBlock {
   Payload payload;
 };
 
-/// Vision -> everyone, latched and reliable. Points in drawing order; a closed contour does not repeat its first.
+/// Vision -> everyone, latched and reliable. Points in drawing order; a closed contour does not repeat its
+/// first.
 struct ContourMessage {
   std::uint32_t id = 0;
   bool closed = true;
@@ -121,13 +124,22 @@ struct TelemetryMessage {
   std::vector<std::pair<std::string, double>> values;
 };
 
-/// Who is in the cell; latched and reliable.
+/// Who a process is; every participant announces it and `Bus` keeps the list of the others.
 struct PresenceMessage {
-  std::string role;  ///< master, slave, vision, console
-  std::string name;
-  std::uint32_t epoch = 0;
   std::uint16_t contract = 0;
+  std::string cell;
+  std::string role;  ///< master, slave, vision, console, ...
+  std::string name;  ///< unique in the cell
+  std::uint32_t epoch = 0;
+  bool joined = false;  ///< false while it looks around before joining
   std::string version;
+};
+
+/// A message as the bus hands it over.
+template <class T>
+struct Received {
+  T value{};
+  std::int64_t received_ns = 0;  ///< CLOCK_MONOTONIC of this machine, when the middleware handed it over
 };
 
 }  // namespace telekerf

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// A process' place in its cell: one DDS participant. Readers and writers (endpoints.h) live on it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/messages.h"
+#include "common/bus/site.h"
+#include "common/runtime/version.h"
+#include "netem/profile.h"
+
+namespace telekerf {
+
+/// A network between the sites, imitated on the receiving side of each process.
+struct Emulation {
+  netem::Profile profile;
+  std::uint64_t seed = 1;
+};
+
+struct BusSettings {
+  int domain = 0;               ///< 0..232
+  std::string cell = "cell-1";  ///< several cells share a domain without meeting
+  Site site = Site::kOperator;
+  std::string role;                ///< "master", "slave", "vision", "console", ...
+  std::string name;                ///< unique in the cell; empty: the role
+  std::uint32_t epoch = 0;         ///< of this start of the process; higher than the last one's
+  std::vector<std::string> peers;  ///< hosts beyond the reach of multicast
+  std::optional<Emulation> emulation;
+  /// How long a process looks for others before it joins.
+  std::chrono::milliseconds look_around{1000};
+  std::uint16_t contract = kContractVersion;  ///< another value only to test refusals
+};
+
+struct BusCounters {
+  std::uint64_t misfits = 0;  ///< processes that came after us and did not fit
+  // Of the emulated link, datagrams from the other site:
+  std::uint64_t emulated = 0;   ///< went through it
+  std::uint64_t lost = 0;       ///< were lost in it
+  std::uint64_t corrupted = 0;  ///< were damaged by it, and
+  std::uint64_t delivered_corrupted =
+      0;  ///< of those, reached the bus (stream payloads; the rest: UDP's checksum)
+};
+
+class Bus {
+ public:
+  /// Announces itself, looks around for `look_around`, joins. Throws Refusal: settings out of range, a peer
+  /// that does not resolve, no participant to be had, or somebody in the cell whom it does not fit
+  /// (presence.h).
+  explicit Bus(BusSettings settings);
+  ~Bus();
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+
+  const BusSettings& settings() const;
+  /// Everyone else in the cell who is alive, as announced.
+  std::vector<PresenceMessage> others() const;
+  /// Waits until somebody of this role has joined. False: nobody came in time.
+  [[nodiscard]] bool wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const;
+  /// What the user should know about the environment, one sentence each, e.g. clipped socket buffers.
+  const std::vector<std::string>& notes() const;
+  BusCounters counters() const;
+  /// Another network from the next datagram on; Refusal if the process runs without emulation.
+  void set_profile(const netem::Profile& profile);
+
+  /// The middleware's side of it; complete inside the bus only. Endpoints share its ownership, so the order
+  /// of destruction is free.
+  class Participant;
+  const std::shared_ptr<Participant>& participant() const { return participant_; }
+
+ private:
+  std::shared_ptr<Participant> participant_;
+};
+
+}  // namespace telekerf

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/endpoints.h"
+
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <thread>
+
+#include "common/bus/participant.h"
+#include "common/bus/qos.h"
+#include "common/bus/ring.h"
+#include "common/bus/topics.h"
+#include "common/bus/wire.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/refusal.h"
+
+namespace telekerf {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+using eprosima::fastrtps::types::ReturnCode_t;
+
+/// Set by a type's deserializer, read by the listener that called it, in one thread: bytes that are not even
+/// CDR.
+thread_local bool undecodable = false;  // NOLINT
+
+/// Generated serializers throw through the middleware when bytes are broken in some places and return false
+/// in others.
+template <class Type>
+class Guarded : public Type {
+ public:
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+    bool good = false;
+    try {
+      good = Type::deserialize(payload, data);
+    } catch (const std::exception&) {
+    }
+    undecodable = undecodable || !good;
+    return good;
+  }
+};
+
+template <class T>
+dds::Topic* topic_of(Bus::Participant& participant) {
+  using Topic = bus::Topic<T>;
+  dds::Topic* topic = participant.topic(Topic::kName, dds::TypeSupport(new Guarded<typename Topic::Type>));
+  if (topic == nullptr) throw Refusal(std::string("the middleware refused topic ") + Topic::kName);
+  return topic;
+}
+
+}  // namespace
+
+template <class T>
+struct Writer<T>::Impl : dds::DataWriterListener {
+  explicit Impl(Bus& bus) : participant(bus.participant()) {
+    writer = participant->publisher()->create_datawriter(topic_of<T>(*participant),
+                                                         bus::writer_qos(bus::Topic<T>::kIntent), this,
+                                                         dds::StatusMask::publication_matched());
+    if (writer == nullptr)
+      throw Refusal(std::string("the middleware refused a writer of ") + bus::Topic<T>::kName);
+  }
+  ~Impl() override {
+    writer->set_listener(nullptr);
+    participant->publisher()->delete_datawriter(writer);
+  }
+  void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
+    matched.store(status.current_count, std::memory_order_relaxed);
+  }
+
+  std::shared_ptr<Bus::Participant> participant;
+  dds::DataWriter* writer = nullptr;
+  typename bus::Topic<T>::Type::type wire;  // reused, so that a stream allocates nothing
+  std::atomic<int> matched{0};
+};
+
+template <class T>
+Writer<T>::Writer(Bus& bus) : impl_(std::make_unique<Impl>(bus)) {}
+template <class T>
+Writer<T>::~Writer() = default;
+template <class T>
+Writer<T>::Writer(Writer&&) noexcept = default;
+template <class T>
+Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
+
+template <class T>
+bool Writer<T>::write(const T& value) noexcept {
+  try {
+    return bus::to_wire(value, impl_->participant->settings().contract, impl_->wire) &&
+           impl_->writer->write(&impl_->wire);
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+template <class T>
+int Writer<T>::readers() const noexcept {
+  return impl_->matched.load(std::memory_order_relaxed);
+}
+
+template <class T>
+bool Writer<T>::wait_for_reader(std::chrono::nanoseconds timeout, int count) const {
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  while (readers() < count) {
+    if (std::chrono::steady_clock::now() >= end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+template <class T>
+struct Reader<T>::Impl : dds::DataReaderListener {
+  Impl(Bus& bus, std::size_t capacity)
+      : participant(bus.participant()), ring(capacity == 0 ? bus::Topic<T>::kRing : capacity) {
+    reader = participant->subscriber()->create_datareader(
+        topic_of<T>(*participant), bus::reader_qos(bus::Topic<T>::kIntent), this,
+        dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
+    if (reader == nullptr)
+      throw Refusal(std::string("the middleware refused a reader of ") + bus::Topic<T>::kName);
+  }
+  ~Impl() override {
+    reader->set_listener(nullptr);
+    participant->subscriber()->delete_datareader(reader);
+  }
+
+  void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
+    matched.store(status.current_count, std::memory_order_relaxed);
+  }
+
+  /// In a thread of the middleware: take, judge, stamp, hand over. Several of its threads may come (the
+  /// socket's and the emulated link's), so the ring's one producer is whoever holds the mutex.
+  void on_data_available(dds::DataReader* source) override {
+    const std::int64_t now_ns = monotonic_ns();
+    const std::lock_guard lock(producers);
+    dds::SampleInfo info;
+    while (true) {
+      undecodable = false;
+      const bool taken = source->take_next_sample(&wire, &info) == ReturnCode_t::RETCODE_OK;
+      if (undecodable) {
+        damaged.fetch_add(1, std::memory_order_relaxed);
+        if (!taken) continue;
+      } else if (!taken) {
+        return;
+      } else if (info.valid_data && !participant->is_own(info.sample_identity.writer_guid())) {
+        accept(now_ns);
+      }
+    }
+  }
+
+  void accept(std::int64_t now_ns) {
+    Received<T> sample;
+    sample.received_ns = now_ns;
+    switch (bus::from_wire(wire, participant->settings().contract, sample.value)) {
+      case bus::Verdict::kGood:
+        received.fetch_add(1, std::memory_order_relaxed);
+        ring.push(std::move(sample));
+        return;
+      case bus::Verdict::kDamaged:
+        damaged.fetch_add(1, std::memory_order_relaxed);
+        return;
+      case bus::Verdict::kForeignContract:
+        foreign.fetch_add(1, std::memory_order_relaxed);
+        return;
+    }
+  }
+
+  std::shared_ptr<Bus::Participant> participant;
+  dds::DataReader* reader = nullptr;
+  std::mutex producers;
+  typename bus::Topic<T>::Type::type wire;
+  Ring<Received<T>> ring;
+  std::atomic<int> matched{0};
+  std::atomic<std::uint64_t> received{0};
+  std::atomic<std::uint64_t> damaged{0};
+  std::atomic<std::uint64_t> foreign{0};
+};
+
+template <class T>
+Reader<T>::Reader(Bus& bus, std::size_t capacity) : impl_(std::make_unique<Impl>(bus, capacity)) {}
+template <class T>
+Reader<T>::~Reader() = default;
+template <class T>
+Reader<T>::Reader(Reader&&) noexcept = default;
+template <class T>
+Reader<T>& Reader<T>::operator=(Reader&&) noexcept = default;
+
+template <class T>
+std::optional<Received<T>> Reader<T>::take() noexcept {
+  return impl_->ring.take();
+}
+
+template <class T>
+ReaderCounters Reader<T>::counters() const noexcept {
+  return {.received = impl_->received.load(std::memory_order_relaxed),
+          .damaged = impl_->damaged.load(std::memory_order_relaxed),
+          .foreign_contract = impl_->foreign.load(std::memory_order_relaxed),
+          .dropped = impl_->ring.dropped()};
+}
+
+template <class T>
+int Reader<T>::writers() const noexcept {
+  return impl_->matched.load(std::memory_order_relaxed);
+}
+
+template class Writer<CommandBlock>;
+template class Writer<StateBlock>;
+template class Writer<ContourMessage>;
+template class Writer<EventMessage>;
+template class Writer<TelemetryMessage>;
+template class Reader<CommandBlock>;
+template class Reader<StateBlock>;
+template class Reader<ContourMessage>;
+template class Reader<EventMessage>;
+template class Reader<TelemetryMessage>;
+
+}  // namespace telekerf

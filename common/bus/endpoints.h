@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Typed readers and writers. The quality of service follows from the type (see topics.h): CommandBlock and
+// StateBlock are best-effort streams, ContourMessage is latched and reliable, EventMessage reliable,
+// TelemetryMessage best effort.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "common/bus/bus.h"
+#include "common/bus/messages.h"
+
+namespace telekerf {
+
+template <class T>
+class Writer {
+ public:
+  explicit Writer(Bus& bus);
+  ~Writer();
+  Writer(Writer&&) noexcept;
+  Writer& operator=(Writer&&) noexcept;
+
+  /// Sends from the calling thread (the contour: from a thread of the middleware). Blocks and telemetry never
+  /// wait for anybody; blocks allocate nothing. False: the value breaks a bound of the contract, or the
+  /// middleware refused.
+  bool write(const T& value) noexcept;
+  /// Readers that are matched now.
+  int readers() const noexcept;
+  /// What is written before a reader is matched is lost for it, unless latched.
+  [[nodiscard]] bool wait_for_reader(std::chrono::nanoseconds timeout, int count = 1) const;
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+struct ReaderCounters {
+  std::uint64_t received = 0;          ///< good ones
+  std::uint64_t damaged = 0;           ///< checksum, broken encoding or bound
+  std::uint64_t foreign_contract = 0;  ///< written under another version of the contract
+  std::uint64_t dropped = 0;           ///< good, but nobody took them and the ring was full
+};
+
+template <class T>
+class Reader {
+ public:
+  /// `capacity`: samples that wait to be taken (0: as topics.h says).
+  explicit Reader(Bus& bus, std::size_t capacity = 0);
+  ~Reader();
+  Reader(Reader&&) noexcept;
+  Reader& operator=(Reader&&) noexcept;
+
+  /// The oldest that waits, in order of arrival; own samples are never seen. For one thread, without lock;
+  /// for blocks without allocation: made for the control loop.
+  std::optional<Received<T>> take() noexcept;
+  ReaderCounters counters() const noexcept;
+  /// Writers that are matched now.
+  int writers() const noexcept;
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+extern template class Writer<CommandBlock>;
+extern template class Writer<StateBlock>;
+extern template class Writer<ContourMessage>;
+extern template class Writer<EventMessage>;
+extern template class Writer<TelemetryMessage>;
+extern template class Reader<CommandBlock>;
+extern template class Reader<StateBlock>;
+extern template class Reader<ContourMessage>;
+extern template class Reader<EventMessage>;
+extern template class Reader<TelemetryMessage>;
+
+}  // namespace telekerf

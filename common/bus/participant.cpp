@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/participant.h"
+
+#include <fmt/format.h>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+
+#include <algorithm>
+
+#include "common/bus/qos.h"
+#include "common/bus/wire.h"
+#include "common/runtime/refusal.h"
+
+namespace telekerf {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+
+constexpr int kHighestDomain = 232;  // ports above would pass 65535
+
+BusSettings validated(BusSettings settings) {
+  if (settings.domain < 0 || settings.domain > kHighestDomain) {
+    throw Refusal(fmt::format("domain {} is outside [0, {}]", settings.domain, kHighestDomain));
+  }
+  if (settings.cell.empty()) throw Refusal("the cell has no name; give one with --cell");
+  if (settings.name.empty()) settings.name = settings.role;
+  return settings;
+}
+
+std::array<std::uint8_t, 12> key_of(const rtps::GUID_t& guid) {
+  std::array<std::uint8_t, 12> key{};
+  std::copy(std::begin(guid.guidPrefix.value), std::end(guid.guidPrefix.value), key.begin());
+  return key;
+}
+
+}  // namespace
+
+Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::move(settings))) {
+  bus::settle_library();
+  self_.presence = {.contract = settings_.contract,
+                    .cell = settings_.cell,
+                    .role = settings_.role,
+                    .name = settings_.name,
+                    .epoch = settings_.epoch,
+                    .joined = false,
+                    .version = kVersion};
+  const auto announced = bus::presence_bytes(self_.presence);
+  if (announced.empty()) throw Refusal("the names of cell, role and process may have 64, 32 and 64 letters");
+  if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
+
+  const auto qos = bus::participant_qos(settings_, bus::udp_transport(), announced);
+  self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
+  participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
+  if (participant_ == nullptr) {
+    throw Refusal(
+        fmt::format("no DDS participant in domain {}: is the network up, and are UDP ports from {} free?",
+                    settings_.domain, 7400 + 250 * settings_.domain));
+  }
+  dds::PublisherQos publisher_qos;
+  publisher_qos.partition().push_back(settings_.cell.c_str());
+  publisher_ = participant_->create_publisher(publisher_qos);
+  dds::SubscriberQos subscriber_qos;
+  subscriber_qos.partition().push_back(settings_.cell.c_str());
+  subscriber_ = participant_->create_subscriber(subscriber_qos);
+}
+
+Bus::Participant::~Participant() {
+  if (participant_ == nullptr) return;
+  participant_->set_listener(nullptr);
+  participant_->delete_contained_entities();
+  dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+}
+
+void Bus::Participant::look_around() {
+  const auto end = std::chrono::steady_clock::now() + settings_.look_around;
+  std::unique_lock lock(mutex_);
+  const auto objection = [&](bool by_the_joined) -> std::optional<std::string> {
+    for (const auto& [key, other] : others_) {
+      if (by_the_joined != other.presence.joined || !must_give_way(self_, other)) continue;
+      if (auto reason = misfit(self_.presence, other.presence)) return reason;
+    }
+    return std::nullopt;
+  };
+  std::optional<std::string> reason;
+  // Who has joined is final; who still looks around may yet give way to a third, so those are judged at the
+  // end.
+  changed_.wait_until(lock, end, [&] { return (reason = objection(true)).has_value(); });
+  if (!reason) reason = objection(false);
+  if (reason) throw Refusal(*reason);
+  self_.presence.joined = true;
+}
+
+void Bus::Participant::join() {
+  look_around();
+  dds::DomainParticipantQos qos = participant_->get_qos();
+  qos.user_data().data_vec(bus::presence_bytes(self_.presence));
+  if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    throw Refusal("the middleware did not take the announcement");
+  }
+}
+
+void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
+                                                rtps::ParticipantDiscoveryInfo&& info) {
+  const Key key = key_of(info.info.m_guid);
+  const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
+                    info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
+  Neighbour other{.presence = {}, .key = key};
+  if (!gone && !bus::read_presence(info.info.m_userData, other.presence)) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (gone) {
+      others_.erase(key);
+    } else if (other.presence.cell == settings_.cell) {
+      others_[key] = other;
+      if (self_.presence.joined && misfit(self_.presence, other.presence)) misfits_.insert(key);
+    }
+  }
+  changed_.notify_all();
+}
+
+std::vector<PresenceMessage> Bus::Participant::others() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<PresenceMessage> list;
+  for (const auto& [key, other] : others_) list.push_back(other.presence);
+  return list;
+}
+
+bool Bus::Participant::wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, timeout, [&] {
+    return std::any_of(others_.begin(), others_.end(), [&](const auto& entry) {
+      return entry.second.presence.role == role && entry.second.presence.joined;
+    });
+  });
+}
+
+BusCounters Bus::Participant::counters() const {
+  BusCounters counters;
+  const std::lock_guard lock(mutex_);
+  counters.misfits = misfits_.size();
+  return counters;
+}
+
+void Bus::Participant::set_profile(const netem::Profile&) {
+  throw Refusal("this process runs without an emulated network; start it with --netem");
+}
+
+dds::Topic* Bus::Participant::topic(const char* name, dds::TypeSupport type) {
+  const std::lock_guard lock(topics_mutex_);
+  if (auto* existing = participant_->lookup_topicdescription(name))
+    return dynamic_cast<dds::Topic*>(existing);
+  type.register_type(participant_);
+  return participant_->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+}
+
+Bus::Bus(BusSettings settings) : participant_(std::make_shared<Participant>(std::move(settings))) {
+  participant_->join();
+}
+Bus::~Bus() = default;
+
+const BusSettings& Bus::settings() const { return participant_->settings(); }
+std::vector<PresenceMessage> Bus::others() const { return participant_->others(); }
+bool Bus::wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const {
+  return participant_->wait_for_role(role, timeout);
+}
+const std::vector<std::string>& Bus::notes() const { return participant_->notes(); }
+BusCounters Bus::counters() const { return participant_->counters(); }
+void Bus::set_profile(const netem::Profile& profile) { participant_->set_profile(profile); }
+
+}  // namespace telekerf

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The DDS participant behind a Bus, and what it knows about its neighbours. Inside the bus only.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <map>
+#include <mutex>
+#include <set>
+
+#include "common/bus/bus.h"
+#include "common/bus/presence.h"
+
+namespace telekerf {
+
+class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListener {
+ public:
+  explicit Participant(BusSettings settings);
+  ~Participant() override;
+
+  /// Looks around and joins; see Bus::Bus.
+  void join();
+
+  const BusSettings& settings() const { return settings_; }
+  const std::vector<std::string>& notes() const { return notes_; }
+  std::vector<PresenceMessage> others() const;
+  bool wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const;
+  BusCounters counters() const;
+  void set_profile(const netem::Profile& profile);
+
+  /// The topic of this name, created at first use; `type` is registered then.
+  eprosima::fastdds::dds::Topic* topic(const char* name, eprosima::fastdds::dds::TypeSupport type);
+  eprosima::fastdds::dds::Publisher* publisher() { return publisher_; }
+  eprosima::fastdds::dds::Subscriber* subscriber() { return subscriber_; }
+  bool is_own(const eprosima::fastrtps::rtps::GUID_t& writer) const {
+    return writer.guidPrefix == participant_->guid().guidPrefix;
+  }
+
+ private:
+  using Key = std::array<std::uint8_t, 12>;
+
+  void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
+                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
+  void look_around();
+
+  BusSettings settings_;
+  std::vector<std::string> notes_;
+  eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
+  eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
+  eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
+  std::mutex topics_mutex_;
+
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  Neighbour self_;
+  std::map<Key, Neighbour> others_;
+  std::set<Key> misfits_;  // seen since we joined
+};
+
+}  // namespace telekerf

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// Several participants in one process on loopback. A domain and a cell of this process' own keep tests that
+// run side by side apart.
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <future>
+#include <thread>
+
+#include "common/bus/endpoints.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/refusal.h"
+#include "tests/unit/bus/samples.h"
+
+namespace telekerf {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+constexpr auto kPatience = 20s;  // sanitizers and a busy machine
+
+BusSettings settings(const std::string& role, Site site = Site::kOperator) {
+  BusSettings settings;
+  settings.domain = 100 + getpid() % 130;
+  settings.cell = "test-" + std::to_string(getpid());
+  settings.site = site;
+  settings.role = role;
+  settings.look_around = 20ms;
+  return settings;
+}
+
+EventMessage event(std::uint32_t epoch) {
+  EventMessage message;
+  message.epoch = epoch;
+  return message;
+}
+
+template <class T>
+std::optional<Received<T>> take_soon(Reader<T>& reader, std::chrono::nanoseconds patience = kPatience) {
+  const auto end = std::chrono::steady_clock::now() + patience;
+  while (std::chrono::steady_clock::now() < end) {
+    if (auto sample = reader.take()) return sample;
+    std::this_thread::sleep_for(1ms);
+  }
+  return std::nullopt;
+}
+
+TEST(Bus, StreamsCrossBothWays) {
+  Bus master(settings("master"));
+  Bus slave(settings("slave", Site::kSlave));
+  Writer<CommandBlock> commands(master);
+  Reader<CommandBlock> commands_read(slave);
+  Writer<StateBlock> states(slave);
+  Reader<StateBlock> states_read(master);
+  ASSERT_TRUE(commands.wait_for_reader(kPatience));
+  ASSERT_TRUE(states.wait_for_reader(kPatience));
+
+  samples::Random random(1);
+  for (int i = 0; i < 20; ++i) {
+    const CommandBlock command = samples::command(random, i * 100);
+    const std::int64_t before_ns = monotonic_ns();
+    ASSERT_TRUE(commands.write(command));
+    const auto command_back = take_soon(commands_read);
+    ASSERT_TRUE(command_back);
+    EXPECT_TRUE(samples::same(command, command_back->value));
+    EXPECT_GT(command_back->received_ns, before_ns);
+    EXPECT_LE(command_back->received_ns, monotonic_ns());
+
+    const StateBlock state = samples::state(random, i * 100);
+    ASSERT_TRUE(states.write(state));
+    const auto state_back = take_soon(states_read);
+    ASSERT_TRUE(state_back);
+    EXPECT_TRUE(samples::same(state, state_back->value));
+  }
+  EXPECT_EQ(commands_read.counters().received, 20u);
+  EXPECT_EQ(commands_read.counters().damaged, 0u);
+}
+
+TEST(Bus, ALatecomerGetsALargeContour) {
+  Bus vision(settings("vision", Site::kSlave));
+  Writer<ContourMessage> contours(vision);
+  samples::Random random(2);
+  ASSERT_TRUE(contours.write(samples::contour(random, 10)));
+  const ContourMessage newest = samples::contour(random, 100000);
+  ASSERT_TRUE(contours.write(newest));
+
+  Bus master(settings("master"));
+  Reader<ContourMessage> reader(master);
+  const auto contour = take_soon(reader);
+  ASSERT_TRUE(contour);
+  EXPECT_TRUE(samples::same(newest, contour->value));
+}
+
+TEST(Bus, EventsAreAllDeliveredAndOwnOnesUnseen) {
+  Bus console(settings("console"));
+  Bus slave(settings("slave", Site::kSlave));
+  Writer<EventMessage> events(console);
+  Reader<EventMessage> own(console);
+  Reader<EventMessage> reader(slave);
+  ASSERT_TRUE(events.wait_for_reader(kPatience, 2));
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    ASSERT_TRUE(events.write({.epoch = i, .kind = EventMessage::Kind::kStop, .value = 0.5, .text = "stop"}));
+  }
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    const auto taken = take_soon(reader);
+    ASSERT_TRUE(taken) << i;
+    EXPECT_EQ(taken->value.epoch, i);
+    EXPECT_EQ(taken->value.kind, EventMessage::Kind::kStop);
+    EXPECT_EQ(taken->value.text, "stop");
+  }
+  EXPECT_FALSE(own.take());
+}
+
+TEST(Bus, TelemetryCrosses) {
+  Bus slave(settings("slave", Site::kSlave));
+  Bus console(settings("console"));
+  Writer<TelemetryMessage> writer(slave);
+  Reader<TelemetryMessage> reader(console);
+  ASSERT_TRUE(writer.wait_for_reader(kPatience));
+  const TelemetryMessage message{.role = "slave", .tick = 5, .values = {{"a", 1.0}, {"b", -2.5}}};
+  ASSERT_TRUE(writer.write(message));
+  const auto back = take_soon(reader);
+  ASSERT_TRUE(back);
+  EXPECT_TRUE(samples::same(message, back->value));
+}
+
+TEST(Bus, CellsDoNotHearEachOther) {
+  Bus master(settings("master"));
+  auto elsewhere = settings("master");
+  elsewhere.cell += "-other";
+  Bus stranger(elsewhere);  // the same role and name: no refusal across cells
+  Bus slave(settings("slave", Site::kSlave));
+  Writer<EventMessage> ours(master);
+  Writer<EventMessage> theirs(stranger);
+  Reader<EventMessage> reader(slave);
+  ASSERT_TRUE(ours.wait_for_reader(kPatience));
+  ASSERT_TRUE(theirs.write(event(1)));
+  ASSERT_TRUE(ours.write(event(2)));
+  const auto taken = take_soon(reader);
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->value.epoch, 2u);
+  EXPECT_EQ(theirs.readers(), 0);
+  EXPECT_EQ(reader.writers(), 1);
+  EXPECT_TRUE(stranger.others().empty());
+}
+
+TEST(Bus, AFullReaderDropsTheNewestAndCounts) {
+  Bus master(settings("master"));
+  Bus slave(settings("slave", Site::kSlave));
+  Writer<EventMessage> events(master);
+  Reader<EventMessage> reader(slave, 4);
+  ASSERT_TRUE(events.wait_for_reader(kPatience));
+  for (std::uint32_t i = 0; i < 10; ++i) ASSERT_TRUE(events.write(event(i)));
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (reader.counters().received < 10 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(reader.counters().received, 10u);
+  EXPECT_EQ(reader.counters().dropped, 6u);
+  EXPECT_EQ(reader.take()->value.epoch, 0u);
+}
+
+TEST(Bus, ASecondMasterIsRefusedAndTheFirstCarriesOn) {
+  Bus first(settings("master"));
+  auto second = settings("master");
+  second.name = "spare";
+  second.look_around = kPatience;  // refused as soon as it sees the first
+  try {
+    Bus bus(second);
+    FAIL() << "two masters";
+  } catch (const Refusal& refusal) {
+    EXPECT_THAT(refusal.what(), HasSubstr("a second master in cell"));
+    EXPECT_THAT(refusal.what(), HasSubstr("'master' already runs"));
+  }
+  EXPECT_EQ(first.counters().misfits, 1u);
+}
+
+TEST(Bus, ADuplicateNameIsRefused) {
+  Bus first(settings("console"));
+  auto second = settings("recorder");
+  second.name = "console";
+  second.look_around = kPatience;
+  EXPECT_THROW(Bus bus(second), Refusal);
+}
+
+TEST(Bus, AnotherContractIsRefused) {
+  Bus slave(settings("slave", Site::kSlave));
+  auto newer = settings("master");
+  newer.contract = kContractVersion + 1;
+  newer.look_around = kPatience;
+  try {
+    Bus bus(newer);
+    FAIL() << "two contracts";
+  } catch (const Refusal& refusal) {
+    EXPECT_THAT(refusal.what(), HasSubstr("install the same version"));
+  }
+}
+
+TEST(Bus, OfTwoMastersThatStartTogetherTheLowerEpochStays) {
+  const auto start = [](std::uint32_t epoch) {
+    auto master = settings("master");
+    master.name = "master-" + std::to_string(epoch);
+    master.epoch = epoch;
+    master.look_around = 1500ms;
+    return std::make_unique<Bus>(master);
+  };
+  auto higher = std::async(std::launch::async, start, 8);
+  auto lower = std::async(std::launch::async, start, 7);
+  EXPECT_THROW(higher.get(), Refusal);
+  EXPECT_NO_THROW(lower.get());
+}
+
+TEST(Bus, WaitsForARole) {
+  Bus master(settings("master"));
+  EXPECT_FALSE(master.wait_for_role("slave", 50ms));
+  auto slave = std::make_unique<Bus>(settings("slave", Site::kSlave));
+  EXPECT_TRUE(master.wait_for_role("slave", kPatience));
+  ASSERT_EQ(master.others().size(), 1u);
+  EXPECT_EQ(master.others()[0].version, kVersion);
+  slave.reset();
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!master.others().empty() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(master.others().empty());
+}
+
+TEST(Bus, RefusesSettingsWithASentence) {
+  auto domain = settings("master");
+  domain.domain = 233;
+  EXPECT_THROW(Bus bus(domain), Refusal);
+  auto peer = settings("master");
+  peer.peers = {"no-such-host.invalid"};
+  EXPECT_THROW(Bus bus(peer), Refusal);
+  auto port = settings("master");
+  port.peers = {"127.0.0.1:70000"};
+  EXPECT_THROW(Bus bus(port), Refusal);
+}
+
+TEST(Bus, NamedPeersAreAddedToMulticast) {
+  auto with_peer = settings("master");
+  with_peer.peers = {"127.0.0.1"};
+  Bus master(with_peer);
+  Bus slave(settings("slave", Site::kSlave));
+  EXPECT_TRUE(master.wait_for_role("slave", kPatience));
+  EXPECT_TRUE(slave.wait_for_role("master", kPatience));
+}
+
+TEST(Bus, EndpointsMayOutliveTheBus) {
+  auto bus = std::make_unique<Bus>(settings("slave", Site::kSlave));
+  Writer<StateBlock> writer(*bus);
+  Reader<CommandBlock> reader(*bus);
+  bus.reset();
+  EXPECT_TRUE(writer.write({}));
+  EXPECT_FALSE(reader.take());
+}
+
+}  // namespace
+}  // namespace telekerf

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include "common/bus/presence.h"
+
+namespace telekerf {
+namespace {
+
+using testing::HasSubstr;
+
+Neighbour process(const std::string& role, const std::string& name, std::uint32_t epoch = 1,
+                  bool joined = true) {
+  Neighbour neighbour;
+  neighbour.presence = {.contract = 1,
+                        .cell = "cell-1",
+                        .role = role,
+                        .name = name,
+                        .epoch = epoch,
+                        .joined = joined,
+                        .version = "0"};
+  return neighbour;
+}
+
+TEST(Presence, OneMasterACell) {
+  const auto reason = misfit(process("master", "m2").presence, process("master", "m1").presence);
+  ASSERT_TRUE(reason);
+  EXPECT_THAT(*reason, HasSubstr("a second master in cell 'cell-1': 'm1'"));
+  EXPECT_THAT(*reason, HasSubstr("--cell"));
+}
+
+TEST(Presence, ManyConsolesOfDifferentNames) {
+  EXPECT_FALSE(misfit(process("console", "c1").presence, process("console", "c2").presence));
+  EXPECT_THAT(misfit(process("console", "c1").presence, process("console", "c1").presence).value(),
+              HasSubstr("--name"));
+}
+
+TEST(Presence, ForeignContractNamesBothAndTheRemedy) {
+  auto newer = process("slave", "s").presence;
+  newer.contract = 2;
+  EXPECT_THAT(misfit(process("master", "m").presence, newer).value(), HasSubstr("install the same version"));
+}
+
+TEST(Presence, CellsDoNotMeet) {
+  auto elsewhere = process("master", "m").presence;
+  elsewhere.cell = "cell-2";
+  elsewhere.contract = 9;
+  EXPECT_FALSE(misfit(process("master", "m").presence, elsewhere));
+}
+
+TEST(Presence, WhoHasJoinedStays) {
+  const auto running = process("master", "a", 9, true);
+  const auto knocking = process("master", "b", 1, false);
+  EXPECT_FALSE(must_give_way(running, knocking));
+  EXPECT_TRUE(must_give_way(knocking, running));
+}
+
+TEST(Presence, OfTwoThatStartTogetherExactlyOneGivesWay) {
+  for (const std::uint32_t other_epoch : {1u, 2u, 3u}) {
+    auto a = process("master", "a", 2, false);
+    auto b = process("master", "b", other_epoch, false);
+    a.key[5] = 1;
+    EXPECT_NE(must_give_way(a, b), must_give_way(b, a)) << other_epoch;
+  }
+}
+
+}  // namespace
+}  // namespace telekerf

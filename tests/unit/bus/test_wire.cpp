@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <telekerf.h>
+
+#include <limits>
+
+#include "common/bus/wire.h"
+#include "tests/unit/bus/samples.h"
+
+namespace telekerf::bus {
+namespace {
+
+constexpr std::uint16_t kContract = 7;
+
+/// to_wire, then from_wire under `contract`.
+template <class Wire, class T>
+Verdict sent(const T& value, T& back, std::uint16_t contract = kContract) {
+  Wire wire;
+  EXPECT_TRUE(to_wire(value, kContract, wire));
+  return from_wire(wire, contract, back);
+}
+
+TEST(Wire, BlocksComeBackAsTheyWere) {
+  samples::Random random(1);
+  for (int i = 0; i < 200; ++i) {
+    const std::size_t size = i == 0 ? 0 : i == 1 ? Payload::kCapacity : random() % 300;
+    const CommandBlock command = samples::command(random, size);
+    CommandBlock command_back;
+    ASSERT_EQ((sent<wire::CommandBlock>(command, command_back)), Verdict::kGood);
+    ASSERT_TRUE(samples::same(command, command_back)) << "seed 1, block " << i;
+    const StateBlock state = samples::state(random, size);
+    StateBlock state_back;
+    ASSERT_EQ((sent<wire::StateBlock>(state, state_back)), Verdict::kGood);
+    ASSERT_TRUE(samples::same(state, state_back)) << "seed 1, block " << i;
+  }
+}
+
+TEST(Wire, RoundedIsWhatTheReceiverSees) {
+  CommandBlock block;
+  block.anchor.position_m = Vec3(0.1, -1.0 / 3.0, 1e-9);
+  block.anchor.velocity_m_per_s = Vec3(0.7, 1e-12, -0.3);
+  block.beta = 0.3;
+  CommandBlock back;
+  ASSERT_EQ((sent<wire::CommandBlock>(block, back)), Verdict::kGood);
+  EXPECT_FALSE(samples::same(block.anchor, back.anchor));
+  EXPECT_TRUE(samples::same(rounded(block.anchor), back.anchor));
+  EXPECT_EQ(back.beta, rounded(0.3));
+}
+
+TEST(Wire, SlowMessagesComeBackAsTheyWere) {
+  samples::Random random(2);
+  const ContourMessage contour = samples::contour(random, 5000);
+  ContourMessage contour_back;
+  ASSERT_EQ((sent<wire::Contour>(contour, contour_back)), Verdict::kGood);
+  EXPECT_TRUE(samples::same(contour, contour_back));
+
+  const EventMessage event{.epoch = 3, .kind = EventMessage::Kind::kSetBeta, .value = 0.25, .text = "finer"};
+  EventMessage event_back;
+  ASSERT_EQ((sent<wire::Event>(event, event_back)), Verdict::kGood);
+  EXPECT_TRUE(samples::same(event, event_back));
+
+  const TelemetryMessage telemetry{
+      .role = "slave", .tick = 12, .values = {{"slack_p99_s", 1e-3}, {"drops", 2}}};
+  TelemetryMessage telemetry_back;
+  ASSERT_EQ((sent<wire::Telemetry>(telemetry, telemetry_back)), Verdict::kGood);
+  EXPECT_TRUE(samples::same(telemetry, telemetry_back));
+
+  const PresenceMessage presence{.contract = 1,
+                                 .cell = "cell-1",
+                                 .role = "slave",
+                                 .name = "left",
+                                 .epoch = 4,
+                                 .joined = true,
+                                 .version = "0.1.0"};
+  PresenceMessage presence_back;
+  ASSERT_TRUE(read_presence(presence_bytes(presence), presence_back));
+  EXPECT_EQ(presence_back.contract, 1);
+  EXPECT_EQ(presence_back.cell, "cell-1");
+  EXPECT_EQ(presence_back.role, "slave");
+  EXPECT_EQ(presence_back.name, "left");
+  EXPECT_EQ(presence_back.epoch, 4u);
+  EXPECT_TRUE(presence_back.joined);
+  EXPECT_EQ(presence_back.version, "0.1.0");
+}
+
+TEST(Wire, AnotherContractIsForeign) {
+  samples::Random random(3);
+  CommandBlock command;
+  EXPECT_EQ((sent<wire::CommandBlock>(samples::command(random, 9), command, 8)), Verdict::kForeignContract);
+  StateBlock state;
+  EXPECT_EQ((sent<wire::StateBlock>(samples::state(random, 9), state, 8)), Verdict::kForeignContract);
+  ContourMessage contour;
+  EXPECT_EQ((sent<wire::Contour>(samples::contour(random, 9), contour, 8)), Verdict::kForeignContract);
+  EventMessage event;
+  EXPECT_EQ((sent<wire::Event>(EventMessage{}, event, 8)), Verdict::kForeignContract);
+  TelemetryMessage telemetry;
+  EXPECT_EQ((sent<wire::Telemetry>(TelemetryMessage{}, telemetry, 8)), Verdict::kForeignContract);
+}
+
+TEST(Wire, TheChecksumCoversEveryField) {
+  samples::Random random(4);
+  wire::CommandBlock good;
+  ASSERT_TRUE(to_wire(samples::command(random, 40), kContract, good));
+  CommandBlock back;
+  const auto damaged = [&](auto&& damage) {
+    wire::CommandBlock wire = good;
+    damage(wire);
+    return from_wire(wire, kContract, back) == Verdict::kDamaged;
+  };
+  EXPECT_FALSE(damaged([](auto&) {}));
+  EXPECT_TRUE(damaged([](auto& w) { w.checksum() ^= 1u; }));
+  EXPECT_TRUE(damaged([](auto& w) { w.contract() ^= 1u; }));
+  EXPECT_TRUE(damaged([](auto& w) { w.engaged() ^= 1u; }));
+  EXPECT_TRUE(damaged([](auto& w) { w.first_tick() ^= 1u << 31; }));
+  EXPECT_TRUE(damaged([](auto& w) { w.button() ^= 1u; }));
+  EXPECT_TRUE(damaged([](auto& w) { w.beta() = -w.beta(); }));
+  EXPECT_TRUE(damaged([](auto& w) { w.anchor().position_m()[2] += 1e-3f; }));
+  EXPECT_TRUE(damaged([](auto& w) { w.payload().back() ^= 128u; }));
+  EXPECT_TRUE(damaged([](auto& w) { w.payload().pop_back(); }));
+}
+
+TEST(Wire, ValuesThatNoSenderMakesAreDamage) {
+  samples::Random random(5);
+  wire::CommandBlock command;
+  ASSERT_TRUE(to_wire(samples::command(random, 4), kContract, command));
+  command.law(9);
+  command.checksum(checksum_of(command));
+  CommandBlock block;
+  EXPECT_EQ(from_wire(command, kContract, block), Verdict::kDamaged);
+
+  CommandBlock infinite;
+  infinite.anchor.position_m.x() = std::numeric_limits<double>::infinity();
+  EXPECT_EQ((sent<wire::CommandBlock>(infinite, block)), Verdict::kDamaged);
+
+  wire::Event event;
+  ASSERT_TRUE(to_wire(EventMessage{}, kContract, event));
+  event.kind(99);
+  EventMessage message;
+  EXPECT_EQ(from_wire(event, kContract, message), Verdict::kDamaged);
+
+  ContourMessage contour = samples::contour(random, 3);
+  contour.points_m[1].x() = std::numeric_limits<double>::quiet_NaN();
+  ContourMessage back;
+  EXPECT_EQ((sent<wire::Contour>(contour, back)), Verdict::kDamaged);
+}
+
+TEST(Wire, TheSenderKeepsTheBounds) {
+  samples::Random random(6);
+  wire::Contour contour;
+  EXPECT_TRUE(to_wire(samples::contour(random, 100000), kContract, contour));
+  EXPECT_FALSE(to_wire(samples::contour(random, 100001), kContract, contour));
+  EventMessage event;
+  event.text.assign(257, 'x');
+  wire::Event wire;
+  EXPECT_FALSE(to_wire(event, kContract, wire));
+  PresenceMessage presence;
+  presence.cell.assign(65, 'x');
+  EXPECT_TRUE(presence_bytes(presence).empty());
+}
+
+/// Golden: zlib.crc32(bytes(80)), over a block whose CDR anyone can write down.
+TEST(Wire, ChecksumOfAnEmptyBlock) {
+  wire::CommandBlock wire;
+  // 80 zero octets follow the checksum: 2+1+1, 4+4, 8+8+8, 4+4+4, 24, 2 (+2 padding), 4.
+  EXPECT_EQ(checksum_of(wire), 0x8e2318e6u);
+}
+
+TEST(Wire, AnyBytesAsPresence) {
+  samples::Random random(7);
+  PresenceMessage presence;
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::uint8_t> bytes(random() % 80);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    (void)read_presence(bytes, presence);  // must neither crash nor allocate by what the bytes claim
+  }
+}
+
+}  // namespace
+}  // namespace telekerf::bus
