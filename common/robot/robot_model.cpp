@@ -72,6 +72,9 @@ Sensor read_sensor(const ConfigFile& file) {
   s.noise = file.number_or("sensor.noise", s.noise, {.min = 0, .max = 0.1});
   s.gain_mismatch = file.number_or("sensor.gain_mismatch", s.gain_mismatch, {.min = 0, .max = 0.1});
   s.offset_mismatch = file.number_or("sensor.offset_mismatch", s.offset_mismatch, {.min = 0, .max = 0.1});
+  s.phase_mismatch_rad =
+      file.number_or("sensor.phase_mismatch_rad", s.phase_mismatch_rad, {.min = 0, .max = 0.2});
+  s.calibrated = file.boolean_or("sensor.calibrated", s.calibrated);
   return s;
 }
 

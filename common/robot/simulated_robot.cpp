@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "common/runtime/refusal.h"
@@ -29,6 +30,15 @@ double stop_force(const RobotModel& model, double q, double v) noexcept {
   return force * beyond < 0 ? force : 0;  // a stop pushes, it never holds back
 }
 
+/// What a commissioning sweep over two pitches would have found.
+HallCalibration calibration_of(HallSensor& sensor, const Sensor& spec) {
+  if (!spec.calibrated) return {};
+  constexpr int kSamples = 2000;
+  std::vector<HallCounts> sweep;
+  for (int i = 0; i < kSamples; ++i) sweep.push_back(sensor.sample(2 * spec.pitch_m * i / kSamples));
+  return calibrate_hall(sweep, spec.adc_bits).value_or(HallCalibration{});
+}
+
 }  // namespace
 
 SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed, const Vec3& tool_in_base_m)
@@ -42,6 +52,14 @@ SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed,
   for (int i = 0; i < 3; ++i) {
     encoder_phase_m_[i] = model_.sensor.resolution_m * static_cast<double>(random() >> 11) * 0x1p-53;
   }
+  if (model_.sensor.kind != Sensor::Kind::kHall) return;
+  for (int i = 0; i < 3; ++i) {
+    HallSensor sensor(model_.sensor, random());
+    HallDecoder decoder(model_.sensor.pitch_m, model_.sensor.adc_bits, calibration_of(sensor, model_.sensor));
+    decoder.update(sensor.sample(state_.joints_m[i]));
+    decoder.home(state_.joints_m[i]);
+    hall_.push_back({std::move(sensor), decoder});
+  }
 }
 
 JointReading SimulatedRobot::read() noexcept {
@@ -49,6 +67,11 @@ JointReading SimulatedRobot::read() noexcept {
   const double count_m = model_.sensor.resolution_m;
   for (int i = 0; i < 3; ++i) {
     const double q = state_.joints_m[i];
+    if (!hall_.empty()) {
+      HallJoint& joint = hall_[static_cast<std::size_t>(i)];
+      reading.joints_m[i] = joint.decoder.update(joint.sensor.sample(q));
+      continue;
+    }
     // An incremental encoder: whole counts from a place within the first count, known on average.
     reading.joints_m[i] =
         count_m > 0 ? (std::floor((q + encoder_phase_m_[i]) / count_m) + 0.5) * count_m - encoder_phase_m_[i]
@@ -69,7 +92,11 @@ void SimulatedRobot::write(const Vec3& currents_a) noexcept {
 }
 
 Capabilities SimulatedRobot::capabilities() const {
-  return {model_.name, true, model_.sensor.resolution_m, model_.motor.peak_force_n, 1 / kInnerStep_s};
+  // Hall: one count of the converter where the sine is steepest (eq. 154 divides the pitch itself).
+  const double hall_m = model_.sensor.pitch_m / (2 * std::numbers::pi) * kHallFullScale /
+                        std::ldexp(1.0, model_.sensor.adc_bits - 1);
+  const double resolution_m = hall_.empty() ? model_.sensor.resolution_m : hall_m;
+  return {model_.name, true, resolution_m, model_.motor.peak_force_n, 1 / kInnerStep_s};
 }
 
 bool SimulatedRobot::acceleration(const DeltaState& state, Vec3& out) const noexcept {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "common/robot/dynamics.h"
+#include "common/robot/hall_sensor.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
 
@@ -51,6 +53,11 @@ class SimulatedRobot final : public Robot {
   Vec3 motor_force_n_ = Vec3::Zero();
   Vec3 tool_force_n_ = Vec3::Zero();
   Vec3 encoder_phase_m_ = Vec3::Zero();
+  struct HallJoint {
+    HallSensor sensor;
+    HallDecoder decoder;
+  };
+  std::vector<HallJoint> hall_;  // empty: encoders
   double time_s_ = 0;
   std::uint64_t reads_ = 0;
   bool broken_ = false;

@@ -123,6 +123,24 @@ TEST(SimulatedRobot, ReadsWholeCountsAndIsReproducible) {
   }
 }
 
+TEST(SimulatedRobot, HallSensorsFollowTheJointsOnceCalibrated) {
+  RobotModel robot = load_robot("slave-keops");
+  robot.sensor.kind = Sensor::Kind::kHall;
+  const auto worst_error = [&robot](bool calibrated) {
+    robot.sensor.calibrated = calibrated;
+    SimulatedRobot plant(robot, 5, robot.workspace.centre_m);
+    double worst = 0;
+    for (int i = 0; i < 300; ++i) {
+      plant.write(Vec3::Constant(0.2 + 0.3 * std::sin(0.05 * i)));
+      plant.advance(1e-3);
+      worst = std::max(worst, (plant.read().joints_m - plant.true_state().joints_m).cwiseAbs().maxCoeff());
+    }
+    return worst;
+  };
+  EXPECT_LT(worst_error(true), 4e-6);
+  EXPECT_GT(worst_error(false), 10e-6);
+}
+
 TEST(SimulatedRobot, SurvivesNonsense) {
   const RobotModel robot = load_robot("master-horizontal");
   SimulatedRobot plant(robot, 1, robot.workspace.centre_m);
