@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "slave/joiner.h"
+
+namespace telekerf::slave {
+namespace {
+
+TEST(ReferenceJoiner, NeitherPositionNorVelocityJumpsOnRandomSources) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> position(-0.02, 0.02);
+  std::uniform_real_distribution<double> velocity(-0.1, 0.1);
+  ReferenceJoiner joiner({});
+  constexpr double kDt = 1e-3;
+  Motion source;
+  Motion out = joiner.join(source, kDt);
+  for (int change = 0; change < 200; ++change) {
+    source.position_m = Vec3(position(random), position(random), 0);
+    source.velocity_m_per_s = Vec3(velocity(random), velocity(random), 0);
+    joiner.rejoin(out, source);
+    for (int n = 0; n < 100; ++n) {
+      const Motion before = out;
+      source.position_m += source.velocity_m_per_s * kDt;
+      out = joiner.join(source, kDt);
+      // At most what the largest acceleration of the fade makes in a tick.
+      EXPECT_LT((out.velocity_m_per_s - before.velocity_m_per_s).norm(), 12e-3) << "change " << change;
+      EXPECT_LT((out.position_m - before.position_m).norm(), 0.5e-3);
+    }
+  }
+}
+
+TEST(ReferenceJoiner, TheOffsetFadesToNothing) {
+  ReferenceJoiner joiner({});
+  Motion from;
+  from.position_m = Vec3(0.02, 0, 0);
+  joiner.rejoin(from, Motion{});
+  Motion out;
+  for (int n = 0; n < 4000; ++n) out = joiner.join(Motion{}, 1e-3);
+  EXPECT_LT(out.position_m.norm(), 1e-9);
+  EXPECT_LT(joiner.offset_m(), 1e-9);
+}
+
+TEST(ReferenceJoiner, DerivativesBelongTogether) {
+  ReferenceJoiner joiner({});
+  Motion from;
+  from.position_m = Vec3(0.001, 0.002, 0);
+  from.velocity_m_per_s = Vec3(0.01, 0, 0.02);
+  joiner.rejoin(from, Motion{});
+  constexpr double kDt = 1e-5;
+  Motion a = joiner.join(Motion{}, kDt);
+  for (int n = 0; n < 1000; ++n) {
+    const Motion b = joiner.join(Motion{}, kDt);
+    EXPECT_LT(((b.position_m - a.position_m) / kDt - 0.5 * (a.velocity_m_per_s + b.velocity_m_per_s)).norm(), 1e-8);
+    EXPECT_LT(
+        ((b.velocity_m_per_s - a.velocity_m_per_s) / kDt - 0.5 * (a.acceleration_m_per_s2 + b.acceleration_m_per_s2))
+            .norm(),
+        1e-6);
+    a = b;
+  }
+}
+
+}  // namespace
+}  // namespace telekerf::slave
