@@ -21,34 +21,38 @@ class Analyser {
   explicit Analyser(int block);
 
   /// The cheapest code that keeps `aim.max_rms` (bits decide), or the best with `aim.keep` coefficients
-  /// (error energy decides, bits break near-ties). Samples are finite and within kMaxMagnitude.
+  /// (error energy decides, bits break near-ties). Samples are finite and within kMaxMagnitude. With
+  /// `context.truncated` it is the predecessor: no prediction, the lowest coefficients.
   AxisCode analyse(std::span<const double> samples, const Aim& aim, const AxisContext& context,
                    const Grid& grid) const noexcept;
 
  private:
+  using Coefficients = std::array<double, kMaxBlock>;
   struct Fit {
     Mode mode = Mode::kIntra;
     std::int64_t slope = 0;
     std::int64_t bend = 0;
   };
-  struct Candidate {
+  struct Choice {
     AxisCode code;
-    double energy = 0.0;  // squared error of the block
-    int bits = 0;
-    bool feasible = false;
+    double cost = 0.0;
+    bool found = false;
   };
 
   int fits(std::span<const double> coefficients, int from, const AxisContext& context, const Grid& grid,
            std::span<Fit> found) const noexcept;
-  Candidate fixed(std::span<const double> residual, AxisCode code, int keep, const AxisContext& context,
-                  const Grid& grid) const noexcept;
-  Candidate adaptive(std::span<const double> residual, AxisCode code, int offset, double max_rms,
-                     const AxisContext& context, const Grid& grid) const noexcept;
+  void residual(std::span<const double> coefficients, const AxisCode& code, double level_coefficient,
+                const Grid& grid, Coefficients& out) const noexcept;
+  /// Both take the code over into `best` when it costs less.
+  void try_fixed(std::span<const double> residual, AxisCode& code, int keep, const AxisContext& context,
+                 const Grid& grid, Choice& best) const noexcept;
+  bool try_adaptive(std::span<const double> residual, AxisCode& code, int offset, double max_rms, bool prefix,
+                    const AxisContext& context, const Grid& grid, Choice& best) const noexcept;
 
   int block_;
   const Dct* dct_;
-  std::array<double, kMaxBlock> ramp_{};      // DCT of n
-  std::array<double, kMaxBlock> parabola_{};  // DCT of n^2 / 2
+  Coefficients ramp_{};      // DCT of n
+  Coefficients parabola_{};  // DCT of n^2 / 2
 };
 
 }  // namespace telekerf::codec

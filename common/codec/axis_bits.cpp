@@ -9,10 +9,7 @@ namespace telekerf::codec {
 namespace {
 
 // Orders of the Exp-Golomb codes, measured on the traces of docs/codec.md.
-constexpr int kStepOrder = 0;
 constexpr int kCountOrder = 0;
-constexpr int kLevelValueOrder = 8;  // coefficient 0 of a stream without trend: the whole level
-constexpr int kFirstOrder = 4;
 constexpr int kBendOrder = 4;
 constexpr int kSlopeOrder = 3;
 constexpr int kCorrectionOrder = 2;
@@ -21,9 +18,12 @@ constexpr int kCorrectionOrder = 2;
 constexpr std::array<Mode, 5> kAnchoredModes{Mode::kCurve, Mode::kLine, Mode::kHold, Mode::kIntra,
                                              Mode::kRaw};
 constexpr std::array<Mode, 5> kFreeModes{Mode::kIntra, Mode::kCurve, Mode::kLine, Mode::kRaw, Mode::kHold};
-constexpr int kLastMode = 4;
+constexpr std::array<Mode, 5> kTruncatedModes{Mode::kIntra, Mode::kRaw, Mode::kRaw, Mode::kRaw, Mode::kRaw};
 
-const std::array<Mode, 5>& modes(bool anchored) { return anchored ? kAnchoredModes : kFreeModes; }
+const std::array<Mode, 5>& modes(const AxisContext& context) {
+  return context.truncated ? kTruncatedModes : (context.anchored ? kAnchoredModes : kFreeModes);
+}
+int last_mode(const AxisContext& context) { return context.truncated ? 1 : 4; }
 
 /// The order for a value after one of magnitude |previous|: coefficients fall off slowly.
 int next_order(std::int64_t previous) noexcept {
@@ -51,28 +51,29 @@ struct Telling {
 template <typename Sink>
 void write_values(Sink& out, const AxisCode& code, const AxisContext& context,
                   const Telling& telling) noexcept {
-  int order = kFirstOrder;
+  int order = context.habits.value_order;
   for (auto set = telling.told; set != 0; set &= set - 1) {
     const auto k = static_cast<std::size_t>(std::countr_zero(set));
     const bool level = k == 0 && carries_level(code, context);
     if (level && !context.newest) continue;  // told last
     const std::uint64_t symbol =
         zigzag(code.values[k]) - (telling.prefix ? 0 : 1);  // a named one is never zero
-    out.golomb(symbol, level ? kLevelValueOrder : order);
+    out.golomb(symbol, level ? context.habits.level_order : order);
     if (!level) order = next_order(code.values[k]);
   }
 }
 
 Telling cheapest_telling(const AxisCode& code, const AxisContext& context, int block) noexcept {
-  const Telling named{false, std::popcount(code.set), code.set};
   const auto length = static_cast<int>(std::bit_width(code.set));
   const Telling prefix{true, length, first_indices(length)};
+  if (context.truncated) return prefix;
+  const Telling named{false, std::popcount(code.set), code.set};
   BitCounter named_bits;
-  named_bits.signed_golomb(named.count - context.nominal, kCountOrder);
+  named_bits.signed_golomb(named.count - context.habits.count, kCountOrder);
   named_bits.bits(0, index_set_bits(block, named.count));
   write_values(named_bits, code, context, named);
   BitCounter prefix_bits;
-  prefix_bits.signed_golomb(prefix.count - context.nominal, kCountOrder);
+  prefix_bits.signed_golomb(prefix.count - context.habits.count, kCountOrder);
   write_values(prefix_bits, code, context, prefix);
   return prefix_bits.count() <= named_bits.count() ? prefix : named;
 }
@@ -98,19 +99,19 @@ int slope_order(const AxisContext& context) noexcept {
 template <typename Sink>
 void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const AxisContext& context,
                const Grid& grid, int block) noexcept {
-  const auto& order = modes(context.anchored);
+  const auto& order = modes(context);
   const auto at = static_cast<int>(std::find(order.begin(), order.end(), code.mode) - order.begin());
   for (int i = 0; i < at; ++i) out.bits(1, 1);
-  if (at < kLastMode) out.bits(0, 1);
+  if (at < last_mode(context)) out.bits(0, 1);
   if (code.mode == Mode::kRaw) {
     for (int n = 0; n < block; ++n)
       out.bits(std::bit_cast<std::uint32_t>(code.raw[static_cast<std::size_t>(n)]), 32);
     return;
   }
-  out.golomb(static_cast<std::uint64_t>(code.step_offset), kStepOrder);
+  out.signed_golomb(code.step_offset - context.habits.step_offset, 0);
   const auto telling = cheapest_telling(code, context, block);
-  out.bits(telling.prefix ? 0 : 1, 1);
-  out.signed_golomb(telling.count - context.nominal, kCountOrder);
+  if (!context.truncated) out.bits(telling.prefix ? 0 : 1, 1);
+  out.signed_golomb(telling.count - context.habits.count, kCountOrder);
   if (!telling.prefix) out.bits(rank_of(code.set), index_set_bits(block, telling.count));
   write_values(out, code, context, telling);
   if (code.has_bend()) out.signed_golomb(code.bend, kBendOrder);
@@ -127,13 +128,14 @@ void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const Axi
 
 /// Reads the values of the told coefficients, coefficient 0 only where write_values() writes it.
 bool read_values(BitReader& in, AxisCode& code, const AxisContext& context, const Telling& telling) noexcept {
-  int order = kFirstOrder;
+  int order = context.habits.value_order;
   code.set = 0;
   for (auto set = telling.told; set != 0; set &= set - 1) {
     const auto k = static_cast<std::size_t>(std::countr_zero(set));
     const bool level = k == 0 && carries_level(code, context);
     if (level && !context.newest) continue;
-    code.values[k] = unzigzag(in.golomb(level ? kLevelValueOrder : order) + (telling.prefix ? 0 : 1));
+    code.values[k] =
+        unzigzag(in.golomb(level ? context.habits.level_order : order) + (telling.prefix ? 0 : 1));
     if (in.failed() || std::abs(code.values[k]) > kMaxValue) return false;
     if (!level) order = next_order(code.values[k]);
     if (code.values[k] != 0) code.set |= IndexSet{1} << k;
@@ -142,8 +144,8 @@ bool read_values(BitReader& in, AxisCode& code, const AxisContext& context, cons
 }
 
 bool read_telling(BitReader& in, Telling& telling, const AxisContext& context, int block) noexcept {
-  telling.prefix = !in.bit();
-  const auto count = in.signed_golomb(kCountOrder) + context.nominal;
+  telling.prefix = context.truncated || !in.bit();
+  const auto count = in.signed_golomb(kCountOrder) + context.habits.count;
   if (in.failed() || count < 0 || count > block) return false;
   telling.count = static_cast<int>(count);
   telling.told = first_indices(telling.count);
@@ -180,13 +182,13 @@ bool read_axis(BitReader& in, AxisCode& code, const AxisContext& context, const 
                std::span<double> samples) noexcept {
   const int block = dct.size();
   int at = 0;
-  while (at < kLastMode && in.bit()) ++at;
-  code.mode = modes(context.anchored)[static_cast<std::size_t>(at)];
+  while (at < last_mode(context) && in.bit()) ++at;
+  code.mode = modes(context)[static_cast<std::size_t>(at)];
   if (code.mode == Mode::kRaw) return read_raw(in, code, samples);
   if (code.mode == Mode::kHold && !context.anchored) return false;
 
-  const auto offset = in.golomb(kStepOrder);
-  if (in.failed() || offset > kMaxStepOffset) return false;
+  const auto offset = context.habits.step_offset + in.signed_golomb(0);
+  if (in.failed() || offset < 0 || offset > kMaxStepOffset) return false;
   code.step_offset = static_cast<int>(offset);
   Telling telling;
   if (!read_telling(in, telling, context, block) || !read_values(in, code, context, telling)) return false;

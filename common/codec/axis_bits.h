@@ -7,11 +7,20 @@
 
 namespace telekerf::codec {
 
+/// What the stream has lately been like, announced in each packet's head so that the usual costs one bit.
+struct Habits {
+  int count = 4;        ///< coefficients an axis
+  int step_offset = 0;  ///< half octaves above the finest step
+  int level_order = 8;  ///< Exp-Golomb order of a level told whole
+  int value_order = 4;  ///< ... of an axis' first coefficient
+};
+
 /// What both ends know before an axis is coded.
 struct AxisContext {
   bool anchored = false;
   bool newest = true;
-  int nominal = 4;               ///< the count of coefficients that costs one bit
+  bool truncated = false;  ///< the predecessor: prefixes only, nothing predicted
+  Habits habits;
   std::int64_t trend_level = 0;  ///< newest and anchored: the trend on the grid
   std::int64_t trend_slope = 0;
   Successor next;  ///< not newest: the block that follows

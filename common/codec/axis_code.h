@@ -25,23 +25,23 @@ enum class Mode : std::uint8_t {
 /// Steps of the integers. Slope and bend are as coarse as four quanta at the block's end: what they miss is
 /// smooth, and the low coefficients, which are sent anyway, take it up.
 struct Grid {
-  Grid(int block, int quantum_exponent) noexcept : level(std::ldexp(1.0, quantum_exponent)) {
-    int log_block = 0;
-    while ((1 << log_block) < block) ++log_block;
-    slope = std::ldexp(level, 2 - log_block);
-    bend = std::ldexp(level, 3 - 2 * log_block);
-  }
+  Grid(int block, int quantum_exponent) noexcept;
+
   double level;
   double slope = 0.0;
   double bend = 0.0;
 
-  /// Step of the coefficients of an axis whose exponent lies `offset` above the stream's finest.
-  double step(int offset) const noexcept { return std::ldexp(level, offset); }
+  /// Step of the coefficients of an axis, `offset` half octaves above the stream's finest.
+  double step(int offset) const noexcept { return fractional_power(level, 2 * offset); }
+  /// base 2^(quarters/4), the same bits everywhere: no library's power function is asked.
+  static double fractional_power(double base, int quarters) noexcept;
 };
+/// The finest step of a stream is 2^(exponent/4), exponent within +-this.
+inline constexpr int kMaxQuantumExponent = 255;
 
 inline constexpr std::int64_t kMaxParameter = std::int64_t{1} << 45;
 inline constexpr std::int64_t kMaxValue = std::int64_t{1} << 40;
-inline constexpr int kMaxStepOffset = 127;
+inline constexpr int kMaxStepOffset = 254;
 inline constexpr double kMaxMagnitude = 1e30;
 
 /// value / grid rounded and clamped to +-kMaxParameter; both ends get the same integer. `value` must be

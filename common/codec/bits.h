@@ -109,7 +109,7 @@ class BitReader {
     int zeros = 0;
     while (!bit()) {
       if (truncated_) return 0;
-      if (++zeros > kMaxGolombBits) {
+      if (++zeros + order > kMaxGolombBits) {
         malformed_ = true;
         return 0;
       }

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/codec/decoder.h"
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
 #include "common/codec/axis_bits.h"
+#include "common/codec/lattice.h"
 
 namespace telekerf::codec {
 namespace {
@@ -39,15 +44,20 @@ class ReplayWindow {
 
 using Samples = std::array<Vec3, kMaxBlock>;
 
-bool read_raw_block(BitReader& in, std::span<Vec3> samples) noexcept {
-  for (int a = 0; a < kAxes; ++a) {
-    for (auto& sample : samples) {
-      const auto value = std::bit_cast<float>(static_cast<std::uint32_t>(in.bits(32)));
-      if (!(std::abs(value) <= static_cast<float>(kMaxMagnitude))) return false;
-      sample[a] = static_cast<double>(value);
-    }
+bool read_raw_axis(BitReader& in, std::span<double> samples) noexcept {
+  for (auto& sample : samples) {
+    const auto value = std::bit_cast<float>(static_cast<std::uint32_t>(in.bits(32)));
+    if (!(std::abs(value) <= static_cast<float>(kMaxMagnitude))) return false;
+    sample = static_cast<double>(value);
   }
   return !in.failed();
+}
+
+bool read_lattice_axis(BitReader& in, CodecKind kind, const Grid& grid, std::span<double> samples) noexcept {
+  AxisCode code;
+  if (!read_lattice(in, kind, code, static_cast<int>(samples.size()))) return false;
+  reconstruct_lattice(code, grid, samples);
+  return true;
 }
 
 }  // namespace
@@ -58,9 +68,38 @@ struct BlockDecoder::State {
   std::array<Successor, kAxes> next;
   ReplayWindow window;
   CodecCounters counters;
+  std::uint64_t concealed = 0;
 
+  // Concealment goes on from here: where the stream ended, how it moved, and how much of that is left.
+  Vec3 last_sample = Vec3::Zero();
+  Vec3 last_slope = Vec3::Zero();
+  bool has_last = false;
+
+  bool read_transform_axis(BitReader& in, const PacketHead& head, const Grid& grid, int age, int axis,
+                           const Trend& trend, std::span<double> room) noexcept;
   bool read_block(BitReader& in, const PacketHead& head, int age, const Trend& trend) noexcept;
+  void remember_end() noexcept;
 };
+
+bool BlockDecoder::State::read_transform_axis(BitReader& in, const PacketHead& head, const Grid& grid,
+                                              int age, int axis, const Trend& trend,
+                                              std::span<double> room) noexcept {
+  AxisContext known;
+  known.anchored = head.anchored;
+  known.truncated = head.kind == CodecKind::kTruncatedDct;
+  known.habits = head.habits;
+  known.newest = age == 0;
+  auto& successor = next[static_cast<std::size_t>(axis)];
+  known.next = successor;
+  if (known.newest && head.anchored) {
+    known.trend_level = on_grid(trend.value[axis], grid.level);
+    known.trend_slope = on_grid(trend.slope_per_sample[axis], grid.slope);
+  }
+  AxisCode code;
+  if (!read_axis(in, code, known, grid, Dct::of_size(head.block), room)) return false;
+  successor = successor_of(code, grid, room);
+  return true;
+}
 
 bool BlockDecoder::State::read_block(BitReader& in, const PacketHead& head, int age,
                                      const Trend& trend) noexcept {
@@ -69,26 +108,28 @@ bool BlockDecoder::State::read_block(BitReader& in, const PacketHead& head, int 
       std::span(samples[static_cast<std::size_t>(age)]).first(static_cast<std::size_t>(head.block));
   out.button = read_button(in, head.block);
   out.samples = room;
-  if (head.kind == CodecKind::kRaw) return read_raw_block(in, room);
+  for (auto& sample : room) sample.setZero();
 
   const Grid grid(head.block, head.quantum_exponent);
-  const auto& dct = Dct::of_size(head.block);
   std::array<double, kMaxBlock> axis_room;
   const auto axis_samples = std::span(axis_room).first(room.size());
-  for (int a = 0; a < kAxes; ++a) {
-    const auto at = static_cast<std::size_t>(a);
-    AxisContext known;
-    known.anchored = head.anchored;
-    known.nominal = head.nominal;
-    known.newest = age == 0;
-    known.next = next[at];
-    if (known.newest && head.anchored) {
-      known.trend_level = on_grid(trend.value[a], grid.level);
-      known.trend_slope = on_grid(trend.slope_per_sample[a], grid.slope);
+  for (int a = 0; a < head.axes; ++a) {
+    bool good = false;
+    switch (head.kind) {
+      case CodecKind::kRaw:
+        good = read_raw_axis(in, axis_samples);
+        break;
+      case CodecKind::kSdct:
+      case CodecKind::kTruncatedDct:
+        good = read_transform_axis(in, head, grid, age, a, trend, axis_samples);
+        break;
+      case CodecKind::kDeadband:
+      case CodecKind::kWeber:
+      case CodecKind::kDpcm:
+        good = read_lattice_axis(in, head.kind, grid, axis_samples);
+        break;
     }
-    AxisCode code;
-    if (!read_axis(in, code, known, grid, dct, axis_samples)) return false;
-    next[at] = successor_of(code, grid, axis_samples);
+    if (!good) return false;
     for (std::size_t n = 0; n < room.size(); ++n) room[n][a] = axis_samples[n];
   }
   return true;
@@ -125,10 +166,46 @@ tl::expected<const DecodedPacket*, CodecError> BlockDecoder::decode(std::span<co
   s.packet.block_size = head->block;
   s.packet.concealed = false;
   ++s.counters.good;
+  s.remember_end();
   return &s.packet;
 }
 
+void BlockDecoder::State::remember_end() noexcept {
+  const auto& newest = packet.blocks_newest_first[0];
+  const auto size = newest.samples.size();
+  const auto span = std::min<std::size_t>(size - 1, 4);
+  last_sample = newest.samples[size - 1];
+  last_slope.setZero();
+  // Only a position moves on by itself; a force or acceleration is best held.
+  if (packet.head.anchored && span > 0) {
+    last_slope = (last_sample - newest.samples[size - 1 - span]) / static_cast<double>(span);
+  }
+  has_last = true;
+}
+
+const DecodedPacket* BlockDecoder::conceal() noexcept {
+  auto& s = *state_;
+  if (!s.has_last) return nullptr;
+  const auto size = static_cast<std::size_t>(s.packet.head.block);
+  const double fade = std::exp(-1.0 / static_cast<double>(size));
+  for (std::size_t n = 0; n < size; ++n) {
+    s.last_slope *= fade;
+    s.last_sample += s.last_slope;
+    s.samples[0][n] = s.last_sample;
+  }
+  s.packet.blocks = 1;
+  s.packet.block_size = s.packet.head.block;
+  s.packet.concealed = true;
+  s.packet.blocks_newest_first[0] = {std::span<const Vec3>(s.samples[0]).first(size), 0};
+  ++s.concealed;
+  return &s.packet;
+}
+std::uint64_t BlockDecoder::concealed() const noexcept { return state_->concealed; }
+
 const CodecCounters& BlockDecoder::counters() const noexcept { return state_->counters; }
-void BlockDecoder::reset() noexcept { state_->window = {}; }
+void BlockDecoder::reset() noexcept {
+  state_->window = {};
+  state_->has_last = false;
+}
 
 }  // namespace telekerf::codec

@@ -40,8 +40,14 @@ class BlockDecoder {
   /// sender.
   [[nodiscard]] tl::expected<const DecodedPacket*, CodecError> decode(std::span<const std::uint8_t> bytes,
                                                                       const Trend& trend) noexcept;
+  /// For a block that did not come in time: the stream's last motion, fading out over one block (anchored
+  /// streams) or its last value (others), the button released, `concealed` set. Calls in a row go on from
+  /// each other. nullptr before the first good packet. A copy that arrives later still decodes to the true
+  /// samples.
+  const DecodedPacket* conceal() noexcept;
+  std::uint64_t concealed() const noexcept;
   const CodecCounters& counters() const noexcept;
-  /// Forgets the sequence numbers seen.
+  /// Forgets the sequence numbers seen and the motion to conceal with.
   void reset() noexcept;
 
  private:

@@ -3,18 +3,26 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "common/codec/analysis.h"
+#include "common/codec/lattice.h"
 
 namespace telekerf::codec {
 namespace {
 
+bool is_transform(CodecKind kind) { return kind == CodecKind::kSdct || kind == CodecKind::kTruncatedDct; }
+
+/// Adaptive streams derive their finest step from the promise: a transform's rounding is at most half a step
+/// in each coefficient, so 2 epsilon always keeps it; a lattice tries up to four half octaves above its
+/// finest, sqrt(12) epsilon.
 int quantum_exponent_of(const StreamSettings& settings) {
-  // Adaptive: 2 epsilon is the coarsest step whose plain rounding (at most half of it) always keeps the
-  // promise.
-  const double finest = settings.max_rms > 0.0 ? 2.0 * settings.max_rms : settings.quantum;
-  return std::clamp(static_cast<int>(std::floor(std::log2(finest))), -64, 63);
+  double finest = settings.quantum;
+  if (settings.max_rms > 0.0)
+    finest = (is_transform(settings.kind) ? 2.0 : 0.5 * std::sqrt(3.0)) * settings.max_rms;
+  return std::clamp(static_cast<int>(std::floor(4.0 * std::log2(finest))), -kMaxQuantumExponent,
+                    kMaxQuantumExponent);
 }
 
 struct Axis {
@@ -37,7 +45,9 @@ struct BlockEncoder::State {
       : settings(wanted.validated()),
         exponent(quantum_exponent_of(settings)),
         grid(settings.block, exponent),
-        analyser(std::max(settings.block, kMinTransform)) {}
+        analyser(std::max(settings.block, kMinTransform)) {
+    if (settings.max_rms == 0.0) habits.count = std::min(settings.keep, kMaxBlock - 1);
+  }
 
   StreamSettings settings;
   int exponent;
@@ -47,6 +57,8 @@ struct BlockEncoder::State {
   std::size_t newest = 0;
   int held = 0;  // blocks in the ring, the newest included
   std::uint16_t sequence = 0;
+  Habits habits;
+  std::size_t newest_bits = 0;
   CodecCounters counters;
 
   Block& back(int age) noexcept {
@@ -56,7 +68,8 @@ struct BlockEncoder::State {
   AxisContext context() const noexcept {
     AxisContext context;
     context.anchored = settings.anchored;
-    context.nominal = settings.max_rms > 0.0 ? 2 : std::min(settings.keep, kMaxBlock - 1);
+    context.truncated = settings.kind == CodecKind::kTruncatedDct;
+    context.habits = habits;
     return context;
   }
   AxisContext newest_context(const Trend& trend, int axis) const noexcept {
@@ -69,6 +82,7 @@ struct BlockEncoder::State {
   }
   void analyse(std::span<const Vec3> samples, const Trend& trend, Block& block) const noexcept;
   void write_block(BitWriter& out, int age, const Trend& trend) noexcept;
+  void learn_habits(const Block& block) noexcept;
 };
 
 void BlockEncoder::State::analyse(std::span<const Vec3> samples, const Trend& trend,
@@ -76,7 +90,8 @@ void BlockEncoder::State::analyse(std::span<const Vec3> samples, const Trend& tr
   std::array<double, kMaxBlock> values;
   std::array<double, kMaxBlock> shape_room;
   const auto count = samples.size();
-  for (int a = 0; a < kAxes; ++a) {
+  for (std::size_t n = 0; n < count; ++n) block.decoded[n].setZero();
+  for (int a = 0; a < settings.axes; ++a) {
     auto& axis = block.axes[static_cast<std::size_t>(a)];
     for (std::size_t n = 0; n < count; ++n) values[n] = samples[n][a];
     const auto part = std::span(values).first(count);
@@ -85,6 +100,12 @@ void BlockEncoder::State::analyse(std::span<const Vec3> samples, const Trend& tr
         axis.code.raw[n] = static_cast<float>(values[n]);
         block.decoded[n][a] = static_cast<double>(axis.code.raw[n]);
       }
+      continue;
+    }
+    if (!is_transform(settings.kind)) {
+      axis.code = analyse_lattice(part, settings, grid);
+      reconstruct_lattice(axis.code, grid, part);
+      for (std::size_t n = 0; n < count; ++n) block.decoded[n][a] = values[n];
       continue;
     }
     axis.code = analyser.analyse(part, {settings.keep, settings.max_rms}, newest_context(trend, a), grid);
@@ -100,12 +121,16 @@ void BlockEncoder::State::analyse(std::span<const Vec3> samples, const Trend& tr
 void BlockEncoder::State::write_block(BitWriter& out, int age, const Trend& trend) noexcept {
   const auto& block = back(age);
   write_button(out, block.button, settings.block);
-  for (int a = 0; a < kAxes; ++a) {
+  for (int a = 0; a < settings.axes; ++a) {
     const auto at = static_cast<std::size_t>(a);
     if (settings.kind == CodecKind::kRaw) {
       for (int n = 0; n < settings.block; ++n) {
         out.bits(std::bit_cast<std::uint32_t>(block.axes[at].code.raw[static_cast<std::size_t>(n)]), 32);
       }
+      continue;
+    }
+    if (!is_transform(settings.kind)) {
+      write_lattice(out, settings.kind, block.axes[at].code, settings.block);
       continue;
     }
     auto known = age == 0 ? newest_context(trend, a) : context();
@@ -115,6 +140,33 @@ void BlockEncoder::State::write_block(BitWriter& out, int age, const Trend& tren
     }
     write_axis(out, block.axes[at].code, block.axes[at].ends, known, grid, settings.block);
   }
+}
+
+void BlockEncoder::State::learn_habits(const Block& block) noexcept {
+  if (!is_transform(settings.kind)) return;
+  int count = 0;
+  int offset = 0;
+  int level_order = 0;
+  int value_order = 0;
+  int used = 0;
+  for (int a = 0; a < settings.axes; ++a) {
+    const auto& code = block.axes[static_cast<std::size_t>(a)].code;
+    if (code.mode == Mode::kRaw) continue;
+    count += std::popcount(code.set);
+    offset += code.step_offset;
+    ++used;
+    const auto width = [&](std::size_t k) {
+      return static_cast<int>(std::bit_width(zigzag(code.values[k])));
+    };
+    level_order = std::max(level_order, width(0) - 2);
+    const auto upper = code.set & ~IndexSet{settings.anchored && code.has_level() ? 0u : 1u};
+    if (upper != 0) value_order += width(static_cast<std::size_t>(std::countr_zero(upper))) - 1;
+  }
+  if (used == 0) return;
+  habits.count = std::min((count + used / 2) / used, 63);
+  habits.step_offset = std::clamp((offset + used / 2) / used, 0, 31);
+  habits.level_order = std::clamp(level_order, 0, 31);
+  habits.value_order = std::clamp(value_order / used, 0, 15);
 }
 
 BlockEncoder::BlockEncoder(const StreamSettings& settings) : state_(std::make_unique<State>(settings)) {}
@@ -153,11 +205,14 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
   head.block = s.settings.block;
   head.quantum_exponent = s.exponent;
   head.sequence = s.sequence;
-  head.nominal = s.context().nominal;
+  head.axes = s.settings.axes;
+  head.habits = s.habits;
   head.sample_period_ns = s.settings.sample_period_ns;
   write_head(writer, head);
+  const auto begin = writer.position();
   s.write_block(writer, 0, trend);
   if (writer.overflowed()) return refuse(CodecError::kNoRoom);
+  s.newest_bits = writer.position() - begin;
   int written = 1;
   for (; written < s.held; ++written) {
     const auto before = writer.position();
@@ -168,6 +223,7 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
     }
   }
   patch_blocks(out, written);
+  s.learn_habits(block);
   ++s.sequence;
   ++s.counters.good;
   return writer.bytes();
@@ -177,6 +233,7 @@ std::span<const Vec3> BlockEncoder::decoded() const noexcept {
   if (state_->held == 0) return {};
   return std::span(state_->back(0).decoded).first(static_cast<std::size_t>(state_->settings.block));
 }
+std::size_t BlockEncoder::newest_block_bits() const noexcept { return state_->newest_bits; }
 const StreamSettings& BlockEncoder::settings() const noexcept { return state_->settings; }
 const CodecCounters& BlockEncoder::counters() const noexcept { return state_->counters; }
 void BlockEncoder::restart() noexcept { state_->held = 0; }

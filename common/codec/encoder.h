@@ -33,7 +33,8 @@ class BlockEncoder {
 
   /// What every receiver decodes for the newest block, bit for bit; empty before the first.
   std::span<const Vec3> decoded() const noexcept;
-  /// Bytes of the last packet that belong to its newest block alone, and its head.
+  /// Bits that the last packet spent on its newest block: no head, no copies of previous ones.
+  std::size_t newest_block_bits() const noexcept;
   const StreamSettings& settings() const noexcept;
   const CodecCounters& counters() const noexcept;
   /// Forgets previous blocks (a gap in the stream); the sequence goes on.

@@ -6,8 +6,7 @@
 namespace telekerf::codec {
 namespace {
 
-constexpr std::uint64_t kKinds = 2;
-constexpr int kExponentBias = 64;
+constexpr int kExponentBias = 256;
 constexpr int kPeriodOrder = 20;
 
 }  // namespace
@@ -20,9 +19,13 @@ void write_head(BitWriter& out, const PacketHead& head) noexcept {
   out.bits(head.anchored ? 1 : 0, 1);
   out.bits(head.adaptive ? 1 : 0, 1);
   out.bits(static_cast<std::uint64_t>(head.block - 1), 6);
-  out.bits(static_cast<std::uint64_t>(head.quantum_exponent + kExponentBias), 7);
+  out.bits(static_cast<std::uint64_t>(head.quantum_exponent + kExponentBias), 9);
+  out.bits(static_cast<std::uint64_t>(head.axes), 2);
   out.bits(head.sequence, 16);
-  out.bits(static_cast<std::uint64_t>(head.nominal), 6);
+  out.bits(static_cast<std::uint64_t>(head.habits.count), 6);
+  out.bits(static_cast<std::uint64_t>(head.habits.step_offset), 5);
+  out.bits(static_cast<std::uint64_t>(head.habits.level_order), 5);
+  out.bits(static_cast<std::uint64_t>(head.habits.value_order), 4);
   out.golomb(head.sample_period_ns, kPeriodOrder);
 }
 
@@ -35,7 +38,7 @@ tl::expected<PacketHead, CodecError> read_head(BitReader& in) noexcept {
   const auto kind = in.bits(4);
   if (in.truncated()) return tl::unexpected(CodecError::kTruncated);
   if (version != kPacketVersion) return tl::unexpected(CodecError::kWrongVersion);
-  if (kind >= kKinds) return tl::unexpected(CodecError::kMalformed);
+  if (kind >= kCodecKinds) return tl::unexpected(CodecError::kMalformed);
   PacketHead head;
   head.kind = static_cast<CodecKind>(kind);
   head.blocks = static_cast<int>(in.bits(3)) + 1;
@@ -43,12 +46,16 @@ tl::expected<PacketHead, CodecError> read_head(BitReader& in) noexcept {
   head.anchored = in.bit();
   head.adaptive = in.bit();
   head.block = static_cast<int>(in.bits(6)) + 1;
-  head.quantum_exponent = static_cast<int>(in.bits(7)) - kExponentBias;
+  head.quantum_exponent = static_cast<int>(in.bits(9)) - kExponentBias;
+  head.axes = static_cast<int>(in.bits(2));
   head.sequence = static_cast<std::uint16_t>(in.bits(16));
-  head.nominal = static_cast<int>(in.bits(6));
+  head.habits.count = static_cast<int>(in.bits(6));
+  head.habits.step_offset = static_cast<int>(in.bits(5));
+  head.habits.level_order = static_cast<int>(in.bits(5));
+  head.habits.value_order = static_cast<int>(in.bits(4));
   const auto period = in.golomb(kPeriodOrder);
   if (in.truncated()) return tl::unexpected(CodecError::kTruncated);
-  const bool sized = head.kind == CodecKind::kRaw || head.block >= kMinTransform;
+  const bool sized = head.block >= smallest_block(head.kind) && head.axes >= 1;
   if (in.malformed() || !sized || head.blocks > head.redundancy + 1 || period == 0 ||
       period > 1'000'000'000) {
     return tl::unexpected(CodecError::kMalformed);

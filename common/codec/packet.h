@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "common/codec/bits.h"
+#include "common/codec/axis_bits.h"
 #include "common/codec/errors.h"
 #include "common/codec/settings.h"
 
@@ -35,9 +35,10 @@ struct PacketHead {
   bool anchored = false;
   bool adaptive = false;
   int block = 16;
-  int quantum_exponent = 0;  ///< finest step = 2^this
+  int axes = 3;
+  int quantum_exponent = 0;  ///< finest step = 2^(this / 4)
   std::uint16_t sequence = 0;
-  int nominal = 4;  ///< keep, or the count of coefficients that costs least
+  Habits habits;
   std::uint32_t sample_period_ns = 0;
 };
 

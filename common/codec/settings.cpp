@@ -13,10 +13,15 @@
 namespace telekerf::codec {
 namespace {
 
-constexpr std::array<std::pair<CodecKind, const char*>, 2> kNames{{
+constexpr std::array<std::pair<CodecKind, const char*>, kCodecKinds> kNames{{
     {CodecKind::kSdct, "sdct"},
-    {CodecKind::kRaw, "raw"},
+    {CodecKind::kRaw, "batched"},
+    {CodecKind::kTruncatedDct, "truncated"},
+    {CodecKind::kDeadband, "deadband"},
+    {CodecKind::kWeber, "weber"},
+    {CodecKind::kDpcm, "dpcm"},
 }};
+constexpr const char* kRawName = "raw";
 
 template <typename Number>
 void require(const char* name, Number value, Number min, Number max) {
@@ -26,26 +31,43 @@ void require(const char* name, Number value, Number min, Number max) {
 
 }  // namespace
 
+int smallest_block(CodecKind kind) noexcept {
+  return kind == CodecKind::kSdct || kind == CodecKind::kTruncatedDct ? kMinTransform : 1;
+}
+
 StreamSettings StreamSettings::validated() const {
-  const bool transforms = kind == CodecKind::kSdct;
-  require("block", block, transforms ? kMinTransform : 1, kMaxBlock);
+  require("block", block, smallest_block(kind), kMaxBlock);
   require("keep", keep, 1, kMaxBlock);
   require("redundancy", redundancy, 0, kMaxRedundancy);
   require("max_rms", max_rms, 0.0, 1e6);
   require("quantum", quantum, 1e-15, 1e6);
+  require("threshold", threshold, 0.0, 1e6);
+  require("axes", axes, 1, 3);
   require("sample_period_ns", sample_period_ns, std::uint32_t{1000}, std::uint32_t{1'000'000'000});
   StreamSettings settings = *this;
   if (settings.keep > settings.block) settings.keep = settings.block;
   return settings;
 }
 
-CodecKind codec_kind(const std::string& name) {
-  std::string known;
+StreamSettings with_codec(StreamSettings settings, const std::string& name) {
+  if (name == kRawName) {
+    settings.kind = CodecKind::kRaw;
+    settings.block = 1;
+    settings.redundancy = 0;
+    return settings;
+  }
+  std::string known = kRawName;
   for (const auto& [kind, word] : kNames) {
-    if (name == word) return kind;
-    known += (known.empty() ? "" : ", ") + std::string(word);
+    known += ", " + std::string(word);
+    if (name != word) continue;
+    settings.kind = kind;
+    return settings;
   }
   throw Refusal(fmt::format("codec = {}: must be one of {}", name, known));
+}
+
+std::string codec_name(const StreamSettings& settings) {
+  return settings.kind == CodecKind::kRaw && settings.block == 1 ? kRawName : to_string(settings.kind);
 }
 
 const char* to_string(CodecKind kind) noexcept {
@@ -56,7 +78,7 @@ const char* to_string(CodecKind kind) noexcept {
 }
 
 std::vector<std::string> codec_names() {
-  std::vector<std::string> names;
+  std::vector<std::string> names{kRawName};
   for (const auto& entry : kNames) names.emplace_back(entry.second);
   return names;
 }

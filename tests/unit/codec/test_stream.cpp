@@ -77,7 +77,14 @@ std::vector<StreamSettings> many_settings() {
         all.push_back({.block = block, .max_rms = 2e-6, .redundancy = redundancy, .anchored = anchored});
       }
     }
-    all.push_back({.kind = CodecKind::kRaw, .block = 16, .redundancy = 1, .anchored = anchored});
+    for (const auto* name : {"batched", "truncated", "deadband", "weber", "dpcm"}) {
+      all.push_back(
+          with_codec({.block = 16, .redundancy = 2, .threshold = 1e-4, .anchored = anchored}, name));
+      all.push_back(with_codec({.block = 16, .max_rms = 2e-6, .redundancy = 1, .anchored = anchored}, name));
+      all.push_back(with_codec({.block = 64, .redundancy = 1, .anchored = anchored}, name));
+    }
+    all.push_back({.block = 16, .axes = 1, .anchored = anchored});
+    all.push_back({.block = 16, .axes = 2, .anchored = anchored});
     all.push_back({.kind = CodecKind::kRaw, .block = 1, .redundancy = 0, .anchored = anchored});
   }
   return all;
@@ -248,7 +255,7 @@ TEST(Settings, RefusalsNameSettingValueAndBound) {
   EXPECT_NE(refusal({.max_rms = std::nan("")}), "");
   EXPECT_NE(refusal({.redundancy = 8}), "");
   EXPECT_EQ(refusal({}), "");
-  EXPECT_THROW(codec_kind("zip"), Refusal);
+  EXPECT_THROW(with_codec({}, "zip"), Refusal);
 }
 
 }  // namespace
