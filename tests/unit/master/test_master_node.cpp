@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// The master station by itself: it starts disengaged, brings the tool to the curve, holds it there, and engages only
+// while a slave that works on the same contour is alive.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/runtime/refusal.h"
+#include "master/station.h"
+
+namespace telekerf::master {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+ContourMessage circle(double radius_m) {
+  ContourMessage contour;
+  contour.id = 4;
+  for (int i = 0; i < 720; ++i) {
+    contour.points_m.emplace_back(radius_m * std::cos(i * M_PI / 360), radius_m * std::sin(i * M_PI / 360));
+  }
+  return contour;
+}
+
+class MasterStation : public testing::Test {
+ protected:
+  void run(double seconds, bool engage, bool slave_alive, std::vector<EventMessage> events = {}) {
+    for (int n = 0; n < static_cast<int>(seconds * 1000); ++n) {
+      std::vector<Received<StateBlock>> states;
+      if (slave_alive && n % 16 == 0) {
+        StateBlock state;
+        state.sequence = ++number_;
+        state.contour_id = slave_contour_;
+        state.interlock = Interlock::kReady;
+        states.push_back({state, now_ns_});
+      }
+      out_ = station_.step(now_ns_, task_.get(), engage, states, events);
+      events.clear();
+      if (out_.command) {
+        last_ = *out_.command;
+        ++blocks_;
+      }
+      now_ns_ += kMs;
+    }
+  }
+
+  Station station_{StationSettings{}};
+  std::unique_ptr<Task> task_;
+  MasterOutputs out_;
+  CommandBlock last_;
+  int blocks_ = 0;
+  std::uint32_t number_ = 0;
+  std::uint32_t slave_contour_ = 4;
+  std::int64_t now_ns_ = 0;
+};
+
+TEST_F(MasterStation, WithoutContourItHoldsAndIsSilent) {
+  run(1.0, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kIdle);
+  EXPECT_EQ(blocks_, 0);
+  EXPECT_LT(out_.tool_m.norm(), 50e-6);
+}
+
+TEST_F(MasterStation, ApproachesGuidesAndEngagesOnlyWithALivingSlaveOnTheSameContour) {
+  task_ = station_.prepare(circle(0.01));
+  run(0.3, true, false);
+  EXPECT_EQ(out_.mode, MasterMode::kApproach);
+  EXPECT_FALSE(last_.engaged);
+  run(3.0, true, false);
+  EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "nobody there";
+  EXPECT_NEAR(out_.tool_m.head<2>().norm(), 0.02, 0.2e-3) << "on contour / beta";
+  slave_contour_ = 9;
+  run(0.5, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "another contour";
+  slave_contour_ = 4;
+  run(0.5, false, true);
+  EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "engaging is explicit";
+  run(0.5, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kEngaged);
+  EXPECT_TRUE(last_.engaged);
+  run(1.0, true, false);
+  EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "the slave fell silent";
+  EXPECT_FALSE(last_.engaged);
+}
+
+TEST_F(MasterStation, EmergencyStopHoldsUntilCleared) {
+  task_ = station_.prepare(circle(0.01));
+  run(4.0, true, true);
+  ASSERT_EQ(out_.mode, MasterMode::kEngaged);
+  EventMessage event;
+  event.kind = EventMessage::Kind::kStop;
+  run(0.5, true, true, {event});
+  EXPECT_EQ(out_.mode, MasterMode::kStopped);
+  EXPECT_FALSE(last_.engaged);
+  EXPECT_LT(out_.velocity_m_per_s.norm(), 2e-3);
+  event.kind = EventMessage::Kind::kClearStop;
+  run(4.0, true, true, {event});
+  EXPECT_EQ(out_.mode, MasterMode::kEngaged);
+}
+
+TEST_F(MasterStation, BlocksFollowEachOtherWithoutGap) {
+  task_ = station_.prepare(circle(0.01));
+  run(0.016, true, true);
+  const CommandBlock first = last_;
+  run(0.160, true, true);
+  EXPECT_EQ(last_.sequence, first.sequence + 10);
+  EXPECT_EQ(last_.first_tick, first.first_tick + 160);
+  EXPECT_EQ(last_.sample_period_ns, 1'000'000u);
+  EXPECT_EQ(last_.beta, 0.5);
+}
+
+TEST_F(MasterStation, AContourThatLeavesTheWorkspaceIsRefusedWithARemedy) {
+  try {
+    (void)station_.prepare(circle(0.05));
+    FAIL() << "accepted";
+  } catch (const Refusal& refusal) {
+    const std::string what = refusal.what();
+    EXPECT_NE(what.find("100.0 mm"), std::string::npos) << what;
+    EXPECT_NE(what.find("--beta"), std::string::npos) << what;
+  }
+}
+
+}  // namespace
+}  // namespace telekerf::master
