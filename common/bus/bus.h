@@ -13,6 +13,7 @@
 #include "common/bus/site.h"
 #include "common/runtime/version.h"
 #include "netem/profile.h"
+#include "netem/transport.h"
 
 namespace telekerf {
 
@@ -37,13 +38,8 @@ struct BusSettings {
 };
 
 struct BusCounters {
-  std::uint64_t misfits = 0;  ///< processes that came after us and did not fit
-  // Of the emulated link, datagrams from the other site:
-  std::uint64_t emulated = 0;   ///< went through it
-  std::uint64_t lost = 0;       ///< were lost in it
-  std::uint64_t corrupted = 0;  ///< were damaged by it, and
-  std::uint64_t delivered_corrupted =
-      0;  ///< of those, reached the bus (stream payloads; the rest: UDP's checksum)
+  std::uint64_t misfits = 0;      ///< processes that came after us and did not fit
+  netem::TransportCounters link;  ///< of the emulated network; zeros without
 };
 
 class Bus {

@@ -56,8 +56,9 @@ dds::Topic* topic_of(Bus::Participant& participant) {
 template <class T>
 struct Writer<T>::Impl : dds::DataWriterListener {
   explicit Impl(Bus& bus) : participant(bus.participant()) {
-    writer = participant->publisher()->create_datawriter(topic_of<T>(*participant),
-                                                         bus::writer_qos(bus::Topic<T>::kIntent), this,
+    dds::DataWriterQos qos = bus::writer_qos(bus::Topic<T>::kIntent);
+    qos.endpoint().entity_id = static_cast<std::int16_t>(bus::Topic<T>::kEntity);
+    writer = participant->publisher()->create_datawriter(topic_of<T>(*participant), qos, this,
                                                          dds::StatusMask::publication_matched());
     if (writer == nullptr)
       throw Refusal(std::string("the middleware refused a writer of ") + bus::Topic<T>::kName);

@@ -50,7 +50,12 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
   if (announced.empty()) throw Refusal("the names of cell, role and process may have 64, 32 and 64 letters");
   if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
 
-  const auto qos = bus::participant_qos(settings_, bus::udp_transport(), announced);
+  auto transport = bus::udp_transport();
+  if (settings_.emulation) {
+    link_.emplace(settings_.emulation->profile, settings_.emulation->seed, settings_.site);
+    transport = link_->over(std::move(transport));
+  }
+  const auto qos = bus::participant_qos(settings_, std::move(transport), announced);
   self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
   participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
@@ -139,13 +144,15 @@ bool Bus::Participant::wait_for_role(const std::string& role, std::chrono::nanos
 
 BusCounters Bus::Participant::counters() const {
   BusCounters counters;
+  if (link_) counters.link = link_->counters();
   const std::lock_guard lock(mutex_);
   counters.misfits = misfits_.size();
   return counters;
 }
 
-void Bus::Participant::set_profile(const netem::Profile&) {
-  throw Refusal("this process runs without an emulated network; start it with --netem");
+void Bus::Participant::set_profile(const netem::Profile& profile) {
+  if (!link_) throw Refusal("this process runs without an emulated network; start it with --netem");
+  link_->set_profile(profile);
 }
 
 dds::Topic* Bus::Participant::topic(const char* name, dds::TypeSupport type) {

@@ -14,6 +14,7 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/presence.h"
+#include "netem/transport.h"
 
 namespace telekerf {
 
@@ -49,6 +50,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
 
   BusSettings settings_;
   std::vector<std::string> notes_;
+  std::optional<netem::Link> link_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;

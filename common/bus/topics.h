@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "common/bus/messages.h"
+#include "common/bus/site.h"
 
 namespace telekerf::bus {
 
@@ -19,6 +20,10 @@ enum class Intent {
   kSlow,     ///< numbers for people: best effort
 };
 
+/// The middleware counts.
+inline constexpr int kAnyEntity = -1;
+
+/// kEntity: id of the one writer that a process may have of the topic (streams only, see site.h).
 template <class T>
 struct Topic;
 
@@ -27,6 +32,7 @@ struct Topic<CommandBlock> {
   using Type = wire::CommandBlockPubSubType;
   static constexpr const char* kName = "telekerf/command";
   static constexpr Intent kIntent = Intent::kStream;
+  static constexpr int kEntity = kStreamEntity << 8 | 1;
   static constexpr std::size_t kRing = 256;  ///< samples that wait to be taken
 };
 
@@ -35,6 +41,7 @@ struct Topic<StateBlock> {
   using Type = wire::StateBlockPubSubType;
   static constexpr const char* kName = "telekerf/state";
   static constexpr Intent kIntent = Intent::kStream;
+  static constexpr int kEntity = kStreamEntity << 8 | 2;
   static constexpr std::size_t kRing = 256;
 };
 
@@ -43,6 +50,7 @@ struct Topic<ContourMessage> {
   using Type = wire::ContourPubSubType;
   static constexpr const char* kName = "telekerf/contour";
   static constexpr Intent kIntent = Intent::kLatched;
+  static constexpr int kEntity = kAnyEntity;
   static constexpr std::size_t kRing = 8;
 };
 
@@ -51,6 +59,7 @@ struct Topic<EventMessage> {
   using Type = wire::EventPubSubType;
   static constexpr const char* kName = "telekerf/event";
   static constexpr Intent kIntent = Intent::kEvent;
+  static constexpr int kEntity = kAnyEntity;
   static constexpr std::size_t kRing = 256;
 };
 
@@ -59,6 +68,7 @@ struct Topic<TelemetryMessage> {
   using Type = wire::TelemetryPubSubType;
   static constexpr const char* kName = "telekerf/telemetry";
   static constexpr Intent kIntent = Intent::kSlow;
+  static constexpr int kEntity = kAnyEntity;
   static constexpr std::size_t kRing = 256;
 };
 

@@ -2,49 +2,18 @@
 // Several participants in one process on loopback. A domain and a cell of this process' own keep tests that
 // run side by side apart.
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <future>
-#include <thread>
 
-#include "common/bus/endpoints.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/refusal.h"
+#include "tests/unit/bus/cell.h"
 #include "tests/unit/bus/samples.h"
 
 namespace telekerf {
 namespace {
 
-using namespace std::chrono_literals;
 using testing::HasSubstr;
-
-constexpr auto kPatience = 20s;  // sanitizers and a busy machine
-
-BusSettings settings(const std::string& role, Site site = Site::kOperator) {
-  BusSettings settings;
-  settings.domain = 100 + getpid() % 130;
-  settings.cell = "test-" + std::to_string(getpid());
-  settings.site = site;
-  settings.role = role;
-  settings.look_around = 20ms;
-  return settings;
-}
-
-EventMessage event(std::uint32_t epoch) {
-  EventMessage message;
-  message.epoch = epoch;
-  return message;
-}
-
-template <class T>
-std::optional<Received<T>> take_soon(Reader<T>& reader, std::chrono::nanoseconds patience = kPatience) {
-  const auto end = std::chrono::steady_clock::now() + patience;
-  while (std::chrono::steady_clock::now() < end) {
-    if (auto sample = reader.take()) return sample;
-    std::this_thread::sleep_for(1ms);
-  }
-  return std::nullopt;
-}
 
 TEST(Bus, StreamsCrossBothWays) {
   Bus master(settings("master"));
@@ -55,6 +24,7 @@ TEST(Bus, StreamsCrossBothWays) {
   Reader<StateBlock> states_read(master);
   ASSERT_TRUE(commands.wait_for_reader(kPatience));
   ASSERT_TRUE(states.wait_for_reader(kPatience));
+  ASSERT_TRUE(soon([&] { return commands_read.writers() == 1 && states_read.writers() == 1; }));
 
   samples::Random random(1);
   for (int i = 0; i < 20; ++i) {
@@ -118,6 +88,7 @@ TEST(Bus, TelemetryCrosses) {
   Writer<TelemetryMessage> writer(slave);
   Reader<TelemetryMessage> reader(console);
   ASSERT_TRUE(writer.wait_for_reader(kPatience));
+  ASSERT_TRUE(soon([&] { return reader.writers() == 1; }));
   const TelemetryMessage message{.role = "slave", .tick = 5, .values = {{"a", 1.0}, {"b", -2.5}}};
   ASSERT_TRUE(writer.write(message));
   const auto back = take_soon(reader);
@@ -152,10 +123,7 @@ TEST(Bus, AFullReaderDropsTheNewestAndCounts) {
   Reader<EventMessage> reader(slave, 4);
   ASSERT_TRUE(events.wait_for_reader(kPatience));
   for (std::uint32_t i = 0; i < 10; ++i) ASSERT_TRUE(events.write(event(i)));
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (reader.counters().received < 10 && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(1ms);
-  EXPECT_EQ(reader.counters().received, 10u);
+  ASSERT_TRUE(soon([&] { return reader.counters().received == 10; }));
   EXPECT_EQ(reader.counters().dropped, 6u);
   EXPECT_EQ(reader.take()->value.epoch, 0u);
 }
@@ -218,9 +186,7 @@ TEST(Bus, WaitsForARole) {
   ASSERT_EQ(master.others().size(), 1u);
   EXPECT_EQ(master.others()[0].version, kVersion);
   slave.reset();
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (!master.others().empty() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
-  EXPECT_TRUE(master.others().empty());
+  EXPECT_TRUE(soon([&] { return master.others().empty(); }));
 }
 
 TEST(Bus, RefusesSettingsWithASentence) {

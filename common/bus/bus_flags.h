@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The settings that every process on the bus shares, as configuration keys and flags.
+#pragma once
+
+#include <string>
+
+#include "common/bus/bus.h"
+#include "common/runtime/settings.h"
+
+namespace telekerf {
+
+struct BusFlags {
+  int domain = 0;
+  std::string cell = "cell-1";
+  std::string name;
+  std::string peers;
+  std::string netem = "none";
+  std::uint64_t netem_seed = 1;
+
+  void declare(Settings& settings);
+  /// Settings for a process of this role; the epoch is taken from the wall clock, so that a later start has a higher
+  /// one. Throws Refusal if the profile cannot be loaded.
+  BusSettings bus_settings(Site site, const std::string& role) const;
+};
+
+}  // namespace telekerf
