@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment kinematics: thesis 8.4, the kinematics against an independent engine, 9 panels and a
+// table.
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/runtime/refusal.h"
+#include "tests/experiments/commands.h"
+#include "tests/experiments/kinematics_validation.h"
+#include "tests/experiments/plot.h"
+
+namespace telekerf::experiments {
+namespace {
+
+struct Options {
+  std::string robot = "slave-keops";
+  double step_m = 0.005;
+  std::string out = "out/kinematics";
+};
+
+// The bars that decide the exit code.
+constexpr double kPositionBar_m = 1e-6;
+constexpr double kVelocityBar = 1e-3;
+constexpr double kDynamicsBar = 1e-2;
+
+using Pick = robot::Vec3 KinematicsSample::*;
+
+Panel panel(const KinematicsValidation& run, std::string title, std::string y_label, int axis, Pick measured,
+            Pick calculated) {
+  constexpr double kMm = 1e3;
+  Line a{"measured", {}, {}, Line::Style::kSolid, 5};
+  Line b{"calculated", {}, {}, Line::Style::kDashed, 1};
+  for (const auto& sample : run.samples) {
+    a.x.push_back(sample.time_s);
+    a.y.push_back(kMm * (sample.*measured)[axis]);
+    b.x.push_back(sample.time_s);
+    b.y.push_back(kMm * (sample.*calculated)[axis]);
+  }
+  return {.title = std::move(title), .x_label = "time [s]", .y_label = std::move(y_label), .lines = {a, b}};
+}
+
+/// Fig. 8.10: rows FK against task space, IK against joint space, Jacobian velocities against measured ones.
+Figure figure(const KinematicsValidation& run, const std::string& robot, double step_m) {
+  Figure figure;
+  figure.title =
+      fmt::format("{}: kinematics against MuJoCo, steps of {:.3g} mm in x, y, z", robot, 1e3 * step_m);
+  figure.columns = 3;
+  for (int i = 0; i < 3; ++i) {
+    figure.panels.push_back(panel(run, fmt::format("({}) forward kinematics, {}", "ABC"[i], "xyz"[i]),
+                                  fmt::format("{} [mm]", "xyz"[i]), i, &KinematicsSample::tool_m,
+                                  &KinematicsSample::tool_calculated_m));
+  }
+  for (int i = 0; i < 3; ++i) {
+    figure.panels.push_back(panel(run, fmt::format("({}) inverse kinematics, joint {}", "DEF"[i], i + 1),
+                                  fmt::format("d{} [mm]", i + 1), i, &KinematicsSample::joints_m,
+                                  &KinematicsSample::joints_calculated_m));
+  }
+  for (int i = 0; i < 3; ++i) {
+    figure.panels.push_back(panel(run, fmt::format("({}) Jacobian, {}", "GHI"[i], "xyz"[i]),
+                                  fmt::format("v{} [mm/s]", "xyz"[i]), i, &KinematicsSample::velocity_m_per_s,
+                                  &KinematicsSample::velocity_calculated_m_per_s));
+  }
+  return figure;
+}
+
+struct Row {
+  const char* name;
+  double value;
+  double bar;
+  double unit;  ///< factor to the printed unit
+  const char* unit_name;
+};
+
+int run(const Options& options) {
+  std::error_code failed;
+  std::filesystem::create_directories(options.out, failed);
+  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
+  const robot::RobotModel model = robot::load_robot(options.robot);
+  const KinematicsValidation steps = validate_kinematics(model, options.step_m);
+  const DynamicsValidation fall = validate_free_fall(model);
+  const DynamicsValidation forced = validate_forced_motion(model);
+  const std::filesystem::path out = options.out;
+  draw_figure(figure(steps, model.name, options.step_m), out / "kinematics.png");
+
+  const std::array<Row, 5> rows{{
+      {"forward_kinematics_m", steps.worst_forward_m, kPositionBar_m, 1e6, "um"},
+      {"inverse_kinematics_m", steps.worst_inverse_m, kPositionBar_m, 1e6, "um"},
+      {"jacobian_velocity_share", steps.worst_velocity, kVelocityBar, 1e2, "%"},
+      {"free_fall_share", fall.share(), kDynamicsBar, 1e2, "%"},
+      {"forced_motion_share", forced.share(), kDynamicsBar, 1e2, "%"},
+  }};
+  nlohmann::ordered_json results{
+      {"experiment", "kinematics"}, {"robot", model.name}, {"step_m", options.step_m}};
+  bool good = true;
+  fmt::print("{}, largest difference to MuJoCo (its own rod error of {:.3g} um subtracted)\n", model.name,
+             1e6 * steps.worst_violation_m);
+  for (const auto& row : rows) {
+    const bool within = row.value <= row.bar;
+    good = good && within;
+    results["worst"][row.name] = row.value;
+    results["bar"][row.name] = row.bar;
+    fmt::print("  {:<26}{:>12.3g} {:<3} bar {:g} {}  {}\n", row.name, row.unit * row.value, row.unit_name,
+               row.unit * row.bar, row.unit_name, within ? "good" : "MISSED");
+  }
+  results["engine"] = {{"rod_error_m", steps.worst_violation_m}, {"tool_tilt_rad", steps.worst_tilt_rad}};
+  results["travelled_m"] = {{"free_fall", fall.travelled_m}, {"forced_motion", forced.travelled_m}};
+  results["good"] = good;
+  std::ofstream(out / "results.json") << results.dump(2) << "\n";
+  return good ? 0 : 1;
+}
+
+}  // namespace
+
+void add_kinematics_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand(
+      "kinematics", "Thesis 8.4: kinematics and dynamics against MuJoCo; kinematics.png, results.json");
+  command->add_option("--robot", options->robot, "Shipped name or path of a robot file")
+      ->capture_default_str();
+  command->add_option("--step-m", options->step_m, "Size of the steps")
+      ->check(CLI::Range(1e-4, 0.05))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "Folder for the results")->capture_default_str();
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace telekerf::experiments

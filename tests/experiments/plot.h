@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Line plots into a PNG: several panels with axes, ticks, labels and legend.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace telekerf::experiments {
+
+struct Line {
+  enum class Style { kSolid, kDashed, kPoints };
+  std::string label = {};  ///< empty: not in the legend
+  std::vector<double> x = {};
+  std::vector<double> y = {};  ///< as long as x; a NaN leaves a gap
+  Style style = Style::kSolid;
+  int colour = -1;  ///< 0..7 of the palette; -1: the line's place in the panel
+};
+
+struct Panel {
+  std::string title = {};
+  std::string x_label = {};
+  std::string y_label = {};
+  std::vector<Line> lines = {};
+  std::optional<std::array<double, 2>> x_range = {};  ///< default: the data's
+  std::optional<std::array<double, 2>> y_range = {};
+  bool log_x = false;
+  bool log_y = false;
+  bool equal_axes = false;  ///< one unit is as long in x as in y (paths in the plane)
+};
+
+struct Figure {
+  std::string title = {};
+  std::vector<Panel> panels = {};  ///< row by row
+  int columns = 1;
+  int panel_width_px = 480;
+  int panel_height_px = 320;
+};
+
+/// Writes the figure; the folder must exist. Throws Refusal if the file cannot be written.
+void draw_figure(const Figure& figure, const std::filesystem::path& png);
+
+}  // namespace telekerf::experiments
