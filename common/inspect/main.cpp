@@ -6,6 +6,7 @@ int main(int argc, char** argv) {
   CLI::App app("Looks at robots, contours, codecs and finished runs", "telekerf-inspect");
   app.require_subcommand(1);
   telekerf::Action action;
+  telekerf::inspect::add_codec_command(app, action);
   telekerf::inspect::add_robot_command(app, action);
   telekerf::inspect::add_run_command(app, action);
   return telekerf::run_program(app, argc, argv, action);
