@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/vision/corners.h"
 #include "common/vision/modes.h"
 
 namespace telekerf::vision {
@@ -18,6 +19,9 @@ constexpr std::array<std::pair<Mode, std::string_view>, 4> kNames{{{Mode::kAuto,
                                                                    {Mode::kOutline, "outline"},
                                                                    {Mode::kStroke, "stroke"}}};
 constexpr double kSmallestLengthPx = 16.0;
+constexpr const char* kCutOff =
+    "every shape touches the picture's border, so none is whole; show the shape with background all around "
+    "it";
 
 double size_of(const PixelContour& contour) {
   const geometry::Polyline line{contour.points_px, contour.closed};
@@ -52,21 +56,35 @@ void start_near(PixelContour& contour, const Vec2& start) {
   }
 }
 
-tl::expected<Contours, std::string> outline_mode(const Field& field, const ExtractSettings& settings) {
-  Outlines found = outlines_of(field);
+constexpr double kThinnest =
+    0.06;  ///< a drawing whose line is thinner than this share of its size is a stroke
+
+tl::expected<Contours, std::string> finished(Contours contours, double smallest_share, double sigma_px,
+                                             const char* complaint) {
+  keep_large(contours, smallest_share);
+  if (contours.empty()) return tl::unexpected<std::string>(complaint);
+  for (PixelContour& contour : contours) smooth_and_resample(contour, sigma_px);
+  return contours;
+}
+
+tl::expected<Contours, std::string> outline_mode(Outlines found, const ExtractSettings& settings) {
   for (PixelContour& contour : found.contours) {
     // Pixels run downwards, so what is anticlockwise to the eye has a negative area here.
     contour.hole = geometry::signed_area_m2({contour.points_px, true}) > 0.0;
   }
-  keep_large(found.contours, settings.smallest_share);
-  if (found.contours.empty()) {
-    return tl::unexpected<std::string>(
-        found.cut_off > 0 ? "every shape touches the picture's border, so no outline is whole; show "
-                            "the shape with background all around it"
-                          : "the picture holds specks only, no shape with an outline");
+  auto contours =
+      finished(std::move(found.contours), settings.smallest_share, 1.0,
+               found.cut_off > 0 ? kCutOff : "the picture holds specks only, no shape with an outline");
+  if (contours) {
+    for (PixelContour& contour : *contours) sharpen_corners(contour.points_px, true, {});
   }
-  for (PixelContour& contour : found.contours) smooth_and_resample(contour, 1.0);
-  return std::move(found.contours);
+  return contours;
+}
+
+tl::expected<Contours, std::string> stroke_mode(const Field& field, const Outlines& found,
+                                                const ExtractSettings& settings) {
+  return finished(strokes_of(field, found), settings.smallest_share, 1.0,
+                  found.cut_off > 0 ? kCutOff : "the picture holds specks only, no stroke");
 }
 
 }  // namespace
@@ -87,12 +105,22 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   const auto field = make_field(*grey);
   if (!field) return tl::unexpected(field.error());
 
+  Outlines outlines = outlines_of(*field);
+
   Extraction out;
   out.picture_width_px = image.cols;
   out.picture_height_px = image.rows;
-  out.mode = Mode::kOutline;
+  out.mode = settings.mode;
   out.why = "asked for";
-  auto contours = outline_mode(*field, settings);
+  if (settings.mode == Mode::kAuto) {
+    const double width = stroke_width_of(outlines);
+    const double size = std::max(1.0, drawing_size_of(outlines));
+    out.mode = width < kThinnest * size ? Mode::kStroke : Mode::kOutline;
+    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", width, size,
+                          out.mode == Mode::kStroke ? "stroke" : "region");
+  }
+  auto contours = out.mode == Mode::kStroke ? stroke_mode(*field, outlines, settings)
+                                            : outline_mode(std::move(outlines), settings);
   if (!contours) return tl::unexpected(contours.error());
   out.contours = std::move(*contours);
   if (settings.start_px) start_near(out.contours.front(), *settings.start_px);

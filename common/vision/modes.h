@@ -22,6 +22,15 @@ struct Outlines {
 };
 Outlines outlines_of(const Field& field);
 
+/// Twice the area over the perimeter of everything drawn: the width of a stroke, or about a third of a
+/// region's.
+double stroke_width_of(const Outlines& outlines);
+/// Diagonal of the largest shape's box.
+double drawing_size_of(const Outlines& outlines);
+
+/// Centre lines of everything drawn, one pass each, crossings straight on; unsorted and unsmoothed.
+Contours strokes_of(const Field& field, const Outlines& outlines);
+
 /// Low-pass along the contour that leaves circles of more than a few pixels as they are (twice a Gaussian
 /// minus its square), then about one point a pixel. Fills `noise_px`.
 void smooth_and_resample(PixelContour& contour, double sigma_px);

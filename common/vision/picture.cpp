@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -135,18 +136,150 @@ double noise_of(const cv::Mat& grey) {
   return 0.0;
 }
 
+namespace {
+
+/// Grey level below which `share` of the counts from `first` to `last` lie.
+double percentile(const std::array<double, 256>& counts, int first, int last, double share) {
+  double total = 0.0;
+  for (int i = first; i <= last; ++i) total += counts[i];
+  double seen = 0.0;
+  for (int i = first; i <= last; ++i) {
+    if (counts[i] > 0.0 && seen + counts[i] >= share * total)
+      return i + (share * total - seen) / counts[i] - 0.5;
+    seen += counts[i];
+  }
+  return last;
+}
+
+bool border_is_dark(const cv::Mat& smooth, double level) {
+  int dark = 0;
+  const int rows = smooth.rows;
+  const int cols = smooth.cols;
+  for (int x = 0; x < cols; ++x) {
+    dark += (smooth.at<unsigned char>(0, x) < level) + (smooth.at<unsigned char>(rows - 1, x) < level);
+  }
+  for (int y = 0; y < rows; ++y) {
+    dark += (smooth.at<unsigned char>(y, 0) < level) + (smooth.at<unsigned char>(y, cols - 1) < level);
+  }
+  return dark >= rows + cols;
+}
+
+/// Slow change of the light over the background: a parabola in x and y through the picture's block means,
+/// fitted again and again without the blocks that lie off it. False when the background is not the larger
+/// part of the picture.
+bool light_of(const cv::Mat& grey, double noise, Eigen::Matrix<double, 6, 1>& light) {
+  constexpr int kBlocks = 48;
+  cv::Mat small;
+  cv::resize(grey, small, {kBlocks, kBlocks}, 0, 0, cv::INTER_AREA);
+  using Row = Eigen::Matrix<double, 6, 1>;
+  const auto row_at = [&](int x, int y) {
+    const double u = (x + 0.5) / kBlocks - 0.5;
+    const double v = (y + 0.5) / kBlocks - 0.5;
+    return Row(1.0, u, v, u * u, u * v, v * v);
+  };
+  std::vector<double> values;
+  for (int y = 0; y < kBlocks; ++y) {
+    for (int x = 0; x < kBlocks; ++x) values.push_back(small.at<unsigned char>(y, x));
+  }
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  light = Row::Zero();
+  light[0] = values[values.size() / 2];
+  double tolerance = 40.0;
+  double inside = 0.0;
+  for (int pass = 0; pass < 8; ++pass) {
+    Eigen::Matrix<double, 6, 6> normal = 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
+    Row right = Row::Zero();
+    inside = 0.0;
+    for (int y = 0; y < kBlocks; ++y) {
+      for (int x = 0; x < kBlocks; ++x) {
+        const Row row = row_at(x, y);
+        const double value = small.at<unsigned char>(y, x);
+        if (std::abs(value - row.dot(light)) > tolerance) continue;
+        normal += row * row.transpose();
+        right += value * row;
+        inside += 1.0 / (kBlocks * kBlocks);
+      }
+    }
+    if (inside < 0.5) return false;
+    light = normal.ldlt().solve(right);
+    tolerance = std::max(0.7 * tolerance, 3.0 + noise);
+  }
+  return inside > 0.55;
+}
+
+/// The picture minus the light's change, around 128 (dark side) or wherever the contrast still fits.
+cv::Mat flattened(const cv::Mat& smooth, const Eigen::Matrix<double, 6, 1>& light) {
+  cv::Mat out(smooth.size(), CV_8U);
+  for (int y = 0; y < smooth.rows; ++y) {
+    const double v = (y + 0.5) / smooth.rows - 0.5;
+    const auto* in = smooth.ptr<unsigned char>(y);
+    auto* to = out.ptr<unsigned char>(y);
+    const auto a = static_cast<float>(light[2] * v + light[5] * v * v);
+    const auto b = static_cast<float>(light[1] + light[4] * v);
+    const auto c = static_cast<float>(light[3]);
+    const float step = 1.0F / static_cast<float>(smooth.cols);
+    for (int x = 0; x < smooth.cols; ++x) {
+      const float u = (static_cast<float>(x) + 0.5F) * step - 0.5F;
+      const float value = static_cast<float>(in[x]) - (a + (b + c * u) * u) + 0.5F;
+      to[x] = static_cast<unsigned char>(std::clamp(value, 0.0F, 255.0F));
+    }
+  }
+  return out;
+}
+
+/// Drawing against a background that is known to be the larger part: what lies six deviations of the noise
+/// off it. Lines of one pixel are too few for a split of the histogram.
+bool separate_from_background(const std::array<double, 256>& counts, double background, double noise,
+                              Field& field) {
+  const int reach = static_cast<int>(std::ceil(6.0 * noise + 4.0));
+  const int middle = static_cast<int>(std::lround(background));
+  double dark = 0.0;
+  double light = 0.0;
+  double total = 0.0;
+  for (int i = 0; i < 256; ++i) {
+    total += counts[i];
+    if (i < middle - reach) dark += counts[i] * (middle - i);
+    if (i > middle + reach) light += counts[i] * (i - middle);
+  }
+  if (dark + light < 1e-5 * total * reach) return false;
+  field.dark = dark >= light;
+  // The ink's own level: its darker fifth, which thin lines reach only in their middle.
+  const double ink = field.dark ? percentile(counts, 0, std::max(0, middle - reach), 0.2)
+                                : percentile(counts, std::min(255, middle + reach), 255, 0.8);
+  field.contrast = std::abs(background - ink);
+  const double off = std::max(0.5 * field.contrast, static_cast<double>(reach) - 1.0);
+  field.level = std::floor(background + (field.dark ? -off : off)) + 0.5;
+  return true;
+}
+
+/// Smooths and finds the level half way between drawing and background, where a blurred border lies.
+void separate(const cv::Mat& grey, double sigma_px, const Eigen::Matrix<double, 6, 1>* light, Field& field) {
+  field.sigma_px = sigma_px;
+  cv::GaussianBlur(grey, field.smooth, {}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
+  if (light != nullptr && light->tail<5>().cwiseAbs().maxCoeff() > 4.0)
+    field.smooth = flattened(field.smooth, *light);
+  const auto counts = histogram_of(field.smooth);
+  const double noise = field.noise / (2.0 * sigma_px * std::sqrt(M_PI));
+  if (light != nullptr && separate_from_background(counts, (*light)[0], noise, field)) return;
+  const int split = static_cast<int>(otsu(counts).level);
+  // The background is what most of the picture's border shows.
+  field.dark = !border_is_dark(field.smooth, split + 0.5);
+  const double low = percentile(counts, 0, split, field.dark ? 0.2 : 0.5);
+  const double high = percentile(counts, split + 1, 255, field.dark ? 0.5 : 0.8);
+  field.contrast = std::max(0.0, high - low);
+  field.level = std::floor(0.5 * (low + high)) + 0.5;  // no pixel lies on it
+}
+
+}  // namespace
+
 tl::expected<Field, std::string> make_field(const cv::Mat& grey) {
   Field field;
   field.noise = noise_of(grey);
-  field.sigma_px = field.noise > 3.0 ? 1.5 : 1.0;
-  cv::GaussianBlur(grey, field.smooth, {}, field.sigma_px, field.sigma_px, cv::BORDER_REPLICATE);
-
-  const auto counts = histogram_of(field.smooth);
-  const Split split = otsu(counts);
-  // Otsu's level leans towards the larger class's spread; the half-way level is where a blurred edge lies.
-  // Between two whole grey levels, so that no pixel lies on it.
-  field.level = std::floor(0.5 * (split.low_mean + split.high_mean)) + 0.5;
-  field.contrast = split.high_mean - split.low_mean;
+  Eigen::Matrix<double, 6, 1> light;
+  const bool even = light_of(grey, field.noise, light);
+  separate(grey, 1.0, even ? &light : nullptr, field);
+  if (field.noise > 0.08 * field.contrast && field.noise > 1.0)
+    separate(grey, 1.6, even ? &light : nullptr, field);
   const double smoothed_noise = field.noise / (2.0 * field.sigma_px * std::sqrt(M_PI));
   // Two halves of plain noise are 1.6 standard deviations apart.
   if (field.contrast < 6.0) {
@@ -160,19 +293,6 @@ tl::expected<Field, std::string> make_field(const cv::Mat& grey) {
                     field.contrast, field.noise));
   }
 
-  // The background is what most of the picture's border shows.
-  int dark_border = 0;
-  const int rows = field.smooth.rows;
-  const int cols = field.smooth.cols;
-  for (int x = 0; x < cols; ++x) {
-    dark_border += (field.smooth.at<unsigned char>(0, x) < field.level) +
-                   (field.smooth.at<unsigned char>(rows - 1, x) < field.level);
-  }
-  for (int y = 0; y < rows; ++y) {
-    dark_border += (field.smooth.at<unsigned char>(y, 0) < field.level) +
-                   (field.smooth.at<unsigned char>(y, cols - 1) < field.level);
-  }
-  field.dark = dark_border < rows + cols;
   cv::threshold(field.smooth, field.drawn, std::floor(field.level), 255,
                 field.dark ? cv::THRESH_BINARY_INV : cv::THRESH_BINARY);
   return field;

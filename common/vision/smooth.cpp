@@ -36,7 +36,8 @@ std::vector<Vec2> filtered(const std::vector<Vec2>& p, bool closed, const std::v
 void smooth_and_resample(PixelContour& contour, double sigma_px) {
   const geometry::Polyline raw{std::move(contour.points_px), contour.closed};
   geometry::Polyline even = geometry::resampled(raw, 0.5);
-  const double spacing = geometry::length_m(even) / static_cast<double>(std::max<std::size_t>(1, even.segments()));
+  const double spacing =
+      geometry::length_m(even) / static_cast<double>(std::max<std::size_t>(1, even.segments()));
   if (even.size() >= 8 && spacing > 0.0) {
     const double sigma = sigma_px / spacing;
     std::vector<double> kernel(static_cast<std::size_t>(std::ceil(4.0 * sigma)) + 1);

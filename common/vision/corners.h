@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sharp corners, which lens, filter and thinning have rounded, are put back where their two sides meet.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "common/vision/extract.h"
+
+namespace telekerf::vision {
+
+struct CornerRule {
+  double rounded_px = 4.0;   ///< this far from a corner its sides are straight again
+  double side_px = 8.0;      ///< length of a side that is looked at
+  double furthest_px = 3.0;  ///< a corner further than this from the rounded line is none
+  double least_turn = 0.6;   ///< radians
+  /// Says whether the picture agrees with a corner here, which points along `outwards`.
+  std::function<bool(const Vec2& corner, const Vec2& outwards)> agrees;
+  /// Where a corner of less than about 65 degrees lies: its sides have grown together and say little. Unset:
+  /// nowhere.
+  std::function<std::optional<Vec2>(const Vec2& rounded, const Vec2& outwards)> tip;
+};
+
+/// Points about one pixel apart. A corner is made where both sides are straight to 0.3 px; curves stay as
+/// they are.
+void sharpen_corners(std::vector<Vec2>& points, bool closed, const CornerRule& rule);
+
+}  // namespace telekerf::vision

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/vision/skeleton.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace telekerf::vision {
+namespace {
+
+// Clockwise from north; bit i of a neighbourhood is neighbour i.
+constexpr std::array<int, 8> kDx{0, 1, 1, 1, 0, -1, -1, -1};
+constexpr std::array<int, 8> kDy{-1, -1, 0, 1, 1, 1, 0, -1};
+
+using Table = std::array<bool, 256>;
+
+Table guo_hall(bool first) {
+  Table table{};
+  for (int n = 0; n < 256; ++n) {
+    const auto p = [&](int i) { return ((n >> (i - 2)) & 1) != 0; };  // p2 north .. p9 north-west
+    const int crossings = (!p(2) && (p(3) || p(4))) + (!p(4) && (p(5) || p(6))) + (!p(6) && (p(7) || p(8))) +
+                          (!p(8) && (p(9) || p(2)));
+    const int n1 = (p(9) || p(2)) + (p(3) || p(4)) + (p(5) || p(6)) + (p(7) || p(8));
+    const int n2 = (p(2) || p(3)) + (p(4) || p(5)) + (p(6) || p(7)) + (p(8) || p(9));
+    const int least = std::min(n1, n2);
+    const bool side = first ? (p(6) || p(7) || !p(9)) && p(8) : (p(2) || p(3) || !p(5)) && p(4);
+    table[n] = crossings == 1 && least >= 2 && least <= 3 && !side;
+  }
+  return table;
+}
+
+/// Neighbours in the sense of the graph: a diagonal one counts only when no straight neighbour leads there.
+int graph_neighbours(const cv::Mat& s, cv::Point p, std::array<cv::Point, 8>& out) {
+  std::array<bool, 8> on{};
+  for (int i = 0; i < 8; ++i) {
+    const int x = p.x + kDx[i];
+    const int y = p.y + kDy[i];
+    on[i] = x >= 0 && y >= 0 && x < s.cols && y < s.rows && s.at<unsigned char>(y, x) != 0;
+  }
+  int count = 0;
+  for (int i = 0; i < 8; ++i) {
+    if (!on[i] || (i % 2 == 1 && (on[i - 1] || on[(i + 1) % 8]))) continue;
+    out[count++] = {p.x + kDx[i], p.y + kDy[i]};
+  }
+  return count;
+}
+
+}  // namespace
+
+void thin(cv::Mat& drawn) {
+  static const std::array<Table, 2> kTables{guo_hall(true), guo_hall(false)};
+  // One pixel of margin all around, so that no neighbour needs a bound.
+  cv::Mat image;
+  cv::copyMakeBorder(drawn, image, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  const auto stride = static_cast<std::ptrdiff_t>(image.step);
+  auto* data = image.data;
+  std::array<std::ptrdiff_t, 8> offset;
+  for (int i = 0; i < 8; ++i) offset[i] = kDy[i] * stride + kDx[i];
+
+  constexpr unsigned char kListed = 1;  // on the border list; 255: inside; 0: gone
+  std::vector<std::ptrdiff_t> border;
+  for (int y = 1; y + 1 < image.rows; ++y) {
+    for (int x = 1; x + 1 < image.cols; ++x) {
+      const std::ptrdiff_t at = y * stride + x;
+      if (data[at] == 0) continue;
+      if (data[at - 1] == 0 || data[at + 1] == 0 || data[at - stride] == 0 || data[at + stride] == 0) {
+        border.push_back(at);
+      }
+    }
+  }
+  for (const std::ptrdiff_t at : border) data[at] = kListed;
+
+  std::vector<std::ptrdiff_t> gone;
+  int idle = 0;
+  for (int pass = 0; idle < 2; ++pass) {
+    const Table& table = kTables[pass % 2];
+    gone.clear();
+    for (const std::ptrdiff_t at : border) {
+      unsigned n = 0;
+      for (int i = 0; i < 8; ++i) n |= (data[at + offset[i]] != 0 ? 1u : 0u) << i;
+      if (table[n]) gone.push_back(at);
+    }
+    idle = gone.empty() ? idle + 1 : 0;
+    for (const std::ptrdiff_t at : gone) data[at] = 0;
+    std::erase_if(border, [&](std::ptrdiff_t at) { return data[at] == 0; });
+    for (const std::ptrdiff_t at : gone) {
+      for (const std::ptrdiff_t o : offset) {
+        if (data[at + o] != 255) continue;
+        data[at + o] = kListed;
+        border.push_back(at + o);
+      }
+    }
+  }
+  drawn = cv::Mat(image != 0)(cv::Rect(1, 1, drawn.cols, drawn.rows)).clone();
+}
+
+geometry::Vec2 SkeletonGraph::Node::position() const {
+  geometry::Vec2 sum = geometry::Vec2::Zero();
+  for (const cv::Point& p : pixels) sum += geometry::Vec2(p.x, p.y);
+  return sum / static_cast<double>(std::max<std::size_t>(1, pixels.size()));
+}
+
+SkeletonGraph graph_of(const cv::Mat& skeleton) {
+  SkeletonGraph graph;
+  cv::Mat owner(skeleton.size(), CV_32S, cv::Scalar(-1));  // node of a pixel; -2: on a line already walked
+  std::vector<cv::Point> on;
+  std::array<cv::Point, 8> around;
+  std::array<cv::Point, 8> further;
+  for (int y = 0; y < skeleton.rows; ++y) {
+    const auto* row = skeleton.ptr<unsigned char>(y);
+    for (int x = 0; x < skeleton.cols; ++x) {
+      if (row[x] != 0) on.emplace_back(x, y);
+    }
+  }
+  // Nodes: ends alone, touching junction pixels together.
+  for (const cv::Point& p : on) {
+    if (owner.at<int>(p) != -1) continue;
+    const int degree = graph_neighbours(skeleton, p, around);
+    if (degree == 2) continue;
+    const int id = static_cast<int>(graph.nodes.size());
+    graph.nodes.push_back({{p}, 0});
+    owner.at<int>(p) = id;
+    if (degree < 2) continue;
+    for (std::size_t i = 0; i < graph.nodes[id].pixels.size(); ++i) {
+      const int count = graph_neighbours(skeleton, graph.nodes[id].pixels[i], around);
+      for (int k = 0; k < count; ++k) {
+        if (owner.at<int>(around[k]) != -1 || graph_neighbours(skeleton, around[k], further) < 3) continue;
+        owner.at<int>(around[k]) = id;
+        graph.nodes[id].pixels.push_back(around[k]);
+      }
+    }
+  }
+  const auto walk = [&](cv::Point before, cv::Point p, int from) {
+    SkeletonGraph::Line line{{}, from, -1};
+    while (true) {
+      if (owner.at<int>(p) >= 0) {
+        line.to = owner.at<int>(p);
+        break;
+      }
+      if (owner.at<int>(p) == -2) break;  // a ring came round
+      owner.at<int>(p) = -2;
+      line.pixels.push_back(p);
+      const int count = graph_neighbours(skeleton, p, around);
+      cv::Point next = p;
+      for (int k = 0; k < count; ++k) {
+        if (around[k] != before) next = around[k];
+      }
+      if (next == p) break;
+      before = p;
+      p = next;
+    }
+    return line;
+  };
+  for (int id = 0; id < static_cast<int>(graph.nodes.size()); ++id) {
+    for (const cv::Point& p : graph.nodes[id].pixels) {
+      std::array<cv::Point, 8> exits;
+      const int count = graph_neighbours(skeleton, p, exits);
+      for (int k = 0; k < count; ++k) {
+        const int other = owner.at<int>(exits[k]);
+        if (other == id || other == -2) continue;
+        if (other >= 0) {  // two nodes that touch: a line without pixels, once
+          if (other > id) graph.lines.push_back({{}, id, other});
+          continue;
+        }
+        graph.lines.push_back(walk(p, exits[k], id));
+      }
+    }
+  }
+  for (const cv::Point& p : on) {
+    if (owner.at<int>(p) != -1) continue;
+    const int count = graph_neighbours(skeleton, p, around);
+    graph.lines.push_back(walk(count > 0 ? around[0] : p, p, -1));
+  }
+  for (const SkeletonGraph::Line& line : graph.lines) {
+    if (line.from >= 0) ++graph.nodes[line.from].degree;
+    if (line.to >= 0) ++graph.nodes[line.to].degree;
+  }
+  return graph;
+}
+
+namespace {
+
+/// Where two strokes meet in a sharp corner their ink grows together, and thinning leaves one line from where
+/// they meet to the corner, along the bisector.
+bool is_corner_spur(const SkeletonGraph& graph, std::size_t spur, int junction, double half_width) {
+  using geometry::Vec2;
+  std::vector<Vec2> others;
+  Vec2 own = Vec2::Zero();
+  const Vec2 at = graph.nodes[junction].position();
+  const auto reach = static_cast<std::size_t>(4.0 * half_width) + 3;
+  const double length = static_cast<double>(graph.lines[spur].pixels.size());
+  if (length > 7.0 * half_width + 2.0 || graph.nodes[junction].degree != 3) return false;
+  for (std::size_t i = 0; i < graph.lines.size(); ++i) {
+    const SkeletonGraph::Line& line = graph.lines[i];
+    for (const bool at_to : {false, true}) {
+      if ((at_to ? line.to : line.from) != junction || line.pixels.empty()) continue;
+      const std::size_t n = line.pixels.size();
+      const std::size_t k = std::min(reach, n - 1);
+      const cv::Point& p = at_to ? line.pixels[n - 1 - k] : line.pixels[k];
+      const Vec2 direction = (Vec2(p.x, p.y) - at).normalized();
+      if (i == spur) {
+        own = direction;
+      } else {
+        if (static_cast<double>(n) < 1.5 * length) return false;
+        others.push_back(direction);
+      }
+    }
+  }
+  if (others.size() != 2) return false;
+  const Vec2 bisector = -(others[0] + others[1]);
+  return others[0].dot(others[1]) > 0.0 && own.dot(bisector.normalized()) > 0.8;
+}
+
+}  // namespace
+
+void prune_spurs(cv::Mat& skeleton, const cv::Mat& half_width) {
+  for (int pass = 0; pass < 3; ++pass) {
+    const SkeletonGraph graph = graph_of(skeleton);
+    bool changed = false;
+    for (std::size_t i = 0; i < graph.lines.size(); ++i) {
+      const SkeletonGraph::Line& line = graph.lines[i];
+      if (line.from < 0 || line.to < 0) continue;
+      const auto& a = graph.nodes[line.from];
+      const auto& b = graph.nodes[line.to];
+      const bool from_end = a.degree == 1;
+      if (from_end == (b.degree == 1)) continue;  // a stroke of its own, or no free end
+      const auto& junction = from_end ? b : a;
+      double grown = 0.0;
+      for (const cv::Point& p : junction.pixels) grown = std::max(grown, double(half_width.at<float>(p)));
+      const bool short_one = static_cast<double>(line.pixels.size()) <= 1.5 * grown + 2.0;
+      if (!short_one && !is_corner_spur(graph, i, from_end ? line.to : line.from, grown)) continue;
+      for (const cv::Point& p : line.pixels) skeleton.at<unsigned char>(p) = 0;
+      for (const cv::Point& p : (from_end ? a : b).pixels) skeleton.at<unsigned char>(p) = 0;
+      changed = true;
+    }
+    if (!changed) break;
+    thin(skeleton);  // a junction that lost its branch may be two pixels thick
+  }
+}
+
+}  // namespace telekerf::vision

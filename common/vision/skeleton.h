@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// A thick drawing reduced to lines of one pixel, and those lines as a graph.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "common/geometry/polyline.h"
+
+namespace telekerf::vision {
+
+/// Guo and Hall's parallel thinning on a list of border pixels: cost is proportional to the ink. CV_8U, 0 and
+/// 255.
+void thin(cv::Mat& drawn);
+
+/// Lines between ends and junctions. Pixels of a line exclude those of its nodes.
+struct SkeletonGraph {
+  struct Line {
+    std::vector<cv::Point> pixels;
+    int from = -1;  ///< node; -1 on both sides: a ring without a node
+    int to = -1;
+  };
+  struct Node {
+    std::vector<cv::Point> pixels;
+    int degree = 0;  ///< ends of lines that meet here
+    geometry::Vec2 position() const;
+  };
+  std::vector<Line> lines;
+  std::vector<Node> nodes;
+};
+SkeletonGraph graph_of(const cv::Mat& skeleton);
+
+/// Erases branches that are no longer than what the stroke's own width grows (1.5 x half width + 2 pixels), a
+/// few times over.
+void prune_spurs(cv::Mat& skeleton, const cv::Mat& half_width);
+
+}  // namespace telekerf::vision

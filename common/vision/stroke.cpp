@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "common/vision/strokes.h"
+
+namespace telekerf::vision {
+namespace {
+
+double length_of(const PixelContour& c) { return geometry::length_m({c.points_px, c.closed}); }
+
+/// Twice the area over the perimeter: exact for a long stroke, a third of the diameter or so for a region.
+struct Ink {
+  double area = 0.0;
+  double perimeter = 0.0;
+  geometry::Box box;
+};
+
+Ink ink_of(const Outlines& outlines) {
+  Ink ink;
+  double largest = 0.0;
+  for (const PixelContour& c : outlines.contours) {
+    const double area = -geometry::signed_area_m2({c.points_px, true});  // y runs downwards
+    ink.area += area;
+    ink.perimeter += length_of(c);
+    if (area > 0.0) {
+      const geometry::Box box = geometry::bounding_box(c.points_px);
+      if (box.size().norm() > largest) {
+        largest = box.size().norm();
+        ink.box = box;
+      }
+    }
+  }
+  return ink;
+}
+
+/// A drawn line whose ends nearly meet was meant to be closed.
+void close_small_gap(PixelContour& contour) {
+  if (contour.closed || contour.points_px.size() < 8) return;
+  const auto& p = contour.points_px;
+  const double gap = (p.front() - p.back()).norm();
+  if (gap > 1.5 * contour.width_px + 2.0 || length_of(contour) < 8.0 * contour.width_px + 20.0) return;
+  const Vec2 out = (p.back() - p[p.size() - 5]).normalized();
+  const Vec2 in = (p[4] - p.front()).normalized();
+  contour.closed = out.dot(in) > 0.5;
+}
+
+}  // namespace
+
+double stroke_width_of(const Outlines& outlines) {
+  const Ink ink = ink_of(outlines);
+  return ink.perimeter > 0.0 ? 2.0 * std::max(0.0, ink.area) / ink.perimeter : 0.0;
+}
+
+double drawing_size_of(const Outlines& outlines) { return ink_of(outlines).box.size().norm(); }
+
+Contours strokes_of(const Field& field, const Outlines& outlines) {
+  const double width = std::max(1.0, stroke_width_of(outlines));
+  // Only whole shapes of some size: repaint them, pinholes closed, into a picture of their own.
+  cv::Mat ink(field.drawn.size(), CV_8U, cv::Scalar(0));
+  geometry::Box box;
+  bool any = false;
+  std::vector<std::pair<double, const PixelContour*>> shapes;
+  double largest = 0.0;
+  for (const PixelContour& c : outlines.contours) {
+    const double area = -geometry::signed_area_m2({c.points_px, true});
+    shapes.emplace_back(area, &c);
+    largest = std::max(largest, area);
+  }
+  for (const auto& [area, contour] : shapes) {
+    if (area <= 0.0 || area < 0.002 * largest) continue;
+    const geometry::Box b = geometry::bounding_box(contour->points_px);
+    box = any ? geometry::Box{box.min.cwiseMin(b.min), box.max.cwiseMax(b.max)} : b;
+    any = true;
+  }
+  if (!any) return {};
+  const cv::Rect roi = cv::Rect(cv::Point(int(box.min.x()) - 2, int(box.min.y()) - 2),
+                                cv::Point(int(box.max.x()) + 4, int(box.max.y()) + 4)) &
+                       cv::Rect(0, 0, ink.cols, ink.rows);
+  const auto fill = [&](const PixelContour& contour, double value) {
+    // Whole pixels inside the sub-pixel border are drawn ones; scan conversion at 1/16 pixel keeps to that.
+    std::vector<cv::Point> polygon;
+    polygon.reserve(contour.points_px.size());
+    for (const Vec2& p : contour.points_px)
+      polygon.emplace_back(std::lround(p.x() * 16), std::lround(p.y() * 16));
+    const std::vector<std::vector<cv::Point>> polygons{polygon};
+    cv::fillPoly(ink, polygons, cv::Scalar(value), cv::LINE_8, 4);
+  };
+  for (const auto& [area, contour] : shapes) {
+    if (area > 0.0 && area >= 0.002 * largest) fill(*contour, 255);
+  }
+  // Holes come back as the picture has them, except pinholes.
+  const double pinhole = 0.15 * width * width + 2.0;
+  cv::Mat drawn;
+  cv::bitwise_and(ink(roi), field.drawn(roi), drawn);
+  ink.release();
+  for (const auto& [area, contour] : shapes) {
+    if (area > 0.0 || -area > pinhole) continue;
+    std::vector<cv::Point> polygon;
+    for (const Vec2& p : contour->points_px)
+      polygon.emplace_back(int(std::lround(p.x())) - roi.x, int(std::lround(p.y())) - roi.y);
+    const std::vector<std::vector<cv::Point>> polygons{polygon};
+    cv::fillPoly(drawn, polygons, cv::Scalar(255));
+  }
+
+  cv::Mat padded;
+  cv::copyMakeBorder(drawn, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::Mat half_width;
+  cv::distanceTransform(padded, half_width, cv::DIST_L2, cv::DIST_MASK_5);
+  thin(padded);
+  prune_spurs(padded, half_width);
+  const SkeletonGraph graph = graph_of(padded);
+
+  Contours out;
+  for (Route& route : routes_through(graph, half_width, width)) {
+    for (Vec2& p : route.points_px) p += Vec2(roi.x - 1, roi.y - 1);
+    PixelContour contour = centred(field, route, width);
+    close_small_gap(contour);
+    out.push_back(std::move(contour));
+  }
+  return out;
+}
+
+}  // namespace telekerf::vision
