@@ -17,6 +17,12 @@ constexpr int kMaxFits = 5;
 
 double squared(double x) { return x * x; }
 
+/// Nearest integer for |x| < 2^51, ties to even, without a call.
+double rounded(double x) {
+  constexpr double kMagic = 0x1.8p52;
+  return (x + kMagic) - kMagic;
+}
+
 /// The smallest offset at which the largest value stays an integer that can be sent.
 int first_offset(std::span<const double> residual, const Grid& grid) noexcept {
   double largest = 0.0;
@@ -46,8 +52,10 @@ int Analyser::fits(std::span<const double> coefficients, int from, const AxisCon
   const auto add = [&](Mode mode, std::int64_t slope, std::int64_t bend) {
     found[static_cast<std::size_t>(count++)] = {mode, slope, bend};
   };
-  add(Mode::kIntra, 0, 0);
-  if (context.truncated) return count;
+  if (context.truncated) {
+    add(Mode::kIntra, 0, 0);
+    return count;
+  }
   // Least squares on the coefficients from `from` up: the lower ones are sent anyway and cost nothing more,
   // the higher ones are what a polynomial can spare.
   double rr = 0, rp = 0, pp = 0, rc = 0, pc = 0;
@@ -58,12 +66,12 @@ int Analyser::fits(std::span<const double> coefficients, int from, const AxisCon
     rc += ramp_[k] * coefficients[k];
     pc += parabola_[k] * coefficients[k];
   }
+  // The likely ones first: the others are then mostly dismissed without counting their bits.
   const double determinant = rr * pp - rp * rp;
   if (context.anchored) {
     const auto slope = context.trend_slope;
-    add(Mode::kHold, 0, 0);
-    add(Mode::kLine, slope, 0);
     add(Mode::kCurve, slope, on_grid((pc - rp * static_cast<double>(slope) * grid.slope) / pp, grid.bend));
+    add(Mode::kLine, slope, 0);
   } else if (const auto slope = on_grid(rc / rr, grid.slope); slope != 0) {
     add(Mode::kLine, slope, 0);
   }
@@ -72,6 +80,8 @@ int Analyser::fits(std::span<const double> coefficients, int from, const AxisCon
     const auto bend = on_grid((pc * rr - rc * rp) / determinant, grid.bend);
     if (bend != 0 && !(context.anchored && slope == context.trend_slope)) add(Mode::kCurve, slope, bend);
   }
+  if (context.anchored) add(Mode::kHold, 0, 0);
+  add(Mode::kIntra, 0, 0);
   return count;
 }
 
@@ -98,7 +108,7 @@ void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int k
     const double c = residual[k];
     code.values[k] = 0;
     if ((kept >> k & 1) != 0 && std::abs(c) >= kDeadZone * step) {
-      const auto value = static_cast<std::int64_t>(std::llround(c * per_step));
+      const auto value = static_cast<std::int64_t>(rounded(c * per_step));
       code.values[k] = value;
       code.set |= IndexSet{1} << k;
       energy += squared(c - static_cast<double>(value) * step);
@@ -127,7 +137,7 @@ bool Analyser::try_adaptive(std::span<const double> residual, AxisCode& code, in
   int count = 0;
   double energy = 0.0;
   for (std::size_t k = 0; k < residual.size(); ++k) {
-    const auto value = static_cast<std::int64_t>(std::llround(residual[k] * per_step));
+    const auto value = static_cast<std::int64_t>(rounded(residual[k] * per_step));
     const double error = squared(residual[k] - static_cast<double>(value) * step);
     energy += error;
     code.values[k] = value;

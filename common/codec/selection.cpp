@@ -25,14 +25,34 @@ constexpr Triangle pascal() {
 }
 constexpr Triangle kPascal = pascal();
 
-}  // namespace
+/// Up to here keeping a sorted short list beats partitioning: energy sits at the low indices, few entries
+/// ever move.
+constexpr int kFew = 12;
 
-IndexSet strongest(std::span<const double> coefficients, int m) noexcept {
+IndexSet strongest_few(std::span<const double> coefficients, int m) noexcept {
+  std::array<double, kFew + 1> magnitude;
+  std::array<std::uint8_t, kFew + 1> index;
+  int count = 0;
+  for (std::size_t k = 0; k < coefficients.size(); ++k) {
+    const double value = std::abs(coefficients[k]);
+    if (count == m && !(value > magnitude[static_cast<std::size_t>(m - 1)])) continue;
+    auto at = static_cast<std::size_t>(count < m ? count++ : m - 1);
+    for (; at > 0 && value > magnitude[at - 1]; --at) {
+      magnitude[at] = magnitude[at - 1];
+      index[at] = index[at - 1];
+    }
+    magnitude[at] = value;
+    index[at] = static_cast<std::uint8_t>(k);
+  }
+  IndexSet set = 0;
+  for (int i = 0; i < count; ++i) set |= IndexSet{1} << index[static_cast<std::size_t>(i)];
+  return set;
+}
+
+IndexSet strongest_many(std::span<const double> coefficients, int m) noexcept {
+  std::array<double, kMax> magnitude;
+  std::array<std::uint8_t, kMax> order;
   const auto n = coefficients.size();
-  if (m >= static_cast<int>(n)) return n >= kMax ? ~IndexSet{0} : (IndexSet{1} << n) - 1;
-  if (m <= 0) return 0;
-  std::array<double, kMax> magnitude{};
-  std::array<std::uint8_t, kMax> order{};
   for (std::size_t k = 0; k < n; ++k) {
     magnitude[k] = std::abs(coefficients[k]);
     order[k] = static_cast<std::uint8_t>(k);
@@ -45,6 +65,15 @@ IndexSet strongest(std::span<const double> coefficients, int m) noexcept {
   IndexSet set = 0;
   for (int i = 0; i < m; ++i) set |= IndexSet{1} << order[static_cast<std::size_t>(i)];
   return set;
+}
+
+}  // namespace
+
+IndexSet strongest(std::span<const double> coefficients, int m) noexcept {
+  const auto n = coefficients.size();
+  if (m >= static_cast<int>(n)) return n >= kMax ? ~IndexSet{0} : (IndexSet{1} << n) - 1;
+  if (m <= 0) return 0;
+  return m <= kFew ? strongest_few(coefficients, m) : strongest_many(coefficients, m);
 }
 
 std::uint64_t choose(int n, int k) noexcept {
