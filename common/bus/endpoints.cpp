@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/endpoints.h"
 
+#include <array>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -55,26 +56,39 @@ dds::Topic* topic_of(Bus::Participant& participant) {
 
 template <class T>
 struct Writer<T>::Impl : dds::DataWriterListener {
+  using Topic = bus::Topic<T>;
+
   explicit Impl(Bus& bus) : participant(bus.participant()) {
-    dds::DataWriterQos qos = bus::writer_qos(bus::Topic<T>::kIntent);
-    qos.endpoint().entity_id = static_cast<std::int16_t>(bus::Topic<T>::kEntity);
-    writer = participant->publisher()->create_datawriter(topic_of<T>(*participant), qos, this,
-                                                         dds::StatusMask::publication_matched());
-    if (writer == nullptr)
-      throw Refusal(std::string("the middleware refused a writer of ") + bus::Topic<T>::kName);
+    for (int lane = 0; lane < Topic::kLanes; ++lane) {
+      dds::DataWriterQos qos = bus::writer_qos(Topic::kIntent);
+      if (Topic::kEntity != 0) qos.endpoint().entity_id = static_cast<std::int16_t>(Topic::kEntity + lane);
+      lanes[lane] = participant->publisher()->create_datawriter(topic_of<T>(*participant), qos, this,
+                                                                dds::StatusMask::publication_matched());
+      if (lanes[lane] == nullptr) {
+        remove_lanes();
+        throw Refusal(std::string("the middleware refused a writer of ") + Topic::kName);
+      }
+    }
   }
-  ~Impl() override {
-    writer->set_listener(nullptr);
-    participant->publisher()->delete_datawriter(writer);
+  ~Impl() override { remove_lanes(); }
+
+  void remove_lanes() {
+    for (dds::DataWriter* lane : lanes) {
+      if (lane == nullptr) continue;
+      lane->set_listener(nullptr);
+      participant->publisher()->delete_datawriter(lane);
+    }
   }
+
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
-    matched.store(status.current_count, std::memory_order_relaxed);
+    matched.fetch_add(status.current_count_change, std::memory_order_relaxed);
   }
 
   std::shared_ptr<Bus::Participant> participant;
-  dds::DataWriter* writer = nullptr;
-  typename bus::Topic<T>::Type::type wire;  // reused, so that a stream allocates nothing
-  std::atomic<int> matched{0};
+  std::array<dds::DataWriter*, Topic::kLanes> lanes{};
+  std::size_t turn = 0;
+  typename Topic::Type::type wire;  // reused, so that a stream allocates nothing
+  std::atomic<int> matched{0};      // over all lanes
 };
 
 template <class T>
@@ -89,8 +103,9 @@ Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
 template <class T>
 bool Writer<T>::write(const T& value) noexcept {
   try {
-    return bus::to_wire(value, impl_->participant->settings().contract, impl_->wire) &&
-           impl_->writer->write(&impl_->wire);
+    if (!bus::to_wire(value, impl_->participant->settings().contract, impl_->wire)) return false;
+    impl_->turn = (impl_->turn + 1) % impl_->lanes.size();
+    return impl_->lanes[impl_->turn]->write(&impl_->wire);
   } catch (const std::exception&) {
     return false;
   }
@@ -98,7 +113,7 @@ bool Writer<T>::write(const T& value) noexcept {
 
 template <class T>
 int Writer<T>::readers() const noexcept {
-  return impl_->matched.load(std::memory_order_relaxed);
+  return impl_->matched.load(std::memory_order_relaxed) / bus::Topic<T>::kLanes;
 }
 
 template <class T>
@@ -127,7 +142,7 @@ struct Reader<T>::Impl : dds::DataReaderListener {
   }
 
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
-    matched.store(status.current_count, std::memory_order_relaxed);
+    matched.fetch_add(status.current_count_change, std::memory_order_relaxed);
   }
 
   /// In a thread of the middleware: take, judge, stamp, hand over. Several of its threads may come (the
@@ -202,7 +217,7 @@ ReaderCounters Reader<T>::counters() const noexcept {
 
 template <class T>
 int Reader<T>::writers() const noexcept {
-  return impl_->matched.load(std::memory_order_relaxed);
+  return impl_->matched.load(std::memory_order_relaxed) / bus::Topic<T>::kLanes;
 }
 
 template class Writer<CommandBlock>;

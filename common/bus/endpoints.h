@@ -53,8 +53,9 @@ class Reader {
   Reader(Reader&&) noexcept;
   Reader& operator=(Reader&&) noexcept;
 
-  /// The oldest that waits, in order of arrival; own samples are never seen. For one thread, without lock;
-  /// for blocks without allocation: made for the control loop.
+  /// The oldest that waits, in order of arrival (which need not be the order of sending, see topics.h); own
+  /// samples are never seen. For one thread, without lock; for blocks without allocation: made for the
+  /// control loop.
   std::optional<Received<T>> take() noexcept;
   ReaderCounters counters() const noexcept;
   /// Writers that are matched now.

@@ -20,10 +20,13 @@ enum class Intent {
   kSlow,     ///< numbers for people: best effort
 };
 
-/// The middleware counts.
-inline constexpr int kAnyEntity = -1;
+/// A best-effort reader of DDS drops whatever a younger sample of the same writer has overtaken. Blocks that
+/// come late but in time for the play-out are still good, so a stream's samples take turns on this many
+/// writers: only what is overtaken by as many blocks is lost.
+inline constexpr int kStreamLanes = 8;
 
-/// kEntity: id of the one writer that a process may have of the topic (streams only, see site.h).
+/// kEntity: id of the first of the kLanes writers that a process may have of the topic (streams only, see
+/// site.h; the middleware counts otherwise).
 template <class T>
 struct Topic;
 
@@ -32,7 +35,8 @@ struct Topic<CommandBlock> {
   using Type = wire::CommandBlockPubSubType;
   static constexpr const char* kName = "telekerf/command";
   static constexpr Intent kIntent = Intent::kStream;
-  static constexpr int kEntity = kStreamEntity << 8 | 1;
+  static constexpr int kEntity = kStreamEntity << 8 | 0x10;
+  static constexpr int kLanes = kStreamLanes;
   static constexpr std::size_t kRing = 256;  ///< samples that wait to be taken
 };
 
@@ -41,7 +45,8 @@ struct Topic<StateBlock> {
   using Type = wire::StateBlockPubSubType;
   static constexpr const char* kName = "telekerf/state";
   static constexpr Intent kIntent = Intent::kStream;
-  static constexpr int kEntity = kStreamEntity << 8 | 2;
+  static constexpr int kEntity = kStreamEntity << 8 | 0x20;
+  static constexpr int kLanes = kStreamLanes;
   static constexpr std::size_t kRing = 256;
 };
 
@@ -50,7 +55,8 @@ struct Topic<ContourMessage> {
   using Type = wire::ContourPubSubType;
   static constexpr const char* kName = "telekerf/contour";
   static constexpr Intent kIntent = Intent::kLatched;
-  static constexpr int kEntity = kAnyEntity;
+  static constexpr int kEntity = 0;
+  static constexpr int kLanes = 1;
   static constexpr std::size_t kRing = 8;
 };
 
@@ -59,7 +65,8 @@ struct Topic<EventMessage> {
   using Type = wire::EventPubSubType;
   static constexpr const char* kName = "telekerf/event";
   static constexpr Intent kIntent = Intent::kEvent;
-  static constexpr int kEntity = kAnyEntity;
+  static constexpr int kEntity = 0;
+  static constexpr int kLanes = 1;
   static constexpr std::size_t kRing = 256;
 };
 
@@ -68,7 +75,8 @@ struct Topic<TelemetryMessage> {
   using Type = wire::TelemetryPubSubType;
   static constexpr const char* kName = "telekerf/telemetry";
   static constexpr Intent kIntent = Intent::kSlow;
-  static constexpr int kEntity = kAnyEntity;
+  static constexpr int kEntity = 0;
+  static constexpr int kLanes = 1;
   static constexpr std::size_t kRing = 256;
 };
 

@@ -109,6 +109,36 @@ TEST(Emulation, NothingComesBeforeItsDrawnDueTime) {
   EXPECT_GE(slave.counters().link.earliest_ns, 0);
 }
 
+TEST(Emulation, BlocksThatWereOvertakenStillArrive) {
+  netem::Profile profile = constant(0.0, 0.0);
+  auto& conditions = profile.forward.stages[0].conditions;
+  conditions.delay.law =
+      netem::Law::kUniform;  // 0.3 to 7.7 ms, blocks 2 ms apart: overtaken by three at most
+  conditions.delay.delay_s = 0.004;
+  conditions.delay.jitter_s = 0.0021;
+  conditions.order = netem::Order::kFree;
+  Bus master(settings("master"));
+  Bus slave(emulated(settings("slave", Site::kSlave), profile));
+  Writer<CommandBlock> writer(master);
+  Reader<CommandBlock> reader(slave);
+  ASSERT_TRUE(matched(writer, reader));
+  CommandBlock block;
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    block.sequence = i;
+    block.sent_ns = monotonic_ns();
+    ASSERT_TRUE(writer.write(block));
+    sleep_until_ns(block.sent_ns + 2 * kMillisecond);
+  }
+  EXPECT_TRUE(soon([&] { return reader.counters().received == 200; })) << reader.counters().received;
+  int overtaken = 0;
+  std::uint32_t newest = 0;
+  while (const auto sample = reader.take()) {
+    overtaken += sample->value.sequence < newest ? 1 : 0;
+    newest = std::max(newest, sample->value.sequence);
+  }
+  EXPECT_GT(overtaken, 0);
+}
+
 TEST(Emulation, LostBlocksAreLostAndEventsArriveAll) {
   netem::Profile profile = constant(0.001, 0.001);
   for (auto* direction : {&profile.forward, &profile.backward}) {
