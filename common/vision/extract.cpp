@@ -67,6 +67,28 @@ tl::expected<Contours, std::string> finished(Contours contours, double smallest_
   return contours;
 }
 
+/// Says why the picture is no drawing on a background: nothing whole stands out, or next to nothing beside
+/// what runs over the border.
+std::optional<std::string> clutter(const Field& field, const Outlines& outlines) {
+  const double diagonal = std::hypot(field.drawn.cols, field.drawn.rows);
+  const double size = drawing_size_of(outlines);
+  if (outlines.contours.empty()) return outlines.cut_off > 0 ? kCutOff : "nothing in the picture stands out";
+  if (size < std::max(12.0, 0.02 * diagonal)) {
+    return fmt::format(
+        "the largest whole shape is only {:.0f} px across; nothing stands out from the background", size);
+  }
+  if (outlines.cut_off == 0 || size > 0.2 * diagonal) return std::nullopt;
+  double whole = 0.0;
+  for (const PixelContour& c : outlines.contours) {
+    whole += std::max(0.0, -geometry::signed_area_m2({c.points_px, true}));
+  }
+  if (cv::countNonZero(field.drawn) < 4.0 * whole) return std::nullopt;
+  return fmt::format(
+      "most of what is drawn runs over the picture's border and the largest whole shape is only {:.0f} px "
+      "across; show the shape with background all around it",
+      size);
+}
+
 tl::expected<Contours, std::string> outline_mode(Outlines found, const ExtractSettings& settings) {
   for (PixelContour& contour : found.contours) {
     // Pixels run downwards, so what is anticlockwise to the eye has a negative area here.
@@ -112,6 +134,7 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   out.picture_height_px = image.rows;
   out.mode = settings.mode;
   out.why = "asked for";
+  if (auto complaint = clutter(*field, outlines)) return tl::unexpected(*complaint);
   if (settings.mode == Mode::kAuto) {
     const double width = stroke_width_of(outlines);
     const double size = std::max(1.0, drawing_size_of(outlines));

@@ -73,6 +73,58 @@ Split otsu(const std::array<double, 256>& counts) {
   return best;
 }
 
+/// Contrast of a small picture between its two halves by Otsu.
+double contrast_of(const cv::Mat& small) {
+  const Split split = otsu(histogram_of(small));
+  return split.high_mean - split.low_mean;
+}
+
+/// Distance of each pixel's colour from `background`, 0 to 255.
+cv::Mat colour_distance(const cv::Mat& bgr, const cv::Scalar& background) {
+  cv::Mat distance;
+  cv::absdiff(bgr, background, distance);
+  cv::Mat out(bgr.size(), CV_8U);
+  for (int y = 0; y < bgr.rows; ++y) {
+    const auto* in = distance.ptr<cv::Vec3b>(y);
+    auto* to = out.ptr<unsigned char>(y);
+    for (int x = 0; x < bgr.cols; ++x) {
+      const float b = in[x][0];
+      const float g = in[x][1];
+      const float r = in[x][2];
+      to[x] = static_cast<unsigned char>(std::sqrt((b * b + g * g + r * r) / 3.0F) + 0.5F);
+    }
+  }
+  return out;
+}
+
+/// A red mark on skin or green on grey shows in colour only. Looked at in small; `plane` is made when colour
+/// tells drawing from background much better than brightness does.
+bool colour_says_more(const cv::Mat& bgr, cv::Mat& plane) {
+  cv::Mat small;
+  cv::resize(bgr, small, {std::min(bgr.cols, 160), std::min(bgr.rows, 120)}, 0, 0, cv::INTER_AREA);
+  std::array<std::vector<unsigned char>, 3> border;
+  double colourful = 0.0;
+  for (int y = 0; y < small.rows; ++y) {
+    for (int x = 0; x < small.cols; ++x) {
+      const auto& p = small.at<cv::Vec3b>(y, x);
+      colourful += std::abs(p[0] - p[2]) + std::abs(p[1] - p[2]);
+      if (x > 1 && y > 1 && x + 2 < small.cols && y + 2 < small.rows) continue;
+      for (int c = 0; c < 3; ++c) border[c].push_back(p[c]);
+    }
+  }
+  if (colourful < 1.5 * static_cast<double>(small.total())) return false;
+  cv::Scalar background;
+  for (int c = 0; c < 3; ++c) {
+    std::nth_element(border[c].begin(), border[c].begin() + border[c].size() / 2, border[c].end());
+    background[c] = border[c][border[c].size() / 2];
+  }
+  cv::Mat grey;
+  cv::cvtColor(small, grey, cv::COLOR_BGR2GRAY);
+  if (contrast_of(colour_distance(small, background)) < 1.6 * contrast_of(grey) + 5.0) return false;
+  plane = colour_distance(bgr, background);
+  return true;
+}
+
 }  // namespace
 
 tl::expected<cv::Mat, std::string> grey_plane(const cv::Mat& image) {
@@ -87,6 +139,7 @@ tl::expected<cv::Mat, std::string> grey_plane(const cv::Mat& image) {
     case 1:
       return bits;
     case 3:
+      if (colour_says_more(bits, grey)) return grey;
       cv::cvtColor(bits, grey, cv::COLOR_BGR2GRAY);
       return grey;
     case 4: {
