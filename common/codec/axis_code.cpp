@@ -5,19 +5,29 @@
 #include <bit>
 
 namespace telekerf::codec {
+namespace {
+
+/// 2^exponent within +-1000: ldexp() without the call.
+double power_of_two(int exponent) {
+  constexpr int kBias = 1023;
+  constexpr int kFractionBits = 52;
+  return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + kBias) << kFractionBits);
+}
+
+}  // namespace
 
 Grid::Grid(int block, int quantum_exponent) noexcept : level(fractional_power(1.0, quantum_exponent)) {
   int log_block = 0;
   while ((1 << log_block) < block) ++log_block;
-  slope = std::ldexp(level, 2 - log_block);
-  bend = std::ldexp(level, 3 - 2 * log_block);
+  slope = level * power_of_two(2 - log_block);
+  bend = level * power_of_two(3 - 2 * log_block);
 }
 
 double Grid::fractional_power(double base, int quarters) noexcept {
   constexpr std::array<double, 4> kQuarterOctaves{1.0, 1.189207115002721, 1.4142135623730951,
                                                   1.681792830507429};
   const int octaves = quarters >= 0 ? quarters / 4 : (quarters - 3) / 4;
-  return std::ldexp(base * kQuarterOctaves[static_cast<std::size_t>(quarters - 4 * octaves)], octaves);
+  return base * kQuarterOctaves[static_cast<std::size_t>(quarters - 4 * octaves)] * power_of_two(octaves);
 }
 
 std::int64_t on_grid(double value, double grid) noexcept {

@@ -30,7 +30,8 @@ class Dct {
 
   int size_;
   int half_;                         // ceil(N / 2)
-  std::vector<double> even_;         // [n][j]: row 2j at sample n, n < half
+  int stride_;                       // half, rounded up to whole chunks
+  std::vector<double> even_;         // [n][j]: row 2j at sample n, n < half, j < stride
   std::vector<double> odd_;          // [n][j]: row 2j+1 at sample n
   std::vector<double> even_by_row_;  // [j][n]
   std::vector<double> odd_by_row_;
