@@ -29,8 +29,8 @@ ActiveConstraint ConstraintGenerator::at(const Guide& guide, const Vec2& tool_m)
   return active;
 }
 
-Vec3 constrained_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings, const Vec3& tool_m,
-                              const Vec3& velocity_m_per_s, const Vec3& hand_n) noexcept {
+Vec3 constrained_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
+                              const Vec3& tool_m, const Vec3& velocity_m_per_s, const Vec3& hand_n) noexcept {
   const double k1 = settings.bandwidth_rad_s * settings.bandwidth_rad_s;
   const double k2 = 2.0 * settings.damping * settings.bandwidth_rad_s;
   const Vec2 x = tool_m.head<2>();

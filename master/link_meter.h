@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the link does, seen from the master: round trips, losses, payload. Fixed memory, no allocation in the loop.
+// What the link does, seen from the master: round trips, losses, payload. Fixed memory, no allocation in the
+// loop.
 #pragma once
 
 #include <array>
@@ -15,8 +16,8 @@ class LinkMeter {
   LinkMeter();
 
   void sent(const CommandBlock& block) noexcept;
-  /// Round trip of the network only: handing a command to the bus until taking the state that acknowledges it, less
-  /// the time that the slave held it (contract.md, "Time").
+  /// Round trip of the network only: handing a command to the bus until taking the state that acknowledges
+  /// it, less the time that the slave held it (contract.md, "Time").
   void received(const StateBlock& state, std::int64_t received_ns) noexcept;
 
   double rtt_quantile_ms(double share) const;

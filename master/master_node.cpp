@@ -31,7 +31,8 @@ void MasterNode::choose_mode(std::int64_t now_ns, const MasterInputs& inputs, co
   };
   for (const auto& event : inputs.events) {
     if (event.kind == EventMessage::Kind::kStop) hold_here(MasterMode::kStopped);
-    if (event.kind == EventMessage::Kind::kClearStop && mode_ == MasterMode::kStopped) hold_here(MasterMode::kIdle);
+    if (event.kind == EventMessage::Kind::kClearStop && mode_ == MasterMode::kStopped)
+      hold_here(MasterMode::kIdle);
   }
   if (mode_ == MasterMode::kStopped) return;
   if (inputs.guide != guide_ || (mode_ == MasterMode::kIdle && inputs.guide != nullptr)) {
@@ -74,7 +75,8 @@ void MasterNode::choose_mode(std::int64_t now_ns, const MasterInputs& inputs, co
 Vec3 MasterNode::held(const Tool& tool, const Vec3& goal_m, const Vec3& goal_velocity,
                       const Vec3& goal_acceleration) const noexcept {
   const double w = settings_.constraint.bandwidth_rad_s;
-  return goal_acceleration + 2.0 * w * (goal_velocity - tool.velocity_m_per_s) + w * w * (goal_m - tool.position_m);
+  return goal_acceleration + 2.0 * w * (goal_velocity - tool.velocity_m_per_s) +
+         w * w * (goal_m - tool.position_m);
 }
 
 Vec3 MasterNode::approach(const Tool& tool) noexcept {
@@ -134,8 +136,8 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   const Vec3 joint_acceleration =
       state ? state->joint_acceleration(wanted)
             : Vec3(-2.0 * settings_.constraint.bandwidth_rad_s * acceleration_.joint_velocity_m_per_s());
-  // All of the disturbance is put back, the hand's part of it included; along the curve the hand's force comes back
-  // through the virtual mass in `wanted`, so the pen is stiff across and free along.
+  // All of the disturbance is put back, the hand's part of it included; along the curve the hand's force
+  // comes back through the virtual mass in `wanted`, so the pen is stiff across and free along.
   out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_, acceleration_.disturbance_n());
   out.mode = mode_;
   out.tool_m = tool.position_m;

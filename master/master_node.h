@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The master: constraint generator and controller, state machine, command stream. Pure: the same node runs in its
-// process and in virtual time.
+// The master: constraint generator and controller, state machine, command stream. Pure: the same node runs in
+// its process and in virtual time.
 #pragma once
 
 #include <optional>
@@ -20,10 +20,10 @@ namespace telekerf::master {
 struct MasterSettings {
   double control_hz = 1000.0;
   double stream_hz = 1000.0;
-  double observer_rad_s = 300.0;       ///< of the disturbance observer
-  double approach_m_per_s = 0.05;      ///< mean speed at which the tool is brought to the curve
-  double stale_s = 0.5;                ///< no state of the slave for this long: disengage
-  codec::StreamSettings command;       ///< of the command stream
+  double observer_rad_s = 300.0;   ///< of the disturbance observer
+  double approach_m_per_s = 0.05;  ///< mean speed at which the tool is brought to the curve
+  double stale_s = 0.5;            ///< no state of the slave for this long: disengage
+  codec::StreamSettings command;   ///< of the command stream
   ConstraintSettings constraint;
 };
 
@@ -71,7 +71,8 @@ class MasterNode {
     Vec3 velocity_m_per_s = Vec3::Zero();
   };
   void choose_mode(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool) noexcept;
-  Vec3 held(const Tool& tool, const Vec3& goal_m, const Vec3& goal_velocity, const Vec3& goal_acceleration) const noexcept;
+  Vec3 held(const Tool& tool, const Vec3& goal_m, const Vec3& goal_velocity,
+            const Vec3& goal_acceleration) const noexcept;
   Vec3 approach(const Tool& tool) noexcept;
   void stream(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool, MasterOutputs& out) noexcept;
 

@@ -14,12 +14,43 @@ Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
 
+void StationSettings::declare(Settings& settings) {
+  settings.add("robot", robot, "robot: a shipped name or a file");
+  settings.add("beta", beta, {.min = 0.01, .max = 10}, "slave motion = beta x master motion");
+  settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
+               "how far the simulated robot is off its file, as a share");
+  settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot and hand");
+  settings.add("control_hz", node.control_hz, {.min = 200, .max = 20000},
+               "control rate, a multiple of stream_hz");
+  settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000},
+               "samples a second in the command stream");
+  settings.add("block", node.command.block, {.min = 4, .max = 64}, "samples a block of the command stream");
+  settings.add("keep", node.command.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
+  settings.add("redundancy", node.command.redundancy, {.min = 0, .max = 7},
+               "previous blocks repeated in a packet");
+  settings.add("half_window", node.constraint.half_window, {.min = 1, .max = 32},
+               "points to either side of the circle fit");
+  settings.add("constraint_rad_s", node.constraint.bandwidth_rad_s, {.min = 10, .max = 400},
+               "bandwidth across the curve");
+  settings.add("virtual_mass_kg", node.constraint.mass_kg, {.min = 0.1, .max = 20},
+               "that the hand moves along the curve");
+  settings.add("virtual_drag_ns_per_m", node.constraint.drag_ns_per_m, {.min = 0, .max = 200},
+               "damping along the curve");
+  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000},
+               "of the disturbance observer");
+  settings.add("hand_speed_mm_s", hand_speed_mm_s, {.min = 0.1, .max = 200},
+               "mean speed of the simulated hand");
+  settings.add("hand_sideways_n", hand.max_sideways_n, {.min = 0, .max = 30},
+               "how hard the simulated hand pushes off the curve");
+}
+
 StationSettings StationSettings::validated() const {
   StationSettings settings = *this;
+  settings.hand.speed_m_per_s = hand_speed_mm_s * 1e-3;
   const double ratio = node.control_hz / node.stream_hz;
   if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
-    throw Refusal(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}", node.control_hz,
-                              node.stream_hz));
+    throw Refusal(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
+                              node.control_hz, node.stream_hz));
   }
   settings.node.command.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   settings.node.command = settings.node.command.validated();
@@ -39,16 +70,18 @@ std::unique_ptr<Task> Station::prepare(const ContourMessage& contour) const {
   double reach_m = 0.0;
   for (const auto& point : guide.curve.line().points_m) reach_m = std::max(reach_m, point.norm());
   if (reach_m > model_.workspace.radius_m) {
-    throw Refusal(fmt::format(
-        "the contour reaches {:.1f} mm from the centre of the master's workspace at beta = {:g}, but {} reaches {:.1f} mm; "
-        "use a larger --beta or a smaller --width-mm",
-        reach_m * 1e3, settings_.beta, model_.name, model_.workspace.radius_m * 1e3));
+    throw Refusal(
+        fmt::format("the contour reaches {:.1f} mm from the centre of the master's workspace at beta = {:g}, "
+                    "but {} reaches {:.1f} mm; "
+                    "use a larger --beta or a smaller --width-mm",
+                    reach_m * 1e3, settings_.beta, model_.name, model_.workspace.radius_m * 1e3));
   }
   SimulatedHand hand(guide.curve.line(), settings_.hand, settings_.seed);
   return std::make_unique<Task>(Task{std::move(guide), std::move(hand)});
 }
 
-MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage, std::span<const Received<StateBlock>> states,
+MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
+                            std::span<const Received<StateBlock>> states,
                             std::span<const EventMessage> events) noexcept {
   const Tick tick = node_.tick();
   const double now_s = static_cast<double>(tick) * control_period_s();
@@ -69,8 +102,8 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage, std::s
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
   robot_.write(out.currents_a);
   robot_.set_tool_force(hand.force_n);
-  recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(tool_m), triple(hand.force_n), out.constraint_n,
-                  guided_, out.mode == MasterMode::kEngaged, inputs.button});
+  recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(tool_m), triple(hand.force_n),
+                  out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button});
   robot_.advance(control_period_s());
   return out;
 }

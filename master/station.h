@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operator's side without bus and clock: node, robot, hand and record, one step at a time. The process and the
-// virtual-time lap run this same station.
+// The operator's side without bus and clock: node, robot, hand and record, one step at a time. The process
+// and the virtual-time lap run this same station.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 #include "common/bus/messages.h"
 #include "common/robot/simulated_robot.h"
 #include "common/runtime/run_record.h"
+#include "common/runtime/settings.h"
 #include "master/master_node.h"
 #include "master/operator/hand.h"
 
@@ -21,9 +22,11 @@ struct StationSettings {
   double beta = 0.5;
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   HandSettings hand;
+  double hand_speed_mm_s = 20.0;  ///< what a user sets of it
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
   double record_s = 120.0;  ///< length of the record kept
+  void declare(Settings& settings);
   /// The settings, or a Refusal that names what does not fit.
   StationSettings validated() const;
 };
@@ -42,7 +45,8 @@ class Station {
   std::unique_ptr<Task> prepare(const ContourMessage& contour) const;
 
   /// One control step: read, decide, write, and let the simulated plant move. `task` may be null.
-  MasterOutputs step(std::int64_t now_ns, Task* task, bool engage, std::span<const Received<StateBlock>> states,
+  MasterOutputs step(std::int64_t now_ns, Task* task, bool engage,
+                     std::span<const Received<StateBlock>> states,
                      std::span<const EventMessage> events) noexcept;
 
   const MasterNode& node() const { return node_; }

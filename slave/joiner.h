@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// No jump, ever: whatever source the reference comes from, a change of source becomes an offset that fades out.
+// No jump, ever: whatever source the reference comes from, a change of source becomes an offset that fades
+// out.
 #pragma once
 
 #include "common/bus/messages.h"
@@ -14,12 +15,12 @@ struct Motion {
 };
 
 struct JoinerSettings {
-  double rate_rad_s = 30.0;                   ///< of the critically damped fade
-  double max_acceleration_m_per_s2 = 1.0;     ///< far sources are approached more slowly
+  double rate_rad_s = 30.0;                ///< of the critically damped fade
+  double max_acceleration_m_per_s2 = 1.0;  ///< far sources are approached more slowly
 };
 
-/// Adds to the source an offset o with o'' + 2 w o' + w^2 o = 0, seated at each change of source so that position and
-/// velocity of the output go on unbroken.
+/// Adds to the source an offset o with o'' + 2 w o' + w^2 o = 0, seated at each change of source so that
+/// position and velocity of the output go on unbroken.
 class ReferenceJoiner {
  public:
   explicit ReferenceJoiner(const JoinerSettings& settings) noexcept : settings_(settings) {}

@@ -65,7 +65,7 @@ double PlayoutClock::target(std::int64_t now_ns) const noexcept {
 }
 
 std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t control_period_ns,
-                                             bool starving) noexcept {
+                                            bool starving) noexcept {
   if (transits_ == 0) return std::nullopt;
   const double wanted = target(now_ns);
   // Beyond a quarter of a second nothing can be won by slow correction.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The play-out buffer ("delay regulator"): master ticks are applied a fixed time after they were made, so that
-// jitter and reordering on the link become a constant delay (observer.md, "Play-out buffer").
+// The play-out buffer ("delay regulator"): master ticks are applied a fixed time after they were made, so
+// that jitter and reordering on the link become a constant delay (observer.md, "Play-out buffer").
 #pragma once
 
 #include <array>
@@ -16,7 +16,8 @@ struct StreamSample {
   Vec3 value = Vec3::Zero();  ///< position (m) or acceleration (m/s^2), by the block's law
   bool button = false;
   bool engaged = false;
-  std::uint32_t generation = 0;  ///< changes with epoch and beta: samples of two generations are not comparable
+  std::uint32_t generation =
+      0;  ///< changes with epoch and beta: samples of two generations are not comparable
 };
 
 /// The newest stream samples by their index (master tick / ticks per sample); older ones are overwritten.
@@ -38,24 +39,26 @@ class SampleRing {
 
 struct PlayoutSettings {
   double jitter_quantile = 0.995;
-  double margin_s = 0.002;        ///< on top of the observed jitter
-  int lookahead_samples = 4;      ///< the differentiator's half window
+  double margin_s = 0.002;    ///< on top of the observed jitter
+  int lookahead_samples = 4;  ///< the differentiator's half window
   double max_depth_s = 2.0;
   int redundancy = 1;             ///< previous blocks in every packet: waited for where losses are seen
   double grow_interval_s = 0.02;  ///< at most one whole sample of correction per interval ...
   double shrink_interval_s = 0.2;
 };
 
-/// Maps the slave's clock to the stream sample to apply. The map is the lower envelope of (arrival - sample time)
-/// plus a depth that covers block filling, jitter and, where losses are seen, the redundant copies.
+/// Maps the slave's clock to the stream sample to apply. The map is the lower envelope of (arrival - sample
+/// time) plus a depth that covers block filling, jitter and, where losses are seen, the redundant copies.
 class PlayoutClock {
  public:
   explicit PlayoutClock(const PlayoutSettings& settings) noexcept : settings_(settings) {}
 
   /// Forgets the link; the next arrival seats the clock anew.
   void reset() noexcept;
-  /// A block of `count` samples whose last has index `last` arrived; `lost` says that blocks before it are missing.
-  void arrived(std::int64_t now_ns, std::int64_t last, int count, std::int64_t sample_period_ns, bool lost) noexcept;
+  /// A block of `count` samples whose last has index `last` arrived; `lost` says that blocks before it are
+  /// missing.
+  void arrived(std::int64_t now_ns, std::int64_t last, int count, std::int64_t sample_period_ns,
+               bool lost) noexcept;
   /// Advances by one control step; returns the stream time to apply, in samples, once the clock is seated.
   /// `starving`: the last step found no data; then a clock that runs too early waits instead of running on.
   std::optional<double> advance(std::int64_t now_ns, std::int64_t control_period_ns, bool starving) noexcept;

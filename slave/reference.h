@@ -12,9 +12,9 @@ namespace telekerf::slave {
 /// Samples used to either side of the one that is applied.
 inline constexpr int kHalfWindow = 4;
 
-/// Motion at stream time `cursor` (samples; the nearest sample must be there, neighbours are used as far as they are
-/// there without a gap and of the same generation). Position is the fit's value, so half a count of noise averages
-/// out; velocity and acceleration are its derivatives. `period_s`: time between samples.
+/// Motion at stream time `cursor` (samples; the nearest sample must be there, neighbours are used as far as
+/// they are there without a gap and of the same generation). Position is the fit's value, so half a count of
+/// noise averages out; velocity and acceleration are its derivatives. `period_s`: time between samples.
 std::optional<Motion> reference_at(const SampleRing& ring, double cursor, double period_s) noexcept;
 
 }  // namespace telekerf::slave

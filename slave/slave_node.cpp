@@ -54,8 +54,7 @@ void SlaveNode::obey(const EventMessage& event) noexcept {
 
 void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* corridor) noexcept {
   const CommandBlock& block = received.value;
-  const bool silent =
-      static_cast<double>(received.received_ns - last_arrival_ns_) * 1e-9 > settings_.stale_s;
+  const bool silent = static_cast<double>(received.received_ns - last_arrival_ns_) * 1e-9 > settings_.stale_s;
   if (heard_ && block.epoch != *master_epoch_) {
     if (!silent) {
       ++counters_.refused;  // another master knocks while ours is alive
@@ -118,13 +117,12 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
     }
   }
   newest_index_ = std::max(newest_index_, first + packet.block_size - 1);
-  clock_.arrived(received.received_ns, first + packet.block_size - 1, packet.block_size, block.sample_period_ns,
-                 missing > 0);
+  clock_.arrived(received.received_ns, first + packet.block_size - 1, packet.block_size,
+                 block.sample_period_ns, missing > 0);
 }
 
 Motion SlaveNode::choose_source(std::int64_t now_ns, SlaveOutputs& out) noexcept {
-  const bool fresh =
-      heard_ && static_cast<double>(now_ns - last_arrival_ns_) * 1e-9 < settings_.stale_s;
+  const bool fresh = heard_ && static_cast<double>(now_ns - last_arrival_ns_) * 1e-9 < settings_.stale_s;
   std::optional<Motion> found;
   const StreamSample* sample = nullptr;
   const double period_s = header_.sample_period_ns * 1e-9;
@@ -234,24 +232,24 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   const double limit = model_.limits.acceleration_m_per_s2;
   if (wanted.norm() > limit) wanted *= limit / wanted.norm();
   // A pose without kinematics (it cannot be reached by following): the joints are braked where they are.
-  const Vec3 joint_acceleration = state ? state->joint_acceleration(wanted)
-                                        : Vec3(-2.0 * w * acceleration_.joint_velocity_m_per_s());
+  const Vec3 joint_acceleration =
+      state ? state->joint_acceleration(wanted) : Vec3(-2.0 * w * acceleration_.joint_velocity_m_per_s());
   if (state) inertia_kg_ = robot::joint_inertia(model_, *state);
   out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_, acceleration_.disturbance_n());
 
   const Corridor* corridor = inputs.corridor;
   const bool following = mode_ == SlaveMode::kFollowing && source_generation_ != 0;
-  out.interlock = judge(
-      {.stopped = mode_ == SlaveMode::kStopped,
-       .contour_known = corridor != nullptr && heard_ && header_.contour_id == corridor->contour_id,
-       .engaged = mode_ == SlaveMode::kFollowing,
-       .fresh = following && state.has_value() && inputs.joints.valid,
-       .inside_workspace = tool.position_m.head<2>().norm() <= model_.workspace.radius_m,
-       .contour_distance_m =
-           corridor == nullptr ? 1.0 : corridor->contour.find(tool.position_m.head<2>()).distance_m,
-       .speed_m_per_s = tool.velocity_m_per_s.norm(),
-       .tracking_error_m = (tool.position_m - reference_.position_m).norm() + joiner_.offset_m()},
-      settings_.interlock);
+  out.interlock =
+      judge({.stopped = mode_ == SlaveMode::kStopped,
+             .contour_known = corridor != nullptr && heard_ && header_.contour_id == corridor->contour_id,
+             .engaged = mode_ == SlaveMode::kFollowing,
+             .fresh = following && state.has_value() && inputs.joints.valid,
+             .inside_workspace = tool.position_m.head<2>().norm() <= model_.workspace.radius_m,
+             .contour_distance_m =
+                 corridor == nullptr ? 1.0 : corridor->contour.find(tool.position_m.head<2>()).distance_m,
+             .speed_m_per_s = tool.velocity_m_per_s.norm(),
+             .tracking_error_m = (tool.position_m - reference_.position_m).norm() + joiner_.offset_m()},
+            settings_.interlock);
   out.laser_w = out.interlock == Interlock::kReady && button_ ? settings_.laser_w : 0.0;
   out.mode = mode_;
   out.settled = following && joiner_.offset_m() < kSettledM;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The slave: play-out, local reference, tracking law (eq. 87), limits, laser interlock, feedback stream. Pure: the
-// same node runs in its process and in virtual time.
+// The slave: play-out, local reference, tracking law (eq. 87), limits, laser interlock, feedback stream.
+// Pure: the same node runs in its process and in virtual time.
 #pragma once
 
 #include <memory>
@@ -24,9 +24,9 @@ namespace telekerf::slave {
 struct SlaveSettings {
   double control_hz = 1000.0;
   double stream_hz = 1000.0;
-  double bandwidth_rad_s = 60.0;   ///< of the tracking law, critically damped
-  double observer_rad_s = 400.0;   ///< of the disturbance observer
-  double stale_s = 0.15;           ///< no command for this long: laser off, hold
+  double bandwidth_rad_s = 60.0;  ///< of the tracking law, critically damped
+  double observer_rad_s = 400.0;  ///< of the disturbance observer
+  double stale_s = 0.15;          ///< no command for this long: laser off, hold
   double laser_w = 10.0;
   codec::StreamSettings feedback;  ///< of the state stream
   PlayoutSettings playout;
@@ -56,9 +56,9 @@ enum class SlaveMode : std::uint8_t {
 
 struct SlaveCounters {
   std::uint64_t blocks = 0;
-  std::uint64_t lost = 0;       ///< blocks whose number never came
-  std::uint64_t stale = 0;      ///< late, reordered or repeated blocks
-  std::uint64_t refused = 0;    ///< undecodable, other contour, other master, from the future
+  std::uint64_t lost = 0;          ///< blocks whose number never came
+  std::uint64_t stale = 0;         ///< late, reordered or repeated blocks
+  std::uint64_t refused = 0;       ///< undecodable, other contour, other master, from the future
   std::uint64_t missed_ticks = 0;  ///< applied while their sample was not there
 };
 
@@ -107,7 +107,7 @@ class SlaveNode {
   std::optional<std::uint32_t> master_epoch_;
   std::uint32_t number_ = 0;  ///< newest block's
   std::int64_t newest_index_ = -1;
-  CommandBlock header_;       ///< newest block's, without payload
+  CommandBlock header_;  ///< newest block's, without payload
   std::int64_t last_arrival_ns_ = 0;
   bool heard_ = false;
   std::uint32_t generation_ = 0;

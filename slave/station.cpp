@@ -14,12 +14,33 @@ Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
 
+void StationSettings::declare(Settings& settings) {
+  settings.add("robot", robot, "robot: a shipped name or a file");
+  settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
+               "how far the simulated robot is off its file, as a share");
+  settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot");
+  settings.add("control_hz", node.control_hz, {.min = 200, .max = 20000},
+               "control rate, a multiple of stream_hz");
+  settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000},
+               "samples a second in the state stream");
+  settings.add("block", node.feedback.block, {.min = 4, .max = 64}, "samples a block of the state stream");
+  settings.add("keep", node.feedback.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
+  settings.add("redundancy", node.feedback.redundancy, {.min = 0, .max = 7},
+               "previous blocks repeated in a packet");
+  settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 5, .max = 400}, "of the tracking law");
+  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000},
+               "of the disturbance observer");
+  settings.add("stale_s", node.stale_s, {.min = 0.02, .max = 10},
+               "no command for this long: hold, laser off");
+  settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000}, "laser power");
+}
+
 StationSettings StationSettings::validated() const {
   StationSettings settings = *this;
   const double ratio = node.control_hz / node.stream_hz;
   if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
-    throw Refusal(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}", node.control_hz,
-                              node.stream_hz));
+    throw Refusal(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
+                              node.control_hz, node.stream_hz));
   }
   settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   settings.node.feedback = settings.node.feedback.validated();
@@ -39,9 +60,10 @@ std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const 
   double reach_m = 0.0;
   for (const auto& point : contour.points_m) reach_m = std::max(reach_m, point.norm());
   if (reach_m > model_.workspace.radius_m) {
-    throw Refusal(fmt::format(
-        "the contour reaches {:.1f} mm from the workspace's centre, but {} reaches {:.1f} mm; use a smaller --width-mm",
-        reach_m * 1e3, model_.name, model_.workspace.radius_m * 1e3));
+    throw Refusal(
+        fmt::format("the contour reaches {:.1f} mm from the workspace's centre, but {} reaches {:.1f} mm; "
+                    "use a smaller --width-mm",
+                    reach_m * 1e3, model_.name, model_.workspace.radius_m * 1e3));
   }
   return std::make_unique<Corridor>(
       Corridor{contour.id, geometry::NearestIndex(geometry::Polyline{contour.points_m, contour.closed})});
@@ -58,8 +80,9 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   const Vec3 tool_m = model_.in_workpiece(robot_.true_tool_in_base_m());
   const SlaveOutputs out = node_.step(now_ns, inputs);
   robot_.write(out.currents_a);
-  recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick, triple(out.reference.position_m),
-                  triple(tool_m), out.laser_w, static_cast<int>(out.interlock), out.settled});
+  recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick,
+                  triple(out.reference.position_m), triple(tool_m), out.laser_w,
+                  static_cast<int>(out.interlock), out.settled});
   ++tick_;
   robot_.advance(control_period_s());
   return out;

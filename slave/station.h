@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The workpiece's side without bus and clock: node, robot, laser and record, one step at a time. The process and the
-// virtual-time lap run this same station.
+// The workpiece's side without bus and clock: node, robot, laser and record, one step at a time. The process
+// and the virtual-time lap run this same station.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 #include "common/bus/messages.h"
 #include "common/robot/simulated_robot.h"
 #include "common/runtime/run_record.h"
+#include "common/runtime/settings.h"
 #include "slave/slave_node.h"
 
 namespace telekerf::slave {
@@ -21,6 +22,8 @@ struct StationSettings {
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
   double record_s = 120.0;
+  void declare(Settings& settings);
+  /// The settings, or a Refusal that names what does not fit.
   StationSettings validated() const;
 };
 
@@ -31,7 +34,8 @@ class Station {
   /// Allocates: call it outside the loop. Throws Refusal if the contour leaves the workspace.
   std::unique_ptr<Corridor> prepare(const ContourMessage& contour) const;
 
-  SlaveOutputs step(std::int64_t now_ns, const Corridor* corridor, std::span<const Received<CommandBlock>> commands,
+  SlaveOutputs step(std::int64_t now_ns, const Corridor* corridor,
+                    std::span<const Received<CommandBlock>> commands,
                     std::span<const EventMessage> events) noexcept;
 
   const SlaveNode& node() const { return node_; }

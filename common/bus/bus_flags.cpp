@@ -11,7 +11,8 @@ void BusFlags::declare(Settings& settings) {
   settings.add("cell", cell, "name of the work cell; cells do not see each other");
   settings.add("name", name, "name of this process, unique in the cell");
   settings.add("peers", peers, "hosts to look for beyond the reach of multicast, separated by commas");
-  settings.add("netem", netem, "emulated network between the sites: a profile's name or file, none: the real one");
+  settings.add("netem", netem,
+               "emulated network between the sites: a profile's name or file, none: the real one");
   settings.add("netem_seed", netem_seed, {.min = 0, .max = 1e15}, "of the emulated network");
 }
 
@@ -29,6 +30,10 @@ BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {
   }
   if (netem != "none") settings.emulation = Emulation{netem::load_profile(netem), netem_seed};
   return settings;
+}
+
+void add_figures(const BusCounters& counters, Figures& figures) {
+  figures["misfits"] = static_cast<double>(counters.misfits);
 }
 
 }  // namespace telekerf

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/bus/bus.h"
+#include "common/runtime/run_record.h"
 #include "common/runtime/settings.h"
 
 namespace telekerf {
@@ -18,9 +19,12 @@ struct BusFlags {
   std::uint64_t netem_seed = 1;
 
   void declare(Settings& settings);
-  /// Settings for a process of this role; the epoch is taken from the wall clock, so that a later start has a higher
-  /// one. Throws Refusal if the profile cannot be loaded.
+  /// Settings for a process of this role; the epoch is taken from the wall clock, so that a later start has a
+  /// higher one. Throws Refusal if the profile cannot be loaded.
   BusSettings bus_settings(Site site, const std::string& role) const;
 };
+
+/// What the bus counted, as figures of a run.
+void add_figures(const BusCounters& counters, Figures& figures);
 
 }  // namespace telekerf

@@ -17,15 +17,18 @@
 
 namespace telekerf {
 
-/// `Prepared` is what a node needs of a contour (a guide, a corridor). Everything prepared lives as long as the watch,
-/// so the loop may keep using an old one. A contour that does not fit ends the watch with the Refusal's sentence.
+/// `Prepared` is what a node needs of a contour (a guide, a corridor). Everything prepared lives as long as
+/// the watch, so the loop may keep using an old one. A contour that does not fit ends the watch with the
+/// Refusal's sentence.
 template <class Prepared>
 class ContourWatch {
  public:
   using Prepare = std::function<std::unique_ptr<Prepared>(const ContourMessage&)>;
 
   ContourWatch(Bus& bus, Prepare prepare)
-      : reader_(bus), prepare_(std::move(prepare)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+      : reader_(bus),
+        prepare_(std::move(prepare)),
+        thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   /// The newest prepared contour, null before the first. For the control loop: wait-free.
   Prepared* current() const noexcept { return current_.load(std::memory_order_acquire); }

@@ -15,25 +15,30 @@ std::string cell(const nlohmann::ordered_json& value, int digits) {
 }
 
 void print_table(const nlohmann::ordered_json& r) {
-  const auto line = [](const std::string& what, const std::string& value) { fmt::print("  {:<34}{}\n", what, value); };
+  const auto line = [](const std::string& what, const std::string& value) {
+    fmt::print("  {:<34}{}\n", what, value);
+  };
   line("contour", fmt::format("{} points, {} mm, {}", r["contour"]["points"].get<int>(),
                               cell(r["contour"]["length_m"].get<double>() * 1e3, 1),
                               r["contour"]["closed"].get<bool>() ? "closed" : "open"));
-  line("constraint (master to contour)", fmt::format("rms {} um, max {} um", cell(r["constraint"]["rms_um"], 1),
-                                                     cell(r["constraint"]["max_um"], 1)));
+  line("constraint (master to contour)",
+       fmt::format("rms {} um, max {} um", cell(r["constraint"]["rms_um"], 1),
+                   cell(r["constraint"]["max_um"], 1)));
   line("tracking (slave to master)", fmt::format("rms {} um, max {} um", cell(r["tracking"]["rms_um"], 1),
                                                  cell(r["tracking"]["max_um"], 1)));
   line("cut (laser to contour)",
        fmt::format("rms {} um, max {} um", cell(r["cut"]["rms_um"], 1), cell(r["cut"]["max_um"], 1)));
   line("coverage", fmt::format("{:.1f} %", r["cut"]["coverage"].get<double>() * 100));
-  line("laser energy", fmt::format("{} J inside the corridor, {} J outside", cell(r["cut"]["energy_inside_j"], 2),
-                                   cell(r["cut"]["energy_outside_corridor_j"], 2)));
+  line("laser energy",
+       fmt::format("{} J inside the corridor, {} J outside", cell(r["cut"]["energy_inside_j"], 2),
+                   cell(r["cut"]["energy_outside_corridor_j"], 2)));
   line("round trip", fmt::format("p50 {} ms, p95 {} ms, p99 {} ms; with blocks and play-out {} ms",
                                  cell(r["link"]["rtt_ms"]["p50"], 1), cell(r["link"]["rtt_ms"]["p95"], 1),
                                  cell(r["link"]["rtt_ms"]["p99"], 1), cell(r["link"]["total_ms"], 1)));
-  line("command stream", fmt::format("{} bytes/s payload in {} packets/s, {} bits a sample, {} lost",
-                                     cell(r["link"]["payload_bytes_per_s"], 0), cell(r["link"]["packets_per_s"], 1),
-                                     cell(r["codec"]["bits_per_sample"], 2), r["link"]["lost"].get<int>()));
+  line("command stream",
+       fmt::format("{} bytes/s payload in {} packets/s, {} bits a sample, {} lost",
+                   cell(r["link"]["payload_bytes_per_s"], 0), cell(r["link"]["packets_per_s"], 1),
+                   cell(r["codec"]["bits_per_sample"], 2), r["link"]["lost"].get<int>()));
 }
 
 }  // namespace

@@ -74,23 +74,26 @@ std::optional<Vec3> master_at(const RunRecord& record, double tick) {
 class Coverage {
  public:
   explicit Coverage(const geometry::NearestIndex& contour)
-      : contour_(contour), bins_(std::max<std::size_t>(100, static_cast<std::size_t>(contour.length_m() / 50e-6))) {}
+      : contour_(contour),
+        bins_(std::max<std::size_t>(100, static_cast<std::size_t>(contour.length_m() / 50e-6))) {}
 
   void mark(const geometry::Nearest& from, const geometry::Nearest& to) {
     const double length = contour_.length_m();
     double step = to.arc_length_m - from.arc_length_m;
     if (contour_.line().closed) step -= length * std::round(step / length);
     if (std::abs(step) > 1e-3) step = 0.0;  // a jump to another branch reaches nothing in between
-    const int pieces = 1 + static_cast<int>(std::abs(step) / length * static_cast<double>(bins_.size()) * 2.0);
+    const int pieces =
+        1 + static_cast<int>(std::abs(step) / length * static_cast<double>(bins_.size()) * 2.0);
     for (int i = 0; i <= pieces; ++i) {
       double arc = from.arc_length_m + step * i / pieces;
       arc -= length * std::floor(arc / length);
-      bins_[std::min(bins_.size() - 1, static_cast<std::size_t>(arc / length * static_cast<double>(bins_.size())))] =
-          true;
+      bins_[std::min(bins_.size() - 1,
+                     static_cast<std::size_t>(arc / length * static_cast<double>(bins_.size())))] = true;
     }
   }
   double share() const {
-    return static_cast<double>(std::count(bins_.begin(), bins_.end(), true)) / static_cast<double>(bins_.size());
+    return static_cast<double>(std::count(bins_.begin(), bins_.end(), true)) /
+           static_cast<double>(bins_.size());
   }
 
  private:
@@ -105,8 +108,7 @@ nlohmann::ordered_json loop_json(const Figures& figures) {
 }
 
 double tick_s(const std::vector<SlaveRow>& rows) {
-  return rows.size() < 2 ? 0.0
-                         : (rows.back().t_s - rows.front().t_s) / static_cast<double>(rows.size() - 1);
+  return rows.size() < 2 ? 0.0 : (rows.back().t_s - rows.front().t_s) / static_cast<double>(rows.size() - 1);
 }
 
 }  // namespace
@@ -172,15 +174,17 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   report["constraint"] = constraint.json();
   report["tracking"] = tracking.json();
   report["cut"] = cut_json;
-  report["link"] = {
-      {"rtt_ms", {{"p50", figure(m, "rtt_p50_ms")}, {"p95", figure(m, "rtt_p95_ms")}, {"p99", figure(m, "rtt_p99_ms")}}},
-      {"block_ms", figure(m, "block_ms")},
-      {"playout_ms", figure(s, "playout_ms")},
-      {"total_ms", figure(m, "rtt_p50_ms") + figure(m, "block_ms") + figure(s, "playout_ms")},
-      {"lost", static_cast<std::int64_t>(figure(s, "lost") + figure(m, "lost"))},
-      {"refused", static_cast<std::int64_t>(figure(s, "refused") + figure(m, "refused"))},
-      {"payload_bytes_per_s", figure(m, "payload_bytes_per_s")},
-      {"packets_per_s", figure(m, "packets_per_s")}};
+  report["link"] = {{"rtt_ms",
+                     {{"p50", figure(m, "rtt_p50_ms")},
+                      {"p95", figure(m, "rtt_p95_ms")},
+                      {"p99", figure(m, "rtt_p99_ms")}}},
+                    {"block_ms", figure(m, "block_ms")},
+                    {"playout_ms", figure(s, "playout_ms")},
+                    {"total_ms", figure(m, "rtt_p50_ms") + figure(m, "block_ms") + figure(s, "playout_ms")},
+                    {"lost", static_cast<std::int64_t>(figure(s, "lost") + figure(m, "lost"))},
+                    {"refused", static_cast<std::int64_t>(figure(s, "refused") + figure(m, "refused"))},
+                    {"payload_bytes_per_s", figure(m, "payload_bytes_per_s")},
+                    {"packets_per_s", figure(m, "packets_per_s")}};
   report["codec"] = {{"block", static_cast<std::int64_t>(figure(m, "block"))},
                      {"kept", static_cast<std::int64_t>(figure(m, "keep"))},
                      {"bits_per_sample", figure(m, "bits_per_sample")}};
@@ -200,14 +204,15 @@ void write_trace(const std::filesystem::path& file, const RunRecord& record) {
     // The master's tool at the tick that the slave applies; before the first one there is nothing to show.
     const auto master = row.applied >= 0.0 ? master_at(record, row.applied) : std::nullopt;
     if (!master) continue;
-    out << fmt::format("{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{}\n", row.t_s, master->x(),
-                       master->y(), master->z(), row.ref_m[0], row.ref_m[1], row.tool_m[0], row.tool_m[1],
-                       row.tool_m[2], row.laser_w);
+    out << fmt::format("{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{}\n", row.t_s,
+                       master->x(), master->y(), master->z(), row.ref_m[0], row.ref_m[1], row.tool_m[0],
+                       row.tool_m[1], row.tool_m[2], row.laser_w);
   }
   if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
 }
 
-/// Wood, burned where energy went; the contour as a thin blue line, the slave's path without laser as a grey one.
+/// Wood, burned where energy went; the contour as a thin blue line, the slave's path without laser as a grey
+/// one.
 cv::Mat draw_cut(const RunRecord& record) {
   double reach_m = 1e-3;
   for (const auto& point : record.contour_m) {
@@ -225,15 +230,16 @@ cv::Mat draw_cut(const RunRecord& record) {
     for (int c = 0; c < kPixels; ++c) {
       // Grain: a slow ripple across x; enough to tell wood from paper.
       const double grain = std::sin(0.045 * c + 1.4 * std::sin(0.006 * r + 0.002 * c)) * 0.5 + 0.5;
-      wood.at<cv::Vec3f>(r, c) = cv::Vec3f(150.F, 195.F, 226.F) - static_cast<float>(10.0 * grain) * cv::Vec3f(1, 1, 1);
+      wood.at<cv::Vec3f>(r, c) =
+          cv::Vec3f(150.F, 195.F, 226.F) - static_cast<float>(10.0 * grain) * cv::Vec3f(1, 1, 1);
     }
   }
   const double full_j = 4.0 * workpiece.pixel_m() * workpiece.pixel_m() * 1e6;  // 4 J/mm^2 chars fully
   for (int r = 0; r < kPixels; ++r) {
     for (int c = 0; c < kPixels; ++c) {
       const double burn = 1.0 - std::exp(-3.0 * workpiece.energy_j().at<float>(r, c) / full_j);
-      wood.at<cv::Vec3f>(r, c) =
-          wood.at<cv::Vec3f>(r, c) * static_cast<float>(1.0 - burn) + cv::Vec3f(18, 26, 38) * static_cast<float>(burn);
+      wood.at<cv::Vec3f>(r, c) = wood.at<cv::Vec3f>(r, c) * static_cast<float>(1.0 - burn) +
+                                 cv::Vec3f(18, 26, 38) * static_cast<float>(burn);
     }
   }
   cv::Mat picture;
@@ -265,7 +271,8 @@ cv::Mat draw_cut(const RunRecord& record) {
   const double five_mm = 5e-3 / workpiece.pixel_m();
   const cv::Point from(40, kPixels - 40);
   cv::line(picture, from, from + cv::Point(static_cast<int>(five_mm), 0), {40, 40, 40}, 3, cv::LINE_AA);
-  cv::putText(picture, "5 mm", from + cv::Point(0, -12), cv::FONT_HERSHEY_SIMPLEX, 0.7, {40, 40, 40}, 2, cv::LINE_AA);
+  cv::putText(picture, "5 mm", from + cv::Point(0, -12), cv::FONT_HERSHEY_SIMPLEX, 0.7, {40, 40, 40}, 2,
+              cv::LINE_AA);
   return picture;
 }
 

@@ -37,7 +37,8 @@ std::string toml_path(const std::string& key) {
 void collect_leaves(const toml::node& node, const std::string& key, std::vector<std::string>& leaves) {
   if (const auto* table = node.as_table()) {
     for (const auto& [name, child] : *table) {
-      collect_leaves(child, key.empty() ? std::string(name.str()) : key + "." + std::string(name.str()), leaves);
+      collect_leaves(child, key.empty() ? std::string(name.str()) : key + "." + std::string(name.str()),
+                     leaves);
     }
   } else if (const auto* array = node.as_array(); array != nullptr && array->is_array_of_tables()) {
     for (std::size_t i = 0; i < array->size(); ++i) {
@@ -156,7 +157,8 @@ std::vector<double> ConfigFile::numbers(const std::string& key, std::size_t coun
   if (node == nullptr) refuse(key, "is missing; add it to the file");
   const toml::array* array = node->as_array();
   if (array == nullptr || (count != 0 && array->size() != count)) {
-    refuse(key, count == 0 ? "must be a list of numbers" : fmt::format("must be a list of {} numbers", count));
+    refuse(key,
+           count == 0 ? "must be a list of numbers" : fmt::format("must be a list of {} numbers", count));
   }
   std::vector<double> values;
   for (const auto& element : *array) {

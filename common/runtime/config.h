@@ -17,9 +17,9 @@ struct Bounds {
   double max = std::numeric_limits<double>::infinity();
 };
 
-/// Reads one TOML file. Keys are dotted paths ("geometry.base_radius_m"). Every reader marks its key as known;
-/// `refuse_unknown()` then names the first key that nobody asked for. All errors are Refusals that name the
-/// file, key, value and bound.
+/// Reads one TOML file. Keys are dotted paths ("geometry.base_radius_m"). Every reader marks its key as
+/// known; `refuse_unknown()` then names the first key that nobody asked for. All errors are Refusals that
+/// name the file, key, value and bound.
 class ConfigFile {
  public:
   explicit ConfigFile(const std::filesystem::path& file);

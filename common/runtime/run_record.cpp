@@ -29,7 +29,8 @@ void write_whole(const fs::path& path, const std::string& text) {
   {
     std::ofstream out(draft, std::ios::binary);
     out << text;
-    if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written; is the folder writable?", path.string()));
+    if (!out.flush())
+      throw Refusal(fmt::format("{}: cannot be written; is the folder writable?", path.string()));
   }
   fs::rename(draft, path, failed);
   if (failed) throw Refusal(fmt::format("{}: {}", path.string(), failed.message()));
@@ -37,7 +38,8 @@ void write_whole(const fs::path& path, const std::string& text) {
 
 std::vector<std::vector<double>> read_table(const fs::path& path, std::string_view columns) {
   std::ifstream in(path);
-  if (!in) throw Refusal(fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
+  if (!in)
+    throw Refusal(fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
   const auto width = static_cast<std::size_t>(std::count(columns.begin(), columns.end(), ',') + 1);
   std::string line;
   if (!std::getline(in, line) || line != columns) {
@@ -80,19 +82,33 @@ nlohmann::json as_json(const Figures& figures) {
 
 nlohmann::json read_json(const fs::path& path) {
   std::ifstream in(path);
-  if (!in) throw Refusal(fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
+  if (!in)
+    throw Refusal(fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
   auto json = nlohmann::json::parse(in, nullptr, false);
   if (!json.is_object()) throw Refusal(fmt::format("{}: is not a JSON object", path.string()));
   return json;
 }
 
 void read_figures(const nlohmann::json& json, Figures& figures) {
-  for (const auto& [name, value] : json.value("figures", nlohmann::json::object()).items()) {
+  const nlohmann::json named = json.value("figures", nlohmann::json::object());
+  for (const auto& [name, value] : named.items()) {
     if (value.is_number()) figures[name] = value.get<double>();
   }
 }
 
 }  // namespace
+
+void add_figures(const LoopStatistics& loop, Figures& figures) {
+  figures["rate_hz"] = loop.rate_hz;
+  figures["slack_p50_us"] = loop.slack_p50_us;
+  figures["slack_p99_us"] = loop.slack_p99_us;
+  figures["slack_min_us"] = loop.slack_min_us;
+  figures["late_p50_us"] = loop.late_p50_us;
+  figures["late_p99_us"] = loop.late_p99_us;
+  figures["late_max_us"] = loop.late_max_us;
+  figures["overruns"] = static_cast<double>(loop.overruns);
+  figures["real_time"] = loop.real_time ? 1.0 : 0.0;
+}
 
 void write_contour(const fs::path& folder, const RunRecord& record) {
   std::string text = std::string(kContourColumns) + "\n";
@@ -104,22 +120,25 @@ void write_contour(const fs::path& folder, const RunRecord& record) {
 void write_master(const fs::path& folder, const RunRecord& record) {
   std::string text = std::string(kMasterColumns) + "\n";
   for (const auto& r : record.master) {
-    append(text, {static_cast<double>(r.tick), r.t_s, r.tool_m[0], r.tool_m[1], r.tool_m[2], r.hand_n[0], r.hand_n[1],
-                  r.hand_n[2], r.constraint_n, double(r.guided), double(r.engaged), double(r.button)});
+    append(text,
+           {static_cast<double>(r.tick), r.t_s, r.tool_m[0], r.tool_m[1], r.tool_m[2], r.hand_n[0],
+            r.hand_n[1], r.hand_n[2], r.constraint_n, double(r.guided), double(r.engaged), double(r.button)});
   }
   write_whole(folder / "master.csv", text);
-  write_whole(folder / "master.json",
-              nlohmann::json{{"figures", as_json(record.master_figures)}, {"words", record.words}}.dump(2) + "\n");
+  write_whole(
+      folder / "master.json",
+      nlohmann::json{{"figures", as_json(record.master_figures)}, {"words", record.words}}.dump(2) + "\n");
 }
 
 void write_slave(const fs::path& folder, const RunRecord& record) {
   std::string text = std::string(kSlaveColumns) + "\n";
   for (const auto& r : record.slave) {
-    append(text, {static_cast<double>(r.tick), r.t_s, r.applied, r.ref_m[0], r.ref_m[1], r.ref_m[2], r.tool_m[0],
-                  r.tool_m[1], r.tool_m[2], r.laser_w, double(r.interlock), double(r.settled)});
+    append(text, {static_cast<double>(r.tick), r.t_s, r.applied, r.ref_m[0], r.ref_m[1], r.ref_m[2],
+                  r.tool_m[0], r.tool_m[1], r.tool_m[2], r.laser_w, double(r.interlock), double(r.settled)});
   }
   write_whole(folder / "slave.csv", text);
-  write_whole(folder / "slave.json", nlohmann::json{{"figures", as_json(record.slave_figures)}}.dump(2) + "\n");
+  write_whole(folder / "slave.json",
+              nlohmann::json{{"figures", as_json(record.slave_figures)}}.dump(2) + "\n");
 }
 
 RunRecord read_run(const fs::path& folder) {
@@ -129,16 +148,29 @@ RunRecord read_run(const fs::path& folder) {
   }
   record.contour_closed = read_json(folder / "contour.json").value("closed", true);
   for (const auto& v : read_table(folder / "master.csv", kMasterColumns)) {
-    record.master.push_back({static_cast<std::uint64_t>(v[0]), v[1], {v[2], v[3], v[4]}, {v[5], v[6], v[7]}, v[8],
-                             v[9] != 0, v[10] != 0, v[11] != 0});
+    record.master.push_back({static_cast<std::uint64_t>(v[0]),
+                             v[1],
+                             {v[2], v[3], v[4]},
+                             {v[5], v[6], v[7]},
+                             v[8],
+                             v[9] != 0,
+                             v[10] != 0,
+                             v[11] != 0});
   }
   for (const auto& v : read_table(folder / "slave.csv", kSlaveColumns)) {
-    record.slave.push_back({static_cast<std::uint64_t>(v[0]), v[1], v[2], {v[3], v[4], v[5]}, {v[6], v[7], v[8]}, v[9],
-                            static_cast<int>(v[10]), v[11] != 0});
+    record.slave.push_back({static_cast<std::uint64_t>(v[0]),
+                            v[1],
+                            v[2],
+                            {v[3], v[4], v[5]},
+                            {v[6], v[7], v[8]},
+                            v[9],
+                            static_cast<int>(v[10]),
+                            v[11] != 0});
   }
   const auto master = read_json(folder / "master.json");
   read_figures(master, record.master_figures);
-  for (const auto& [name, value] : master.value("words", nlohmann::json::object()).items()) {
+  const nlohmann::json words = master.value("words", nlohmann::json::object());
+  for (const auto& [name, value] : words.items()) {
     if (value.is_string()) record.words[name] = value.get<std::string>();
   }
   read_figures(read_json(folder / "slave.json"), record.slave_figures);

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "common/runtime/loop.h"
+
 namespace telekerf {
 
 using Triple = std::array<double, 3>;
@@ -17,11 +19,11 @@ using Triple = std::array<double, 3>;
 struct MasterRow {
   std::uint64_t tick = 0;
   double t_s = 0.0;
-  Triple tool_m{};        ///< true tool
-  Triple hand_n{};        ///< hand force on the tool
+  Triple tool_m{};            ///< true tool
+  Triple hand_n{};            ///< hand force on the tool
   double constraint_n = 0.0;  ///< force by which the constraint answers, across the curve
-  bool guided = false;    ///< on the constraint, the hand moves it
-  bool engaged = false;   ///< the slave follows
+  bool guided = false;        ///< on the constraint, the hand moves it
+  bool engaged = false;       ///< the slave follows
   bool button = false;
 };
 
@@ -33,7 +35,7 @@ struct SlaveRow {
   Triple tool_m{};        ///< true tool
   double laser_w = 0.0;
   int interlock = 0;
-  bool settled = false;   ///< following, and no offset of an approach is left
+  bool settled = false;  ///< following, and no offset of an approach is left
 };
 
 /// Rows kept in memory that is taken before the loop starts; when it is full, further rows are counted only.
@@ -58,6 +60,9 @@ class Recorder {
 
 /// Named figures of a process ("rtt_p50_ms" -> 100.2), kept in order of their names.
 using Figures = std::map<std::string, double>;
+/// What the control loop measured of itself, as figures.
+void add_figures(const LoopStatistics& loop, Figures& figures);
+
 using Words = std::map<std::string, std::string>;
 
 struct RunRecord {

@@ -28,48 +28,66 @@ std::string quoted_toml(const std::string& text) {
 }  // namespace
 
 void Settings::add(const std::string& name, double& value, Bounds bounds, const std::string& help) {
-  entries_.push_back({name, fmt::format("{} [{:g}]", help, value),
-                      [name, &value, bounds](const ConfigFile& f) { value = f.number_or(name, value, bounds); },
-                      false, false, {}});
+  entries_.push_back(
+      {name,
+       fmt::format("{} [{:g}]", help, value),
+       [name, &value, bounds](const ConfigFile& f) { value = f.number_or(name, value, bounds); },
+       false,
+       false,
+       {}});
 }
 
 void Settings::add(const std::string& name, int& value, Bounds bounds, const std::string& help) {
-  entries_.push_back({name, fmt::format("{} [{}]", help, value),
+  entries_.push_back({name,
+                      fmt::format("{} [{}]", help, value),
                       [name, &value, bounds](const ConfigFile& f) {
                         value = static_cast<int>(f.integer_or(name, value, bounds));
                       },
-                      false, false, {}});
+                      false,
+                      false,
+                      {}});
 }
 
 void Settings::add(const std::string& name, std::uint64_t& value, Bounds bounds, const std::string& help) {
-  entries_.push_back({name, fmt::format("{} [{}]", help, value),
+  entries_.push_back({name,
+                      fmt::format("{} [{}]", help, value),
                       [name, &value, bounds](const ConfigFile& f) {
                         value = static_cast<std::uint64_t>(
                             f.integer_or(name, static_cast<std::int64_t>(value), bounds));
                       },
-                      false, false, {}});
+                      false,
+                      false,
+                      {}});
 }
 
 void Settings::add(const std::string& name, bool& value, const std::string& help) {
-  entries_.push_back({name, fmt::format("{} [{}]", help, value),
-                      [name, &value](const ConfigFile& f) { value = f.boolean_or(name, value); }, true, false, {}});
+  entries_.push_back({name,
+                      fmt::format("{} [{}]", help, value),
+                      [name, &value](const ConfigFile& f) { value = f.boolean_or(name, value); },
+                      true,
+                      false,
+                      {}});
 }
 
 void Settings::add(const std::string& name, std::string& value, const std::string& help,
                    const std::vector<std::string>& choices) {
   const std::string listed = choices.empty() ? "" : fmt::format(" ({})", fmt::join(choices, "|"));
-  entries_.push_back({name, fmt::format("{}{} [{}]", help, listed, value),
+  entries_.push_back({name,
+                      fmt::format("{}{} [{}]", help, listed, value),
                       [name, &value, choices](const ConfigFile& f) {
                         value = choices.empty() ? f.text_or(name, value) : f.choice_or(name, value, choices);
                       },
-                      false, true, {}});
+                      false,
+                      true,
+                      {}});
 }
 
 void Settings::attach(CLI::App& app) {
   app.add_option("--config", config_, "TOML file with any of these settings (names with underscores)");
   for (auto& entry : entries_) {
     if (entry.is_flag) {
-      app.add_flag_callback(flag_of(entry.name), [&entry] { entry.given = "true"; }, entry.help);
+      app.add_flag_callback(
+          flag_of(entry.name), [&entry] { entry.given = "true"; }, entry.help);
     } else {
       app.add_option(flag_of(entry.name), entry.given, entry.help);
     }
@@ -91,7 +109,8 @@ void Settings::fill() {
     } catch (const Refusal& refusal) {
       const std::string what = refusal.what();
       if (what.find(entry.name) != std::string::npos) throw;
-      throw Refusal(fmt::format("command line: {} {}: not a value of its kind", flag_of(entry.name), entry.given));
+      throw Refusal(
+          fmt::format("command line: {} {}: not a value of its kind", flag_of(entry.name), entry.given));
     }
   }
 }

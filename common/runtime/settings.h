@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A setting is declared once and read two ways: as key `stream_hz` of a configuration file and as flag --stream-hz.
+// A setting is declared once and read two ways: as key `stream_hz` of a configuration file and as flag
+// --stream-hz.
 #pragma once
 
 #include <functional>
@@ -11,8 +12,9 @@
 
 namespace telekerf {
 
-/// Declares settings that live in a plain struct (their values there are the defaults), then fills them: first from
-/// the file named by --config, then from the command line. Refusals name the source, key, value and bound.
+/// Declares settings that live in a plain struct (their values there are the defaults), then fills them:
+/// first from the file named by --config, then from the command line. Refusals name the source, key, value
+/// and bound.
 class Settings {
  public:
   void add(const std::string& name, double& value, Bounds bounds, const std::string& help);

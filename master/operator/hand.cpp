@@ -7,7 +7,8 @@
 
 namespace telekerf::master {
 
-SimulatedHand::SimulatedHand(const geometry::Polyline& curve_m, const HandSettings& settings, std::uint64_t seed)
+SimulatedHand::SimulatedHand(const geometry::Polyline& curve_m, const HandSettings& settings,
+                             std::uint64_t seed)
     : settings_(settings), curve_(curve_m), random_(seed * 0x9e3779b97f4a7c15ULL + 1) {}
 
 double SimulatedHand::uniform() noexcept {
@@ -43,7 +44,8 @@ HandSample SimulatedHand::sample(double now_s, const Vec3& tool_m, const Vec3& v
   }
   const Vec2 tool = tool_m.head<2>();
   if (!goal_arc_m_) {
-    goal_arc_m_ = curve_.find(tool).arc_length_m;
+    place_ = curve_.find(tool);
+    goal_arc_m_ = place_.arc_length_m;
     button_ = false;
     button_until_s_ = now_s + 0.3;
   }
@@ -53,17 +55,24 @@ HandSample SimulatedHand::sample(double now_s, const Vec3& tool_m, const Vec3& v
   const double pace_memory = std::exp(-dt_s / 1.5);
   pace_ = 1.0 + pace_memory * (pace_ - 1.0) + 0.3 * std::sqrt(1.0 - pace_memory * pace_memory) * normal();
   const double push_memory = std::exp(-dt_s / 0.35);
-  sideways_n_ = push_memory * sideways_n_ +
-                settings_.wander_n * std::sqrt(1.0 - push_memory * push_memory) * normal();
+  sideways_n_ =
+      push_memory * sideways_n_ + settings_.wander_n * std::sqrt(1.0 - push_memory * push_memory) * normal();
   tremor_phase_rad_ += 2.0 * std::numbers::pi * 9.0 * dt_s;
 
   *goal_arc_m_ += settings_.speed_m_per_s * std::clamp(pace_, 0.2, 1.8) * dt_s;
+  // The eye stays with the pen: where the pen hangs back, the hand waits for it instead of pulling ever
+  // harder.
+  place_ = curve_.find_near(tool, place_.segment);
+  double lead_m = *goal_arc_m_ - place_.arc_length_m;
+  if (curve_.line().closed) lead_m -= curve_.length_m() * std::round(lead_m / curve_.length_m());
+  lead_m = std::clamp(lead_m, -settings_.lead_m, settings_.lead_m);
+  *goal_arc_m_ = place_.arc_length_m + lead_m;
   const geometry::Nearest goal = curve_.at(*goal_arc_m_);
   // The arm draws the pen to its goal; its force stays what a wrist gives.
   constexpr double kMaxPull = 4.0;
-  Vec2 pull = settings_.stiffness_n_per_m * (goal.point_m - tool) +
-              settings_.damping_ns_per_m *
-                  (settings_.speed_m_per_s * goal.tangent - velocity_m_per_s.head<2>());
+  Vec2 pull =
+      settings_.stiffness_n_per_m * (goal.point_m - tool) +
+      settings_.damping_ns_per_m * (settings_.speed_m_per_s * goal.tangent - velocity_m_per_s.head<2>());
   if (pull.norm() > kMaxPull) pull *= kMaxPull / pull.norm();
   const Vec2 left(-goal.tangent.y(), goal.tangent.x());
   const double push = std::clamp(sideways_n_ + settings_.tremor_n * std::sin(tremor_phase_rad_),

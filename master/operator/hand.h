@@ -20,26 +20,31 @@ struct HandSample {
 class HandInput {
  public:
   virtual ~HandInput() = default;
-  /// `tool_m`, `velocity_m_per_s`: the pen's true state, master workpiece frame. `guided`: the constraint holds the pen.
-  virtual HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s, bool guided) noexcept = 0;
+  /// `tool_m`, `velocity_m_per_s`: the pen's true state, master workpiece frame. `guided`: the constraint
+  /// holds the pen.
+  virtual HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s,
+                            bool guided) noexcept = 0;
 };
 
 struct HandSettings {
-  double speed_m_per_s = 0.02;      ///< mean along the curve
+  double speed_m_per_s = 0.02;       ///< mean along the curve
   double stiffness_n_per_m = 250.0;  ///< of the arm
   double damping_ns_per_m = 8.0;
-  double max_sideways_n = 3.0;      ///< how hard it pushes off the curve at most
-  double wander_n = 2.0;            ///< rms of the sideways push
-  double tremor_n = 0.05;           ///< amplitude, 9 Hz
-  double press_share = 0.8;         ///< of the time that the button is held, in stretches
+  double lead_m = 3e-3;         ///< the hand aims at most this far ahead of the pen
+  double max_sideways_n = 3.0;  ///< how hard it pushes off the curve at most
+  double wander_n = 2.0;        ///< rms of the sideways push
+  double tremor_n = 0.05;       ///< amplitude, 9 Hz
+  double press_share = 0.8;     ///< of the time that the button is held, in stretches
 };
 
-/// An arm that wants to go once round and round the curve but wanders off it: impedance to a point that runs along the
-/// curve, a slowly varying sideways push (bounded), tremor, and a button pressed in stretches. Same seed, same hand.
+/// An arm that wants to go once round and round the curve but wanders off it: impedance to a point that runs
+/// along the curve, a slowly varying sideways push (bounded), tremor, and a button pressed in stretches. Same
+/// seed, same hand.
 class SimulatedHand : public HandInput {
  public:
   SimulatedHand(const geometry::Polyline& curve_m, const HandSettings& settings, std::uint64_t seed);
-  HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s, bool guided) noexcept override;
+  HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s,
+                    bool guided) noexcept override;
 
  private:
   double uniform() noexcept;
@@ -50,6 +55,7 @@ class SimulatedHand : public HandInput {
   geometry::NearestIndex curve_;
   std::uint64_t random_;
   std::optional<double> goal_arc_m_;  ///< where on the curve the arm aims, once it is guided
+  geometry::Nearest place_;           ///< of the pen on the curve
   std::optional<double> last_s_;
   double pace_ = 1.0;  ///< slow variation of the speed
   double sideways_n_ = 0.0;

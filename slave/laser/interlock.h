@@ -7,9 +7,9 @@
 namespace telekerf::slave {
 
 struct InterlockSettings {
-  double corridor_m = 0.5e-3;          ///< half width, judged at the beam's centre (contract.md, "Corridor")
-  double reaction_s = 0.003;           ///< the beam may run on this long after the decision
-  double measurement_m = 20e-6;        ///< allowance for what the sensors do not see
+  double corridor_m = 0.5e-3;    ///< half width, judged at the beam's centre (contract.md, "Corridor")
+  double reaction_s = 0.003;     ///< the beam may run on this long after the decision
+  double measurement_m = 20e-6;  ///< allowance for what the sensors do not see
   double max_tracking_error_m = 0.2e-3;  ///< tool to where the master wants it
 };
 

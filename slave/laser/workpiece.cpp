@@ -21,7 +21,8 @@ void Workpiece::expose(const Vec2& tool_m, double energy_j) noexcept {
   const int reach = static_cast<int>(std::ceil(2.0 * radius_px)) + 1;
   const int column = static_cast<int>(std::lround(centre.x));
   const int row = static_cast<int>(std::lround(centre.y));
-  if (column < reach || row < reach || column >= settings_.pixels - reach || row >= settings_.pixels - reach) {
+  if (column < reach || row < reach || column >= settings_.pixels - reach ||
+      row >= settings_.pixels - reach) {
     outside_j_ += energy_j;
     return;
   }

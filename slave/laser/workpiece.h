@@ -9,12 +9,13 @@
 namespace telekerf::slave {
 
 struct WorkpieceSettings {
-  double half_width_m = 0.02;  ///< the raster covers a square about the workspace centre
-  int pixels = 1000;           ///< a side
+  double half_width_m = 0.02;    ///< the raster covers a square about the workspace centre
+  int pixels = 1000;             ///< a side
   double spot_radius_m = 30e-6;  ///< 1/e^2 radius of the beam
 };
 
-/// Accumulates the energy that the laser leaves, as a Gaussian spot, in joules per pixel. x to the right, y upwards.
+/// Accumulates the energy that the laser leaves, as a Gaussian spot, in joules per pixel. x to the right, y
+/// upwards.
 class Workpiece {
  public:
   explicit Workpiece(const WorkpieceSettings& settings);

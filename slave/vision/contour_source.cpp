@@ -33,9 +33,10 @@ ContourMessage find_contour(const ContourRequest& request) {
   double reach_m = 0.0;
   for (const auto& point : line.points_m) reach_m = std::max(reach_m, point.norm());
   if (reach_m > request.workspace_radius_m) {
-    throw Refusal(fmt::format(
-        "{}: the contour reaches {:.1f} mm from its centre, but the slave's workspace only {:.1f} mm; use a smaller --width-mm",
-        file, reach_m * 1e3, request.workspace_radius_m * 1e3));
+    throw Refusal(
+        fmt::format("{}: the contour reaches {:.1f} mm from its centre, but the slave's workspace only "
+                    "{:.1f} mm; use a smaller --width-mm",
+                    file, reach_m * 1e3, request.workspace_radius_m * 1e3));
   }
   ContourMessage message;
   message.id = 1;

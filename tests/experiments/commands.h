@@ -6,6 +6,7 @@
 
 namespace telekerf::experiments {
 
+void add_codec_command(CLI::App& app, Action& action);
 void add_kinematics_command(CLI::App& app, Action& action);
 void add_lap_command(CLI::App& app, Action& action);
 

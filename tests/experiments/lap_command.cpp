@@ -36,12 +36,14 @@ int run(Options& options) {
 }  // namespace
 
 void add_lap_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("lap", "Picture to cut in virtual time: report.json, trace.csv, cut.png");
+  auto* command =
+      app.add_subcommand("lap", "Picture to cut in virtual time: report.json, trace.csv, cut.png");
   auto options = std::make_shared<Options>();
   auto& s = options->settings;
   auto& lap = options->lap;
   s.add("image", lap.image, "picture: a shipped name or a file");
-  s.add("width_mm", lap.width_mm, {.min = 0, .max = 1000}, "width of the whole picture, 0: fitted to the workspace");
+  s.add("width_mm", lap.width_mm, {.min = 0, .max = 1000},
+        "width of the whole picture, 0: fitted to the workspace");
   s.add("netem", options->netem, "network profile: a shipped name or a file");
   s.add("seed", lap.seed, {.min = 0, .max = 1e15}, "of everything random");
   s.add("beta", lap.master.beta, {.min = 0.01, .max = 10}, "slave motion = beta x master motion");

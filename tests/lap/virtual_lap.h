@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole lap in one thread and in virtual time: vision's output, master, network, slave. Deterministic: same
-// settings, same record, bit by bit.
+// The whole lap in one thread and in virtual time: vision's output, master, network, slave. Deterministic:
+// same settings, same record, bit by bit.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The master station by itself: it starts disengaged, brings the tool to the curve, holds it there, and engages only
-// while a slave that works on the same contour is alive.
+// The master station by itself: it starts disengaged, brings the tool to the curve, holds it there, and
+// engages only while a slave that works on the same contour is alive.
 #include <gtest/gtest.h>
 
 #include <cmath>

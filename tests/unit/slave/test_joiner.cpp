@@ -52,11 +52,12 @@ TEST(ReferenceJoiner, DerivativesBelongTogether) {
   Motion a = joiner.join(Motion{}, kDt);
   for (int n = 0; n < 1000; ++n) {
     const Motion b = joiner.join(Motion{}, kDt);
-    EXPECT_LT(((b.position_m - a.position_m) / kDt - 0.5 * (a.velocity_m_per_s + b.velocity_m_per_s)).norm(), 1e-8);
-    EXPECT_LT(
-        ((b.velocity_m_per_s - a.velocity_m_per_s) / kDt - 0.5 * (a.acceleration_m_per_s2 + b.acceleration_m_per_s2))
-            .norm(),
-        1e-6);
+    EXPECT_LT(((b.position_m - a.position_m) / kDt - 0.5 * (a.velocity_m_per_s + b.velocity_m_per_s)).norm(),
+              1e-8);
+    EXPECT_LT(((b.velocity_m_per_s - a.velocity_m_per_s) / kDt -
+               0.5 * (a.acceleration_m_per_s2 + b.acceleration_m_per_s2))
+                  .norm(),
+              1e-6);
     a = b;
   }
 }

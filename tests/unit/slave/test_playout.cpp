@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// A stream of blocks of 16 samples at 1 kHz over a link with the given delay; returns the number of control steps
-/// at which the sample to apply had not arrived yet, after a warm-up of 3 s.
+/// A stream of blocks of 16 samples at 1 kHz over a link with the given delay; returns the number of control
+/// steps at which the sample to apply had not arrived yet, after a warm-up of 3 s.
 struct LinkRun {
   int missing = 0;
   double lag_early = 0.0;  // ms from making a sample to applying it, after the warm-up
@@ -62,7 +62,8 @@ TEST(PlayoutClock, JitterIsCoveredAndTheDelayStaysConstant) {
   std::mt19937 random(7);
   std::normal_distribution<double> jitter(0.0, 5.0);
   LinkRun link;
-  link.run(3000, [&](int) { return 50 * kMs + static_cast<std::int64_t>(std::max(-40.0, jitter(random)) * kMs); });
+  link.run(3000,
+           [&](int) { return 50 * kMs + static_cast<std::int64_t>(std::max(-40.0, jitter(random)) * kMs); });
   EXPECT_LT(link.missing, 48000 / 100);  // at most the share that the quantile leaves, in block lengths
   EXPECT_LT(link.clock.corrections(), 60u);
   EXPECT_EQ(link.clock.reseats(), 0u);
@@ -78,7 +79,8 @@ TEST(PlayoutClock, ADelayStepIsFollowedWithoutReseating) {
 
 TEST(PlayoutClock, ClockDriftIsCorrectedByWholeTicks) {
   LinkRun link;
-  link.run(4000, [](int) { return 20 * kMs; }, 100e-6);  // the master's clock is 100 ppm slow
+  link.run(
+      4000, [](int) { return 20 * kMs; }, 100e-6);  // the master's clock is 100 ppm slow
   EXPECT_EQ(link.missing, 0);
   EXPECT_EQ(link.clock.reseats(), 0u);
   EXPECT_NEAR(static_cast<double>(link.clock.corrections()), 64000 * 100e-6, 6.0);

@@ -13,7 +13,8 @@ std::unique_ptr<SampleRing> parabola() {
   auto ring = std::make_unique<SampleRing>();
   for (int i = 0; i < 100; ++i) {
     const double t = i * 1e-3;
-    ring->store(i, {Vec3(0.01 + 0.02 * t + 0.5 * 3.0 * t * t, -0.01 * t, 0.5 * -2.0 * t * t), false, true, 1});
+    ring->store(i,
+                {Vec3(0.01 + 0.02 * t + 0.5 * 3.0 * t * t, -0.01 * t, 0.5 * -2.0 * t * t), false, true, 1});
   }
   return ring;
 }

@@ -19,7 +19,8 @@ class SlaveNodeTest : public testing::Test {
   SlaveNodeTest() {
     ContourMessage contour;
     contour.id = 1;
-    for (int i = 0; i < 400; ++i) contour.points_m.push_back(place(i * 2 * M_PI / 400 * 0.005 / 0.02).head<2>());
+    for (int i = 0; i < 400; ++i)
+      contour.points_m.push_back(place(i * 2 * M_PI / 400 * 0.005 / 0.02).head<2>());
     corridor_ = station_.prepare(contour);
   }
 
@@ -41,7 +42,8 @@ class SlaveNodeTest : public testing::Test {
     block.anchor = rounded(Anchor{place(t0), (place(t0 + h) - place(t0)) / h});
     std::vector<Vec3> samples;
     for (int n = 0; n < 16; ++n) samples.push_back(place(t0 + n * 1e-3));
-    const auto bytes = encoder_.encode(samples, button_ ? ~0ULL : 0, {block.anchor.position_m, block.anchor.velocity_m_per_s * 1e-3},
+    const auto bytes = encoder_.encode(samples, button_ ? ~0ULL : 0,
+                                       {block.anchor.position_m, block.anchor.velocity_m_per_s * 1e-3},
                                        block.payload.room());
     EXPECT_TRUE(bytes.has_value());
     block.payload.size = static_cast<std::uint16_t>(bytes.value_or(0));
@@ -173,7 +175,7 @@ TEST_F(SlaveNodeTest, RefusesAndCountsWhatDoesNotFit) {
   run(other);
   run(other);  // repeated
   EXPECT_EQ(station_.node().counters().stale, stale + 1);
-  run(good);   // reordered
+  run(good);  // reordered
   EXPECT_EQ(station_.node().counters().stale, stale + 2);
   follow(1.0);
   EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
@@ -208,7 +210,8 @@ TEST_F(SlaveNodeTest, LostBlocksAreCoveredByTheNextPacketsCopies) {
     (void)next_block();
     run(std::nullopt);
   }
-  EXPECT_EQ(station_.node().counters().missed_ticks, missed) << "once losses were seen, the depth waits for the copies";
+  EXPECT_EQ(station_.node().counters().missed_ticks, missed)
+      << "once losses were seen, the depth waits for the copies";
   EXPECT_EQ(station_.node().counters().lost, 59u) << "the last loss has not been seen yet";
 }
 

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-master: the operator's robot, confined to the contour; streams its motion to the slave.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include "common/bus/bus_flags.h"
+#include "common/bus/contour_watch.h"
+#include "common/bus/endpoints.h"
+#include "common/runtime/loop.h"
+#include "master/station.h"
+
+namespace telekerf::master {
+namespace {
+
+struct Flags {
+  BusFlags bus;
+  StationSettings station;
+  std::string record;
+  bool engage = false;
+  double duration_s = 0.0;
+  double wait_s = 20.0;
+};
+
+const char* name_of(MasterMode mode) {
+  switch (mode) {
+    case MasterMode::kIdle:
+      return "waiting for a contour";
+    case MasterMode::kApproach:
+      return "moving to the contour";
+    case MasterMode::kGuiding:
+      return "guiding the hand; the slave does not follow";
+    case MasterMode::kEngaged:
+      return "engaged: the slave follows";
+    case MasterMode::kStopped:
+      return "stopped";
+  }
+  return "unknown";
+}
+
+/// What the loop lets the herald see.
+struct Progress {
+  std::atomic<MasterMode> mode{MasterMode::kIdle};
+  std::atomic<double> engaged_s{0.0};
+};
+
+/// Says every change of mode; to a terminal also a bar.
+void announce(const std::stop_token& stop, const Progress& progress, double duration_s) {
+  const bool terminal = isatty(STDOUT_FILENO) != 0;
+  MasterMode said = MasterMode::kIdle;
+  while (!stop.stop_requested()) {
+    const MasterMode mode = progress.mode.load();
+    if (mode != said) {
+      said = mode;
+      fmt::print("{}master: {}\n", terminal ? "\r\033[K" : "", name_of(mode));
+    }
+    const double share = duration_s > 0.0 ? progress.engaged_s.load() / duration_s : 0.0;
+    if (terminal && share > 0.0) {
+      constexpr int kWidth = 40;
+      const int full = std::min(kWidth, static_cast<int>(share * kWidth));
+      fmt::print("\r  cutting [{:#<{}}{:.<{}}] {:4.1f} s of {:.0f} s", "", full, "", kWidth - full,
+                 progress.engaged_s.load(), duration_s);
+    }
+    std::fflush(stdout);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  if (terminal) fmt::print("\r\033[K");
+}
+
+void record_run(const Flags& flags, const Station& station, const ContourWatch<Task>& contour, const Bus& bus,
+                const LoopStatistics& loop) {
+  RunRecord record;
+  const ContourMessage message = contour.message();
+  for (const auto& point : message.points_m) record.contour_m.push_back({point.x(), point.y()});
+  record.contour_closed = message.closed;
+  record.words["image"] = message.source;
+  record.words["mode"] = message.mode;
+  record.words["netem"] = flags.bus.netem;
+  station.report(record);
+  add_figures(loop, record.master_figures);
+  add_figures(bus.counters(), record.master_figures);
+  write_contour(flags.record, record);
+  write_master(flags.record, record);
+}
+
+int run(Flags& flags) {
+  const BusSettings bus_settings = flags.bus.bus_settings(Site::kOperator, "master");
+  flags.station.epoch = bus_settings.epoch;
+  Station station(flags.station);
+  catch_stop_signals();
+  Bus bus(bus_settings);
+  Reader<StateBlock> states(bus);
+  Reader<EventMessage> events(bus);
+  Writer<CommandBlock> commands(bus);
+  ContourWatch<Task> contour(bus, [&](const ContourMessage& message) { return station.prepare(message); });
+  fmt::print("master: ready in {}\n", bus_settings.cell);
+  std::fflush(stdout);
+
+  std::vector<Received<StateBlock>> arrived_states;
+  std::vector<EventMessage> arrived_events;
+  arrived_states.reserve(64);
+  arrived_events.reserve(64);
+  Progress progress;
+  double engaged_s = 0.0;
+  double waited_s = 0.0;
+  std::jthread herald([&](const std::stop_token& stop) { announce(stop, progress, flags.duration_s); });
+
+  const LoopStatistics loop = run_loop(flags.station.node.control_hz, [&](std::int64_t now_ns) {
+    arrived_states.clear();
+    arrived_events.clear();
+    while (arrived_states.size() < arrived_states.capacity()) {
+      if (auto state = states.take()) {
+        arrived_states.push_back(*state);
+      } else {
+        break;
+      }
+    }
+    while (const auto event = events.take()) arrived_events.push_back(event->value);
+    const MasterOutputs out =
+        station.step(now_ns, contour.current(), flags.engage, arrived_states, arrived_events);
+    if (out.command) commands.write(*out.command);
+    const bool engaged = out.mode == MasterMode::kEngaged;
+    (engaged ? engaged_s : waited_s) += station.control_period_s();
+    progress.mode.store(out.mode, std::memory_order_relaxed);
+    progress.engaged_s.store(engaged_s, std::memory_order_relaxed);
+    const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
+    return !done && !stop_requested() && !contour.refused();
+  });
+  herald.request_stop();
+  herald.join();
+
+  if (contour.refused()) throw Refusal(contour.refusal());
+  if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested()) {
+    throw Refusal(
+        fmt::format("nobody to work with for {:.0f} s in cell '{}' of domain {}: are telekerf-vision and "
+                    "telekerf-slave running there?",
+                    flags.wait_s, bus_settings.cell, bus_settings.domain));
+  }
+  if (!flags.record.empty() && contour.current() != nullptr) record_run(flags, station, contour, bus, loop);
+  return 0;
+}
+
+}  // namespace
+}  // namespace telekerf::master
+
+int main(int argc, char** argv) {
+  CLI::App app("The operator's robot: confines the hand to the contour and streams its motion",
+               "telekerf-master");
+  telekerf::master::Flags flags;
+  telekerf::Settings settings;
+  flags.station.declare(settings);
+  settings.add("record", flags.record, "folder to record the run into");
+  settings.add("engage", flags.engage, "let the slave follow as soon as everything is ready");
+  settings.add("duration_s", flags.duration_s, {.min = 0, .max = 36000},
+               "end after this long engaged, 0: run on");
+  settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600},
+               "with duration_s: give up after this long not engaged");
+  flags.bus.declare(settings);
+  settings.attach(app);
+  telekerf::Action action = [&] {
+    settings.fill();
+    return run(flags);
+  };
+  return telekerf::run_program(app, argc, argv, action);
+}

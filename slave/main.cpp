@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-slave: the robot with the laser follows what the master streams.
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include "common/bus/bus_flags.h"
+#include "common/bus/contour_watch.h"
+#include "common/bus/endpoints.h"
+#include "common/runtime/loop.h"
+#include "slave/station.h"
+
+namespace telekerf::slave {
+namespace {
+
+struct Flags {
+  BusFlags bus;
+  StationSettings station;
+  std::string record;
+};
+
+const char* name_of(SlaveMode mode) {
+  switch (mode) {
+    case SlaveMode::kWaiting:
+      return "waiting";
+    case SlaveMode::kFollowing:
+      return "following";
+    case SlaveMode::kHolding:
+      return "holding, the stream has dried up";
+    case SlaveMode::kStopped:
+      return "stopped";
+  }
+  return "unknown";
+}
+
+int run(Flags& flags) {
+  const BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "slave");
+  flags.station.epoch = bus_settings.epoch;
+  Station station(flags.station);
+  catch_stop_signals();
+  Bus bus(bus_settings);
+  Reader<CommandBlock> commands(bus);
+  Reader<EventMessage> events(bus);
+  Writer<StateBlock> states(bus);
+  ContourWatch<Corridor> contour(bus,
+                                 [&](const ContourMessage& message) { return station.prepare(message); });
+  fmt::print("slave: ready in {}\n", bus_settings.cell);
+  std::fflush(stdout);
+
+  std::vector<Received<CommandBlock>> arrived_commands;
+  std::vector<EventMessage> arrived_events;
+  arrived_commands.reserve(64);
+  arrived_events.reserve(64);
+  std::atomic<SlaveMode> mode{SlaveMode::kWaiting};
+  std::jthread herald([&](const std::stop_token& stop) {
+    for (SlaveMode said = SlaveMode::kWaiting; !stop.stop_requested();
+         std::this_thread::sleep_for(std::chrono::milliseconds(50))) {
+      if (const SlaveMode now = mode.load(); now != said) {
+        said = now;
+        fmt::print("slave: {}\n", name_of(now));
+        std::fflush(stdout);
+      }
+    }
+  });
+
+  const LoopStatistics loop = run_loop(flags.station.node.control_hz, [&](std::int64_t now_ns) {
+    arrived_commands.clear();
+    arrived_events.clear();
+    while (arrived_commands.size() < arrived_commands.capacity()) {
+      if (auto command = commands.take()) {
+        arrived_commands.push_back(*command);
+      } else {
+        break;
+      }
+    }
+    while (const auto event = events.take()) arrived_events.push_back(event->value);
+    const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, arrived_events);
+    if (out.state) states.write(*out.state);
+    mode.store(out.mode, std::memory_order_relaxed);
+    return !stop_requested() && !contour.refused();
+  });
+  herald.request_stop();
+
+  if (!flags.record.empty()) {
+    RunRecord record;
+    station.report(record);
+    add_figures(loop, record.slave_figures);
+    add_figures(bus.counters(), record.slave_figures);
+    write_slave(flags.record, record);
+  }
+  if (contour.refused()) throw Refusal(contour.refusal());
+  return 0;
+}
+
+}  // namespace
+}  // namespace telekerf::slave
+
+int main(int argc, char** argv) {
+  CLI::App app("The robot with the laser: follows the master's stream", "telekerf-slave");
+  telekerf::slave::Flags flags;
+  telekerf::Settings settings;
+  flags.station.declare(settings);
+  settings.add("record", flags.record, "folder to record the run into");
+  flags.bus.declare(settings);
+  settings.attach(app);
+  telekerf::Action action = [&] {
+    settings.fill();
+    return run(flags);
+  };
+  return telekerf::run_program(app, argc, argv, action);
+}

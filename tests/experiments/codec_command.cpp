@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment codec: rate against distortion of every codec at equal latency, with the Gaussian
+// limit.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/codec/measure.h"
+#include "common/runtime/refusal.h"
+#include "tests/experiments/codec_bound.h"
+#include "tests/experiments/codec_traces.h"
+#include "tests/experiments/commands.h"
+#include "tests/experiments/plot.h"
+
+namespace telekerf::experiments {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Curve = std::vector<RatePoint>;
+
+/// Fields of a command or state block beside its payload, the anchor among them.
+constexpr double kBlockFieldsBytes = 60.0;
+constexpr int kSweepFrom = -4, kSweepTo = 12;  // half octaves of the fine error
+
+struct Options {
+  std::string out = "out/codec";
+  std::vector<std::string> traces;
+  double rate_hz = 1000.0;
+  double seconds = 20.0;
+  std::uint64_t seed = 1;
+};
+
+/// One way to code: constant step (every codec has one), or the promised RMS error of each block.
+struct Contender {
+  const char* label;
+  const char* codec;
+  bool promised = false;
+  bool anchored = false;
+};
+constexpr std::array<Contender, 7> kContenders{{
+    {"SDCT", "sdct"},
+    {"SDCT, promised RMS", "sdct", true},
+    {"SDCT + anchor (not counted)", "sdct", false, true},
+    {"truncated DCT", "truncated"},
+    {"DPCM + Rice", "dpcm"},
+    {"dead-band", "deadband"},
+    {"Weber dead-band", "weber"},
+}};
+
+codec::StreamSettings settings_for(const Contender& contender, int block, double error, double scale) {
+  codec::StreamSettings s{.block = block, .keep = block, .redundancy = 0, .anchored = contender.anchored};
+  s = codec::with_codec(s, contender.codec);
+  if (contender.promised) {
+    s.max_rms = error;
+  } else if (s.kind == codec::CodecKind::kDeadband || s.kind == codec::CodecKind::kWeber) {
+    // A held sample is off by up to the band, about band / sqrt(3) rms; the lattice adds little to that.
+    s.threshold = s.kind == codec::CodecKind::kWeber ? 2 * error / scale : 2 * error;
+    s.quantum = error;
+  } else {
+    s.quantum = std::sqrt(12.0) * error;
+  }
+  return s;
+}
+
+Curve sweep(const SeededTrace& seeded, const Contender& contender, int block) {
+  double squares = 0;
+  for (const auto& column : seeded.trace.values) {
+    for (const double x : column) squares += x * x;
+  }
+  const double scale =
+      std::sqrt(squares / static_cast<double>(seeded.trace.size() * seeded.trace.values.size()));
+  Curve curve;
+  for (int i = kSweepFrom; i <= kSweepTo; ++i) {
+    const auto figures = codec::measure(
+        seeded.trace,
+        settings_for(contender, block, seeded.fine * std::exp2(0.5 * i), std::max(scale, 1e-12)));
+    curve.push_back({figures.rmse, figures.bits_per_sample});
+  }
+  std::sort(curve.begin(), curve.end(), [](auto a, auto b) { return a.rmse < b.rmse; });
+  return curve;
+}
+
+/// Bits at an error between two measured points, straight in log(error); NaN outside.
+double bits_at(const Curve& curve, double rmse) {
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    if (curve[i - 1].rmse <= rmse && rmse <= curve[i].rmse && curve[i - 1].rmse > 0) {
+      const double part = std::log(rmse / curve[i - 1].rmse) / std::log(curve[i].rmse / curve[i - 1].rmse);
+      return curve[i - 1].bits_per_sample + part * (curve[i].bits_per_sample - curve[i - 1].bits_per_sample);
+    }
+  }
+  return std::nan("");
+}
+
+Line line_of(const std::string& label, const Curve& curve, Line::Style style) {
+  Line line{label, {}, {}, style};
+  for (const auto& point : curve) {
+    line.x.push_back(point.rmse);
+    line.y.push_back(point.bits_per_sample);
+  }
+  return line;
+}
+
+Json rounded(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::round(value * 1e4) / 1e4;
+}
+
+/// One trace at one block length: a panel of the figure and its numbers.
+Json rate_distortion(const SeededTrace& seeded, int block, Panel& panel) {
+  std::vector<double> errors;
+  for (int i = kSweepFrom; i <= kSweepTo; ++i) errors.push_back(seeded.fine * std::exp2(0.5 * i));
+  const auto limit = gaussian_limit(block_variances_of(seeded.trace, block), errors);
+  const auto endless = gaussian_limit(spectrum_of(seeded.trace), errors);
+  std::vector<Curve> curves;
+  for (const auto& contender : kContenders) curves.push_back(sweep(seeded, contender, block));
+
+  panel.title = fmt::format("{}, N = {}", seeded.trace.name, block);
+  panel.x_label = fmt::format("RMS error [{}]", seeded.unit);
+  panel.y_label = "bits a sample";
+  panel.log_x = true;
+  panel.x_range = {errors.front(), errors.back()};
+  double highest = 0;
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    panel.lines.push_back(line_of(kContenders[c].label, curves[c], Line::Style::kSolid));
+    const double bits = bits_at(curves[c], seeded.fine);
+    if (std::isfinite(bits)) highest = std::max(highest, bits);
+  }
+  panel.lines.push_back(line_of("Gaussian limit, block alone", limit, Line::Style::kDashed));
+  panel.lines.back().colour = 7;
+  panel.lines.push_back(line_of("Gaussian limit, any delay", endless, Line::Style::kPoints));
+  panel.lines.back().colour = 7;
+  panel.y_range = {0.0, 1.2 * highest};
+
+  Json rows = Json::array();
+  for (const double factor : {1.0, 4.0}) {
+    const double rmse = factor * seeded.fine;
+    Json row{{"trace", seeded.trace.name}, {"block", block}, {"rmse", rmse}, {"unit", seeded.unit}};
+    for (std::size_t c = 0; c < curves.size(); ++c)
+      row["bits"][kContenders[c].label] = rounded(bits_at(curves[c], rmse));
+    row["limit_block"] = rounded(bits_at(limit, rmse * 1.0000001));
+    row["limit_any_delay"] = rounded(bits_at(endless, rmse * 1.0000001));
+    row["sdct_minus_truncated_bits_a_block"] =
+        rounded(block * (bits_at(curves[0], rmse) - bits_at(curves[3], rmse)));
+    row["sdct_over_deadband"] = rounded(bits_at(curves[0], rmse) / bits_at(curves[5], rmse));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// The command stream of the demo: what one packet layout costs with everything counted.
+Json wire_row(const SeededTrace& seeded, const char* name, int block, int redundancy, double loss,
+              double burst, std::uint64_t seed) {
+  codec::StreamSettings s{.block = block, .redundancy = redundancy, .quantum = seeded.fine, .anchored = true};
+  s = codec::with_codec(s, name);
+  const auto figures = codec::measure(seeded.trace, s, {.loss = loss, .burst = burst, .seed = seed});
+  const bool sample_by_sample = s.block == 1;
+  const double around = codec::kOverheadBytes + (sample_by_sample ? 0.0 : kBlockFieldsBytes);
+  const double payload =
+      sample_by_sample ? 12.0 : figures.packet_bytes;  // one packet of bare floats a sample
+  const double wire = figures.packets_per_s * (around + payload);
+  return {{"trace", seeded.trace.name},
+          {"codec", name},
+          {"block", s.block},
+          {"redundancy", s.redundancy},
+          {"loss", loss},
+          {"burst", burst},
+          {"payload_bytes", rounded(payload)},
+          {"wire_bytes_per_s", rounded(wire)},
+          {"below_raw", rounded(figures.raw_wire_bytes_per_s / wire)},
+          {"rmse", figures.rmse},
+          {"max_error", figures.max_error},
+          {"velocity_rmse", figures.velocity_rmse},
+          {"concealed_samples", figures.concealed_samples},
+          {"latency_ms", rounded(figures.latency_ms)}};
+}
+
+/// About what the sensor's noise and step leave in a trace of unknown origin: from its third differences.
+double noise_of(const codec::Trace& trace) {
+  double squares = 0;
+  std::size_t count = 0;
+  for (const auto& x : trace.values) {
+    for (std::size_t n = 3; n < x.size(); ++n) {
+      squares += std::pow(x[n] - 3 * x[n - 1] + 3 * x[n - 2] - x[n - 3], 2) / 20.0;
+      ++count;
+    }
+  }
+  return std::max(std::sqrt(squares / static_cast<double>(std::max<std::size_t>(count, 1))), 1e-9);
+}
+
+int run(const Options& options) {
+  std::error_code failed;
+  std::filesystem::create_directories(options.out, failed);
+  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
+  auto traces = seeded_traces(options.seconds, options.rate_hz, options.seed);
+  const auto seeded = traces.size();
+  for (const auto& file : options.traces) {
+    auto trace = codec::read_trace(file, options.rate_hz);
+    const double fine = noise_of(trace);
+    traces.push_back({std::move(trace), "its unit", fine, false});
+  }
+  Json results;
+  for (const int block : {16, 32}) {
+    Figure figure{fmt::format("Rate against distortion, blocks of {} decoded alone", block), {}, 2};
+    for (const auto& trace : traces) {
+      Panel panel;
+      for (auto& row : rate_distortion(trace, block, panel)) results["rate_distortion"].push_back(row);
+      figure.panels.push_back(std::move(panel));
+    }
+    draw_figure(figure, std::filesystem::path(options.out) / fmt::format("rate-distortion-{}.png", block));
+  }
+  for (std::size_t i = 0; i < seeded; ++i) {
+    const auto& trace = traces[i];
+    if (trace.trace.name != "hand" && trace.trace.name != "contour") continue;
+    for (const auto& [name, block, redundancy] : {std::tuple("raw", 1, 0),
+                                                  {"batched", 16, 1},
+                                                  {"sdct", 16, 1},
+                                                  {"batched", 32, 2},
+                                                  {"sdct", 32, 2}}) {
+      results["wire"].push_back(wire_row(trace, name, block, redundancy, 0, 1, options.seed));
+    }
+    for (const double loss : {0.01, 0.05}) {
+      for (const int redundancy : {0, 1, 2}) {
+        results["loss"].push_back(wire_row(trace, "sdct", 16, redundancy, loss, 1.0, options.seed));
+      }
+    }
+  }
+  const auto file = std::filesystem::path(options.out) / "codec.json";
+  std::ofstream out(file);
+  out << results.dump(2) << '\n';
+  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
+  for (const auto& row : results["rate_distortion"]) {
+    fmt::print(
+        "{:<13} N {:<3} rmse {:<9.2g} SDCT {:<7} truncated {:<7} DPCM {:<7} dead-band {:<8} limit {}\n",
+        row["trace"].get<std::string>(), row["block"].get<int>(), row["rmse"].get<double>(),
+        row["bits"]["SDCT"].dump(), row["bits"]["truncated DCT"].dump(), row["bits"]["DPCM + Rice"].dump(),
+        row["bits"]["dead-band"].dump(), row["limit_block"].dump());
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_codec_command(CLI::App& app, Action& action) {
+  auto* command =
+      app.add_subcommand("codec", "Rate against distortion of every codec: codec.json and two figures");
+  auto options = std::make_shared<Options>();
+  command->add_option("--out", options->out, "folder for the results")->capture_default_str();
+  command->add_option("--trace", options->traces, "CSV recordings to hold the codecs against as well");
+  command->add_option("--rate-hz", options->rate_hz, "samples a second")
+      ->check(CLI::Range(100.0, 1e5))
+      ->capture_default_str();
+  command->add_option("--seconds", options->seconds, "length of the made-up traces")
+      ->check(CLI::Range(5.0, 600.0))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of the made-up traces and losses")->capture_default_str();
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace telekerf::experiments
