@@ -98,16 +98,16 @@ class DeltaKinematics {
   Vec3 carriage(int leg, double joint_m) const noexcept;
 
  private:
-  struct Rows {  // eq. 139-145: row i of J_2, and the diagonal of J_1
-    Mat3 j2;
-    Vec3 f_d;
+  struct Rows {  // eq. 139-145, index [leg][axis]: row i of J_2, and the diagonal of J_1
+    double j2[3][3];
+    double f_d[3];
   };
+  struct Maps;  // inverse of J_2, and J_x
   Vec3 centre(std::size_t leg, double joint_m) const noexcept { return origin_[leg] + joint_m * rail_[leg]; }
   Rows rows(const Vec3& joints_m, const Vec3& tool_m) const noexcept;
-  Result<Mat3> inverse_of_j2(const Rows& rows) const noexcept;
-  Result<Mat3> inverse_jacobian_of(const Rows& rows) const noexcept;
-  Mat3 jacobian_rate_of(const Mat3& j2_inverse, const Mat3& jacobian, const Vec3& qd,
-                        const Vec3& xd) const noexcept;
+  bool invert(const Rows& rows, Maps& maps) const noexcept;     // false: det J_2 = 0
+  int leg_square_to_its_rail(const Rows& rows) const noexcept;  // -1: none
+  void rate_into(Mat3& out, const Maps& maps, const Vec3& qd, const Vec3& xd) const noexcept;
 
   DeltaGeometry geometry_;
   std::array<Vec3, 3> rail_;    // dS_i/dd_i
