@@ -146,13 +146,14 @@ TEST(Emulation, LostBlocksAreLostAndEventsArriveAll) {
     direction->stages[0].conditions.loss.loss = 0.2;
   }
   Bus master(settings("master"));  // the way back is clean; the forward way is emulated at the slave
-  Bus slave(emulated(settings("slave", Site::kSlave), profile));
+  Bus slave(emulated(settings("slave", Site::kSlave), constant(0.0, 0.0)));
   Writer<EventMessage> events(master);
   Reader<EventMessage> events_read(slave);
   Writer<CommandBlock> commands(master);
   Reader<CommandBlock> commands_read(slave);
   ASSERT_TRUE(matched(events, events_read));
   ASSERT_TRUE(matched(commands, commands_read));
+  slave.set_profile(profile);
 
   for (std::uint32_t i = 0; i < 50; ++i) ASSERT_TRUE(events.write(event(i)));
   for (std::uint32_t i = 0; i < 50; ++i) {
@@ -173,22 +174,42 @@ TEST(Emulation, LostBlocksAreLostAndEventsArriveAll) {
   EXPECT_LT(commands_read.counters().received, 200u);
 }
 
+TEST(Emulation, ALargeContourSurvivesLoss) {
+  netem::Profile profile = constant(0.010, 0.010);
+  for (auto* direction : {&profile.forward, &profile.backward}) {
+    direction->stages[0].conditions.loss.model = netem::LossModel::kBernoulli;
+    direction->stages[0].conditions.loss.loss = 0.05;
+  }
+  Bus vision(emulated(settings("vision", Site::kSlave), profile));
+  Bus master(emulated(settings("master"), profile));
+  Writer<ContourMessage> writer(vision);
+  Reader<ContourMessage> reader(master);
+  samples::Random random(4);
+  const ContourMessage contour = samples::contour(random, 20000);
+  ASSERT_TRUE(writer.write(contour));
+  const auto taken = take_soon(reader);
+  ASSERT_TRUE(taken);
+  EXPECT_TRUE(samples::same(contour, taken->value));
+}
+
 TEST(Emulation, DamagedBlocksAreRefusedAndCounted) {
   netem::Profile profile = constant(0.0, 0.0);
   profile.forward.stages[0].conditions.corrupt = 0.5;
   Bus master(settings("master"));
-  Bus slave(emulated(settings("slave", Site::kSlave), profile));
+  Bus slave(emulated(settings("slave", Site::kSlave), constant(0.0, 0.0)));
   Writer<CommandBlock> writer(master);
   Reader<CommandBlock> reader(slave);
   ASSERT_TRUE(matched(writer, reader));
+  slave.set_profile(profile);
   samples::Random random(1);
-  const CommandBlock block = samples::command(random, 800);
+  const CommandBlock block = samples::command(random, 40);
   for (int i = 0; i < 400; ++i) {
     ASSERT_TRUE(writer.write(block));
     std::this_thread::sleep_for(200us);
   }
-  ASSERT_TRUE(soon([&] { return reader.counters().received > 100 && reader.counters().damaged > 100; }));
-  // Most flips hit the payload, as most of the datagram is payload; those elsewhere never came.
+  ASSERT_TRUE(soon([&] { return reader.counters().received > 100 && reader.counters().damaged > 60; }))
+      << reader.counters().received << " whole, " << reader.counters().damaged << " damaged";
+  // Flips outside the sample never came; of those inside, only the few in CDR's padding pass.
   EXPECT_TRUE(
       soon([&] { return 10 * reader.counters().damaged > 9 * slave.counters().link.delivered_corrupted; }));
   EXPECT_LE(reader.counters().damaged, slave.counters().link.delivered_corrupted);

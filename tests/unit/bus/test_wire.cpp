@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fastcdr/Cdr.h>
+#include <fastcdr/exceptions/Exception.h>
 #include <gtest/gtest.h>
 #include <telekerf.h>
 
@@ -163,6 +165,46 @@ TEST(Wire, ChecksumOfAnEmptyBlock) {
   wire::CommandBlock wire;
   // 80 zero octets follow the checksum: 2+1+1, 4+4, 8+8+8, 4+4+4, 24, 2 (+2 padding), 4.
   EXPECT_EQ(checksum_of(wire), 0x8e2318e6u);
+}
+
+/// Flipped, cut or replaced octets of a sample: refused, or the very same block (CDR's padding means
+/// nothing).
+TEST(Wire, DamagedBytesNeverBecomeAnotherBlock) {
+  using eprosima::fastcdr::Cdr;
+  using eprosima::fastcdr::FastBuffer;
+  samples::Random random(8);
+  const StateBlock sent_block = samples::state(random, 60);
+  wire::StateBlock wire;
+  ASSERT_TRUE(to_wire(sent_block, kContract, wire));
+  std::vector<char> bytes(400);
+  FastBuffer buffer(bytes.data(), bytes.size());
+  Cdr writer(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::CORBA_CDR);
+  wire.serialize(writer);
+  bytes.resize(writer.getSerializedDataLength());
+
+  int refused = 0;
+  for (int round = 0; round < 20000; ++round) {
+    std::vector<char> damaged = bytes;
+    if (random() % 3 == 0) damaged.resize(random() % bytes.size());
+    for (std::size_t n = random() % 4 + 1; n > 0 && !damaged.empty(); --n) {
+      damaged[random() % damaged.size()] = static_cast<char>(random());
+    }
+    FastBuffer view(damaged.data(), damaged.size());
+    Cdr reader(view, Cdr::LITTLE_ENDIANNESS, Cdr::CORBA_CDR);
+    wire::StateBlock arrived;
+    StateBlock block;
+    bool good = false;
+    try {
+      arrived.deserialize(reader);
+      good = from_wire(arrived, kContract, block) == Verdict::kGood;
+    } catch (const eprosima::fastcdr::exception::Exception&) {
+    }
+    if (good) {
+      ASSERT_TRUE(samples::same(block, sent_block)) << "seed 8, round " << round;
+    }
+    refused += good ? 0 : 1;
+  }
+  EXPECT_GT(refused, 19000);
 }
 
 TEST(Wire, AnyBytesAsPresence) {
