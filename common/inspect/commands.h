@@ -7,6 +7,8 @@
 namespace telekerf::inspect {
 
 void add_codec_command(CLI::App& app, Action& action);
+void add_contour_command(CLI::App& app, Action& action);
+void add_efd_command(CLI::App& app, Action& action);
 void add_robot_command(CLI::App& app, Action& action);
 void add_run_command(CLI::App& app, Action& action);
 

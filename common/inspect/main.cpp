@@ -7,6 +7,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   telekerf::Action action;
   telekerf::inspect::add_codec_command(app, action);
+  telekerf::inspect::add_contour_command(app, action);
+  telekerf::inspect::add_efd_command(app, action);
   telekerf::inspect::add_robot_command(app, action);
   telekerf::inspect::add_run_command(app, action);
   return telekerf::run_program(app, argc, argv, action);

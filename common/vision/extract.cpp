@@ -24,8 +24,7 @@ constexpr const char* kCutOff =
     "it";
 
 double size_of(const PixelContour& contour) {
-  const geometry::Polyline line{contour.points_px, contour.closed};
-  return contour.closed ? std::sqrt(std::abs(geometry::signed_area_m2(line))) : geometry::length_m(line);
+  return geometry::bounding_box(contour.points_px).size().norm();
 }
 
 /// Largest first; specks go.

@@ -50,7 +50,7 @@ struct Extraction {
   std::string why;             ///< one clause: why this mode
   int picture_width_px = 0;
   int picture_height_px = 0;
-  std::vector<PixelContour> contours;  ///< longest first, never empty
+  std::vector<PixelContour> contours;  ///< largest first, never empty
 };
 
 /// The contours of a picture of any depth, with 1, 3 or 4 channels. The error is one sentence that says what

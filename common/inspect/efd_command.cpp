@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-inspect efd: elliptic Fourier descriptors of a closed polygon, in the file's own units.
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/geometry/elliptic_fourier.h"
+#include "common/inspect/commands.h"
+#include "common/runtime/refusal.h"
+#include "common/vision/export.h"
+
+namespace telekerf::inspect {
+namespace {
+
+int inspect(const std::string& path, std::size_t harmonics) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file.good() && !file.eof()) throw Refusal(fmt::format("{}: cannot be read", path));
+  const auto points = vision::points_from_csv(text);
+  if (!points) throw Refusal(fmt::format("{}: {}", path, points.error()));
+  const geometry::Polyline polygon{*points, true};
+  const auto fit = geometry::fit_elliptic_fourier(polygon, harmonics);
+  if (!fit) throw Refusal(fmt::format("{}: {}", path, fit.error()));
+
+  nlohmann::json json{{"points", points->size()}, {"harmonics", harmonics}};
+  json["center"] = {fit->centre.x(), fit->centre.y()};
+  json["coefficients"] = nlohmann::json::array();
+  for (const auto& h : fit->harmonics) json["coefficients"].push_back({h.a, h.b, h.c, h.d});
+  json["max_deviation"] = geometry::largest_deviation_m(*fit, polygon);
+  std::cout << json.dump() << '\n';
+  return 0;
+}
+
+}  // namespace
+
+void add_efd_command(CLI::App& app, Action& action) {
+  auto path = std::make_shared<std::string>();
+  auto harmonics = std::make_shared<std::size_t>(20);
+  auto* sub = app.add_subcommand("efd", "Prints the elliptic Fourier descriptors of a closed polygon");
+  sub->add_option("POINTS", *path, "CSV file with x,y a line")->required();
+  sub->add_option("--harmonics", *harmonics, "how many")->check(CLI::Range(1, 4096))->capture_default_str();
+  sub->callback(
+      [path, harmonics, &action] { action = [path, harmonics] { return inspect(*path, *harmonics); }; });
+}
+
+}  // namespace telekerf::inspect

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/vision/load.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/vision/vector_drawing.h"
+
+namespace telekerf::vision {
+namespace {
+
+double size_of(const geometry::Polyline& line) { return geometry::bounding_box(line.points_m).size().norm(); }
+
+tl::expected<Loaded, std::string> vector_contours(const std::string& path, const LoadRequest& request) {
+  auto drawing = read_vector_file(path);
+  if (!drawing) return tl::unexpected(drawing.error());
+  Loaded out;
+  out.mode = "vector";
+  out.why = "a vector drawing is its own path";
+  out.contours = std::move(drawing->contours);
+  std::stable_sort(out.contours.begin(), out.contours.end(),
+                   [](const auto& a, const auto& b) { return size_of(a) > size_of(b); });
+  out.selected = request.select;
+  if (out.selected >= out.contours.size()) {
+    return tl::unexpected(
+        fmt::format("{}: contour {} is asked for, there are {}", path, request.select, out.contours.size()));
+  }
+  const geometry::Polyline& chosen = out.contours[out.selected];
+  double gain = 1.0;
+  if (request.scale.picture_width_m) {
+    std::vector<Vec2> all;
+    for (const auto& line : out.contours) all.insert(all.end(), line.points_m.begin(), line.points_m.end());
+    const double page =
+        drawing->page_width_m > 0.0 ? drawing->page_width_m : geometry::bounding_box(all).size().x();
+    if (page > 0.0) gain = *request.scale.picture_width_m / page;
+  }
+  const bool first_point = request.scale.anchor == AnchorMode::kFirstPoint;
+  Vec2 anchor = first_point ? chosen.points_m.front() : geometry::bounding_box(chosen.points_m).centre();
+  if (request.scale.anchor == AnchorMode::kImageCentre) {
+    anchor = 0.5 * Vec2(drawing->page_width_m, -drawing->page_height_m);  // SVG's page hangs below its origin
+  }
+  for (geometry::Polyline& line : out.contours) {
+    for (Vec2& p : line.points_m) p = gain * (p - anchor);
+  }
+  out.noise_m.assign(out.contours.size(), 0.0);
+  return out;
+}
+
+}  // namespace
+
+tl::expected<Loaded, std::string> contours_of(const cv::Mat& image, const LoadRequest& request) {
+  const auto found = extract(image, request.extract);
+  if (!found) return tl::unexpected(found.error());
+  if (request.select >= found->contours.size()) {
+    return tl::unexpected(
+        fmt::format("contour {} is asked for, the picture has {}", request.select, found->contours.size()));
+  }
+  Loaded out;
+  out.mode = name_of(found->mode);
+  out.why = found->why;
+  out.selected = request.select;
+  out.picture_width_px = found->picture_width_px;
+  out.picture_height_px = found->picture_height_px;
+  out.scale = scale_for(found->contours[request.select], found->picture_width_px, found->picture_height_px,
+                        request.scale);
+  out.metres_per_pixel = out.scale.metres_per_pixel;
+  for (const PixelContour& contour : found->contours) {
+    out.contours.push_back(to_workpiece(contour, out.scale));
+    out.noise_m.push_back(contour.noise_px * out.metres_per_pixel);
+  }
+  out.picture = image;
+  return out;
+}
+
+tl::expected<Loaded, std::string> load_contours(const std::string& path, const LoadRequest& request) {
+  if (is_vector_file(path)) return vector_contours(path, request);
+  const auto picture = read_picture(path);
+  if (!picture) return tl::unexpected(picture.error());
+  LoadRequest reduced = request;
+  if (reduced.extract.start_px) *reduced.extract.start_px /= picture->reduction;
+  if (reduced.extract.end_px) *reduced.extract.end_px /= picture->reduction;
+  if (reduced.scale.metres_per_pixel) *reduced.scale.metres_per_pixel *= picture->reduction;
+  auto out = contours_of(picture->image, reduced);
+  if (!out) return tl::unexpected(fmt::format("{}: {}", path, out.error()));
+  return out;
+}
+
+}  // namespace telekerf::vision

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any input -> contours in workpiece metres: the one way from a file to a path.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "common/vision/extract.h"
+#include "common/vision/scaling.h"
+
+namespace telekerf::vision {
+
+struct LoadRequest {
+  ExtractSettings extract;
+  ScaleRequest scale;
+  std::size_t select = 0;  ///< which contour is anchored and fitted; 0 is the largest
+};
+
+/// All contours share one frame: that of the selected one's anchor.
+struct Loaded {
+  std::string mode;  ///< outline, stroke, thesis, or vector
+  std::string why;
+  std::vector<geometry::Polyline> contours;  ///< metres, largest first
+  std::vector<double> noise_m;               ///< quality of each contour's points
+  std::size_t selected = 0;
+  double metres_per_pixel = 0.0;  ///< 0 for vector drawings
+  int picture_width_px = 0;
+  int picture_height_px = 0;
+  Scale scale;      ///< pictures only: from the pixels of `picture`
+  cv::Mat picture;  ///< as it was read; empty for vector drawings
+};
+
+/// A vector file keeps its own true size (a request for a picture's width stretches its page to that width);
+/// a picture is extracted and scaled as asked. The error is one sentence.
+tl::expected<Loaded, std::string> load_contours(const std::string& path, const LoadRequest& request);
+/// The same for a picture in hand, e.g. from a camera.
+tl::expected<Loaded, std::string> contours_of(const cv::Mat& image, const LoadRequest& request);
+
+}  // namespace telekerf::vision

@@ -1,0 +1,413 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "common/vision/curves.h"
+#include "common/vision/number.h"
+#include "common/vision/vector_drawing.h"
+
+namespace telekerf::vision {
+namespace {
+
+using Affine = Eigen::Affine2d;
+constexpr double kPixel = 25.4e-3 / 96.0;  ///< CSS: metres in a pixel
+constexpr int kDeepest = 100;
+
+/// Metres in a length like "20mm"; a per cent or an unknown unit is nothing.
+std::optional<double> length_of(const char* text) {
+  if (text == nullptr) return std::nullopt;
+  std::string_view rest(text);
+  const auto value = take_number(rest);
+  if (!value) return std::nullopt;
+  while (!rest.empty() && std::isspace(static_cast<unsigned char>(rest.back())) != 0) rest.remove_suffix(1);
+  constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"", kPixel},
+                                                                       {"px", kPixel},
+                                                                       {"mm", 1e-3},
+                                                                       {"cm", 1e-2},
+                                                                       {"m", 1.0},
+                                                                       {"in", 25.4e-3},
+                                                                       {"pt", 25.4e-3 / 72.0},
+                                                                       {"pc", 25.4e-3 / 6.0}}};
+  for (const auto& [name, metres] : kUnits) {
+    if (rest == name) return *value * metres;
+  }
+  return std::nullopt;
+}
+
+/// A plain coordinate in user units; units of length are turned into pixels.
+double coordinate(const tinyxml2::XMLElement& element, const char* name, double fallback = 0.0) {
+  const auto metres = length_of(element.Attribute(name));
+  return metres ? *metres / kPixel : fallback;
+}
+
+std::optional<Affine> transform_of(std::string_view text) {
+  Affine total = Affine::Identity();
+  skip_separators(text);
+  while (!text.empty()) {
+    const auto open = text.find('(');
+    const auto close = text.find(')');
+    if (open == std::string_view::npos || close == std::string_view::npos || close < open)
+      return std::nullopt;
+    std::string_view name = text.substr(0, open);
+    while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())) != 0) name.remove_suffix(1);
+    std::string_view inside = text.substr(open + 1, close - open - 1);
+    std::vector<double> v;
+    while (v.size() < 7) {
+      const auto number = take_number(inside);
+      if (!number) break;
+      v.push_back(*number);
+    }
+    skip_separators(inside);
+    if (!inside.empty()) return std::nullopt;
+    const std::size_t n = v.size();
+    Affine one = Affine::Identity();
+    const double degree = M_PI / 180.0;
+    if (name == "matrix" && n == 6) {
+      one.matrix() << v[0], v[2], v[4], v[1], v[3], v[5], 0, 0, 1;
+    } else if (name == "translate" && (n == 1 || n == 2)) {
+      one.translate(Vec2(v[0], n == 2 ? v[1] : 0.0));
+    } else if (name == "scale" && (n == 1 || n == 2)) {
+      one.scale(Vec2(v[0], n == 2 ? v[1] : v[0]));
+    } else if (name == "rotate" && n == 1) {
+      one.rotate(v[0] * degree);
+    } else if (name == "rotate" && n == 3) {
+      one.translate(Vec2(v[1], v[2])).rotate(v[0] * degree).translate(Vec2(-v[1], -v[2]));
+    } else if (name == "skewX" && n == 1) {
+      one.matrix()(0, 1) = std::tan(v[0] * degree);
+    } else if (name == "skewY" && n == 1) {
+      one.matrix()(1, 0) = std::tan(v[0] * degree);
+    } else {
+      return std::nullopt;
+    }
+    total = total * one;
+    text.remove_prefix(close + 1);
+    skip_separators(text);
+  }
+  return total;
+}
+
+class Reader {
+ public:
+  Reader(const VectorLimits& limits, double metres_per_unit)
+      : metres_(metres_per_unit), limits_(limits), room_(limits.most_points) {}
+
+  std::vector<geometry::Polyline> lines;
+  std::string complaint;
+
+  void element(const tinyxml2::XMLElement& e, const Affine& outer, int depth) {
+    if (!complaint.empty()) return;
+    if (depth > kDeepest) return fail("groups are nested too deeply");
+    const std::string_view name = local_name(e);
+    for (const std::string_view hidden : {"defs", "clipPath", "mask", "symbol", "pattern", "marker",
+                                          "metadata", "title", "desc", "style", "text", "namedview"}) {
+      if (name == hidden) return;
+    }
+    if (is_hidden(e)) return;
+    Affine here = outer;
+    if (const char* text = e.Attribute("transform")) {
+      const auto transform = transform_of(text);
+      if (!transform) return fail(fmt::format("transform \"{:.60}\" cannot be read", text));
+      here = outer * *transform;
+      if (!here.matrix().allFinite()) return fail("a transform is not finite");
+    }
+    if (name == "svg" && depth > 0) here.translate(Vec2(coordinate(e, "x"), coordinate(e, "y")));
+    if (name == "svg" || name == "g" || name == "a" || name == "switch") {
+      for (auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+        element(*child, here, depth + 1);
+      }
+      return;
+    }
+    // Curves are cut in the element's own units, as finely as its largest magnification asks for.
+    const Eigen::JacobiSVD<Eigen::Matrix2d> svd(here.linear());
+    const double magnification = svd.singularValues()[0] * metres_;
+    if (!(magnification > 0.0) || !std::isfinite(magnification)) return;
+    CurveWriter writer(limits_.chord_error_m / magnification, room_);
+    shape(name, e, writer, here);
+  }
+
+ private:
+  static std::string_view local_name(const tinyxml2::XMLElement& e) {
+    const std::string_view name(e.Name());
+    const auto colon = name.rfind(':');
+    return colon == std::string_view::npos ? name : name.substr(colon + 1);
+  }
+
+  static bool is_hidden(const tinyxml2::XMLElement& e) {
+    const auto is = [&](const char* name, const char* value) {
+      const char* text = e.Attribute(name);
+      return text != nullptr && std::strcmp(text, value) == 0;
+    };
+    if (is("display", "none") || is("visibility", "hidden")) return true;
+    const char* style = e.Attribute("style");
+    if (style == nullptr) return false;
+    std::string flat;
+    for (const char* c = style; *c != 0 && flat.size() < 4096; ++c) {
+      if (std::isspace(static_cast<unsigned char>(*c)) == 0) flat.push_back(*c);
+    }
+    return flat.find("display:none") != std::string::npos ||
+           flat.find("visibility:hidden") != std::string::npos;
+  }
+
+  void fail(std::string sentence) {
+    if (complaint.empty()) complaint = std::move(sentence);
+  }
+
+  void finish(CurveWriter& writer, const Affine& here, bool closed) {
+    if (writer.bad()) return fail("a coordinate is not a finite number");
+    if (writer.full()) return fail(fmt::format("the drawing has more than {} points", limits_.most_points));
+    geometry::Polyline line{writer.take(), closed};
+    room_ -= std::min(room_, line.size());
+    for (Vec2& p : line.points_m) {
+      p = here * p;
+      p = metres_ * Vec2(p.x(), -p.y());
+    }
+    if (!geometry::all_finite(line.points_m)) return fail("a coordinate is not a finite number");
+    line = geometry::without_duplicates(line);
+    if (line.size() >= 2) lines.push_back(std::move(line));
+  }
+
+  void shape(std::string_view name, const tinyxml2::XMLElement& e, CurveWriter& w, const Affine& here) {
+    if (name == "path") {
+      if (const char* d = e.Attribute("d")) path(d, w, here);
+    } else if (name == "line") {
+      w.move_to({coordinate(e, "x1"), coordinate(e, "y1")});
+      w.line_to({coordinate(e, "x2"), coordinate(e, "y2")});
+      finish(w, here, false);
+    } else if (name == "polyline" || name == "polygon") {
+      std::string_view text = e.Attribute("points") != nullptr ? e.Attribute("points") : "";
+      bool first = true;
+      while (auto x = take_number(text)) {
+        const auto y = take_number(text);
+        if (!y) return fail("a polyline has an odd number of coordinates");
+        first ? w.move_to({*x, *y}) : w.line_to({*x, *y});
+        first = false;
+        if (w.full() || w.bad()) break;
+      }
+      skip_separators(text);
+      if (!text.empty() && !w.full() && !w.bad()) return fail("a polyline's points cannot be read");
+      finish(w, here, name == "polygon");
+    } else if (name == "rect") {
+      rectangle(e, w, here);
+    } else if (name == "circle" || name == "ellipse") {
+      const double r = coordinate(e, "r");
+      const Vec2 radii = name == "circle" ? Vec2(r, r) : Vec2(coordinate(e, "rx"), coordinate(e, "ry"));
+      if (!(radii.minCoeff() > 0.0)) return;
+      w.ellipse({coordinate(e, "cx"), coordinate(e, "cy")}, {radii.x(), 0}, {0, radii.y()}, 0.0, 2.0 * M_PI);
+      drop_last(w, here);
+    }
+  }
+
+  /// A full turn ends where it began; the closed polyline does not repeat that point.
+  void drop_last(CurveWriter& w, const Affine& here) {
+    CurveWriter copy = w;
+    std::vector<Vec2> points = copy.take();
+    if (points.size() > 1 && !w.full() && !w.bad()) {
+      points.pop_back();
+      CurveWriter again(1.0, points.size());
+      for (std::size_t i = 0; i < points.size(); ++i)
+        i == 0 ? again.move_to(points[i]) : again.line_to(points[i]);
+      return finish(again, here, true);
+    }
+    finish(w, here, true);
+  }
+
+  void rectangle(const tinyxml2::XMLElement& e, CurveWriter& w, const Affine& here) {
+    const double x = coordinate(e, "x");
+    const double y = coordinate(e, "y");
+    const double width = coordinate(e, "width");
+    const double height = coordinate(e, "height");
+    if (!(width > 0.0) || !(height > 0.0)) return;
+    double rx = coordinate(e, "rx", coordinate(e, "ry", 0.0));
+    double ry = coordinate(e, "ry", rx);
+    rx = std::min(std::abs(rx), 0.5 * width);
+    ry = std::min(std::abs(ry), 0.5 * height);
+    const Vec2 r(rx, ry);
+    w.move_to({x + rx, y});
+    w.line_to({x + width - rx, y});
+    w.arc_to(r, 0, false, true, {x + width, y + ry});
+    w.line_to({x + width, y + height - ry});
+    w.arc_to(r, 0, false, true, {x + width - rx, y + height});
+    w.line_to({x + rx, y + height});
+    w.arc_to(r, 0, false, true, {x, y + height - ry});
+    w.line_to({x, y + ry});
+    w.arc_to(r, 0, false, true, {x + rx, y});
+    finish(w, here, true);
+  }
+
+  void path(std::string_view d, CurveWriter& w, const Affine& here) {
+    Vec2 at = Vec2::Zero();
+    Vec2 start = Vec2::Zero();
+    Vec2 control = Vec2::Zero();  // of the last curve, for the smooth kinds
+    char last = 0;
+    char command = 0;
+    const auto broken = [&] { fail(fmt::format("a path's data cannot be read near \"{:.30}\"", d)); };
+    const auto number = [&](double& v) {
+      const auto n = take_number(d);
+      if (n) v = *n;
+      return n.has_value();
+    };
+    const auto point = [&](bool relative, Vec2& p) {
+      if (!number(p.x()) || !number(p.y())) return false;
+      if (relative) p += at;
+      return true;
+    };
+    const auto end_subpath = [&](bool closed) {
+      if (w.points().size() > 1) {
+        finish(w, here, closed);
+      } else {
+        w.take();
+      }
+    };
+    while (complaint.empty()) {
+      skip_separators(d);
+      if (d.empty()) break;
+      if (std::isalpha(static_cast<unsigned char>(d.front())) != 0) {
+        command = d.front();
+        d.remove_prefix(1);
+        if (command == 'Z' || command == 'z') {
+          end_subpath(true);
+          at = start;
+          last = 'Z';
+          continue;
+        }
+      } else if (command == 0 || command == 'Z' || command == 'z') {
+        return broken();
+      }
+      if (last == 0 && command != 'M' && command != 'm') return broken();
+      const bool relative = std::islower(static_cast<unsigned char>(command)) != 0;
+      const char kind = static_cast<char>(std::toupper(static_cast<unsigned char>(command)));
+      Vec2 p = at;
+      if (kind == 'M') {
+        if (!point(relative, p)) return broken();
+        end_subpath(false);
+        w.move_to(p);
+        at = start = p;
+        last = 'M';
+        command = relative ? 'l' : 'L';
+        continue;
+      }
+      if (w.points().empty()) w.move_to(at);  // drawing goes on after a Z
+      Vec2 a = at;
+      Vec2 b = at;
+      switch (kind) {
+        case 'L':
+          if (!point(relative, p)) return broken();
+          w.line_to(p);
+          break;
+        case 'H':
+          if (!number(p.x())) return broken();
+          if (relative) p.x() += at.x();
+          w.line_to(p);
+          break;
+        case 'V':
+          if (!number(p.y())) return broken();
+          if (relative) p.y() += at.y();
+          w.line_to(p);
+          break;
+        case 'C':
+          if (!point(relative, a) || !point(relative, b) || !point(relative, p)) return broken();
+          w.cubic_to(a, b, p);
+          control = b;
+          break;
+        case 'S':
+          if (!point(relative, b) || !point(relative, p)) return broken();
+          w.cubic_to(last == 'C' || last == 'S' ? Vec2(2.0 * at - control) : at, b, p);
+          control = b;
+          break;
+        case 'Q':
+          if (!point(relative, a) || !point(relative, p)) return broken();
+          w.quadratic_to(a, p);
+          control = a;
+          break;
+        case 'T':
+          a = last == 'Q' || last == 'T' ? Vec2(2.0 * at - control) : at;
+          if (!point(relative, p)) return broken();
+          w.quadratic_to(a, p);
+          control = a;
+          break;
+        case 'A': {
+          Vec2 radii = Vec2::Zero();
+          double rotation = 0.0;
+          if (!number(radii.x()) || !number(radii.y()) || !number(rotation)) return broken();
+          const auto large = take_flag(d);
+          const auto sweep = take_flag(d);
+          if (!large || !sweep || !point(relative, p)) return broken();
+          w.arc_to(radii, rotation * M_PI / 180.0, *large, *sweep, p);
+          break;
+        }
+        default:
+          return broken();
+      }
+      if (w.full() || w.bad()) return finish(w, here, false);
+      at = p;
+      last = kind;
+    }
+    end_subpath(false);
+  }
+
+  double metres_;
+  const VectorLimits& limits_;
+  std::size_t room_;
+};
+
+}  // namespace
+
+tl::expected<VectorDrawing, std::string> read_svg(std::string_view text, const VectorLimits& limits) {
+  if (text.size() > limits.most_bytes) {
+    return tl::unexpected(fmt::format("the SVG file is larger than {} MB", limits.most_bytes / 1000000));
+  }
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    return tl::unexpected(fmt::format("not an SVG file: {:.120}", document.ErrorStr()));
+  }
+  const tinyxml2::XMLElement* root = document.RootElement();
+  if (root == nullptr || std::string_view(root->Name()).find("svg") == std::string_view::npos) {
+    return tl::unexpected<std::string>("not an SVG file: its root element is not <svg>");
+  }
+  VectorDrawing out;
+  const auto width = length_of(root->Attribute("width"));
+  const auto height = length_of(root->Attribute("height"));
+  Affine view = Affine::Identity();
+  double metres = kPixel;
+  if (const char* box = root->Attribute("viewBox")) {
+    std::string_view rest(box);
+    std::array<double, 4> v{};
+    for (double& value : v) {
+      const auto number = take_number(rest);
+      if (!number) return tl::unexpected(fmt::format("viewBox \"{:.60}\" cannot be read", box));
+      value = *number;
+    }
+    if (!(v[2] > 0.0) || !(v[3] > 0.0)) return tl::unexpected<std::string>("the viewBox has no area");
+    // One scale for both axes, the smaller one, as preserveAspectRatio has it; contours are centred later
+    // anyway.
+    if (width && height) {
+      metres = std::min(*width / v[2], *height / v[3]);
+    } else if (width || height) {
+      metres = width ? *width / v[2] : *height / v[3];
+    }
+    view.translate(Vec2(-v[0], -v[1]));
+    out.page_width_m = v[2] * metres;
+    out.page_height_m = v[3] * metres;
+  } else {
+    out.page_width_m = width.value_or(0.0);
+    out.page_height_m = height.value_or(0.0);
+  }
+  if (!(metres > 0.0) || !std::isfinite(metres))
+    return tl::unexpected<std::string>("the drawing's size is not positive");
+  Reader reader(limits, metres);
+  reader.element(*root, view, 0);
+  if (!reader.complaint.empty()) return tl::unexpected(reader.complaint);
+  out.contours = joined(std::move(reader.lines), 1e-8);
+  if (out.contours.empty()) return tl::unexpected<std::string>("the SVG file draws no line");
+  return out;
+}
+
+}  // namespace telekerf::vision

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+
+#include "common/vision/vector_drawing.h"
+
+namespace telekerf::vision {
+namespace {
+
+std::string extension_of(const std::string& path) {
+  std::string out = std::filesystem::path(path).extension().string();
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
+}  // namespace
+
+bool is_vector_file(const std::string& path) {
+  return extension_of(path) == ".svg" || extension_of(path) == ".dxf";
+}
+
+tl::expected<VectorDrawing, std::string> read_vector_file(const std::string& path,
+                                                          const VectorLimits& limits) {
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file) return tl::unexpected(fmt::format("{}: cannot be read", path));
+  if (bytes > limits.most_bytes) {
+    return tl::unexpected(fmt::format("{}: larger than {} MB", path, limits.most_bytes / 1000000));
+  }
+  std::string text(bytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(bytes));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  auto out = extension_of(path) == ".svg" ? read_svg(text, limits) : read_dxf(text, limits);
+  if (!out) return tl::unexpected(fmt::format("{}: {}", path, out.error()));
+  return out;
+}
+
+}  // namespace telekerf::vision

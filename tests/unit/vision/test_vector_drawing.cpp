@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/vision/export.h"
+#include "common/vision/vector_drawing.h"
+
+namespace telekerf::vision {
+namespace {
+
+using geometry::bounding_box;
+using geometry::length_m;
+using geometry::Polyline;
+
+VectorDrawing svg(const std::string& body,
+                  const std::string& head = R"svg(width="100mm" height="100mm" viewBox="0 0 100 100")svg") {
+  const auto out = read_svg("<svg xmlns=\"http://www.w3.org/2000/svg\" " + head + ">" + body + "</svg>");
+  EXPECT_TRUE(out) << out.error();
+  return out.value_or(VectorDrawing{});
+}
+
+std::string entities(const std::string& text, const std::string& header = "") {
+  return header + "0\nSECTION\n2\nENTITIES\n" + text + "0\nENDSEC\n0\nEOF\n";
+}
+
+VectorDrawing dxf(const std::string& text, const std::string& header = "") {
+  const auto out = read_dxf(entities(text, header));
+  EXPECT_TRUE(out) << out.error();
+  return out.value_or(VectorDrawing{});
+}
+
+TEST(Svg, ShapesHaveTheirTrueSize) {
+  const auto d = svg(R"svg(<circle cx="50" cy="50" r="10"/><rect x="1" y="2" width="30" height="20"/>
+                        <line x1="0" y1="0" x2="3" y2="4"/><ellipse cx="0" cy="0" rx="4" ry="2"/>)svg");
+  ASSERT_EQ(d.contours.size(), 4u);
+  EXPECT_TRUE(d.contours[0].closed);
+  const auto circle = bounding_box(d.contours[0].points_m);
+  EXPECT_NEAR(circle.size().x(), 20e-3, 1e-12);
+  EXPECT_NEAR(circle.size().y(), 20e-3, 1e-12);
+  EXPECT_NEAR(circle.centre().y(), -50e-3, 1e-12);  // y upwards
+  EXPECT_NEAR(length_m(d.contours[0]), 2e-2 * M_PI, 1e-6);
+  EXPECT_NEAR(length_m(d.contours[1]), 100e-3, 1e-12);
+  EXPECT_NEAR(length_m(d.contours[2]), 5e-3, 1e-12);
+  EXPECT_FALSE(d.contours[2].closed);
+}
+
+TEST(Svg, UnitsOfWidthSetTheScale) {
+  const std::string line = R"svg(<line x1="0" y1="0" x2="96" y2="0"/>)svg";
+  const auto length = [&](const std::string& head) { return length_m(svg(line, head).contours.at(0)); };
+  EXPECT_NEAR(length(""), 25.4e-3, 1e-12);
+  EXPECT_NEAR(length(R"svg(width="96" height="96")svg"), 25.4e-3, 1e-12);
+  EXPECT_NEAR(length(R"svg(width="2in" height="2in" viewBox="0 0 96 96")svg"), 50.8e-3, 1e-12);
+  EXPECT_NEAR(length(R"svg(width="12cm" height="12cm" viewBox="0 0 960 960")svg"), 12e-3, 1e-12);
+  EXPECT_NEAR(length(R"svg(width="72pt" viewBox="0 0 96 96")svg"), 25.4e-3, 1e-12);
+  EXPECT_NEAR(length(R"svg(width="100%" viewBox="0 0 960 960")svg"), 25.4e-3, 1e-12);
+}
+
+TEST(Svg, PathCommandsAbsoluteRelativeAndRepeated) {
+  const auto d = svg(R"svg(<path d="M10,10L20-10H30V5l1e0.5-2 1.5h-1v+1z m5 5 10 0 0 10z"/>)svg");
+  ASSERT_EQ(d.contours.size(), 2u);
+  EXPECT_EQ(d.contours[0].size(), 8u);
+  EXPECT_NEAR(d.contours[0].points_m[1].y(), 10e-3, 1e-15);
+  EXPECT_TRUE(d.contours[1].closed);
+  EXPECT_NEAR(d.contours[1].points_m[0].x(), 15e-3, 1e-15);
+  EXPECT_NEAR(geometry::signed_area_m2(d.contours[1]), -50e-6, 1e-15);
+}
+
+TEST(Svg, CurvesStayWithinTheChordError) {
+  // A half circle as an arc; the same flags glued together as optimisers write them.
+  for (const char* arc : {"M0 0A5 5 0 0 1 10 0", "M0 0a5 5 0 0110 0", "M0 0a5,5,0,1,1,10,0"}) {
+    const auto d = svg(std::string("<path d=\"") + arc + "\"/>");
+    ASSERT_EQ(d.contours.size(), 1u);
+    for (const Vec2& p : d.contours[0].points_m) EXPECT_NEAR((p - Vec2(5e-3, 0)).norm(), 5e-3, 1e-12);
+    EXPECT_NEAR(length_m(d.contours[0]), M_PI * 5e-3, 1e-6);
+  }
+  // A quadratic is the parabola it says, a smooth cubic continues its tangent.
+  const auto q = svg(R"svg(<path d="M0 0Q5 10 10 0T20 0"/>)svg");
+  for (const Vec2& p : q.contours[0].points_m) {
+    const double x = 1e3 * p.x();
+    const double u = x <= 10.0 ? x / 10.0 : (x - 10.0) / 10.0;
+    EXPECT_NEAR(1e3 * p.y(), (x <= 10.0 ? -1.0 : 1.0) * 20.0 * u * (1.0 - u), 1e-9);
+  }
+  const auto s = svg(R"svg(<path d="M0 0C0 5 5 10 10 10S20 15 20 20"/>)svg");
+  const Polyline& line = s.contours[0];
+  for (std::size_t i = 2; i < line.size(); ++i) {
+    const Vec2 a = line.points_m[i - 1] - line.points_m[i - 2];
+    const Vec2 b = line.points_m[i] - line.points_m[i - 1];
+    EXPECT_LT(std::abs(std::atan2(geometry::cross(a, b), a.dot(b))), 0.05);
+  }
+}
+
+TEST(Svg, TransformsNest) {
+  const auto d = svg(R"svg(<g transform="translate(10 20)"><g transform="rotate(90) scale(2)">
+      <line x1="0" y1="0" x2="3" y2="0" transform="matrix(1 0 0 1 1 0)"/></g></g>)svg");
+  const auto& p = d.contours.at(0).points_m;
+  EXPECT_NEAR((p[0] - 1e-3 * Vec2(10, -22)).norm(), 0.0, 1e-15);
+  EXPECT_NEAR((p[1] - 1e-3 * Vec2(10, -28)).norm(), 0.0, 1e-15);
+}
+
+TEST(Svg, WhatIsNotDrawnIsLeftOutAndTouchingLinesJoin) {
+  const auto d =
+      svg(R"svg(<defs><circle r="5"/></defs><circle r="1" display="none"/><circle r="1" style="display : none"/>
+      <line x1="0" y1="0" x2="1" y2="0"/><line x1="1" y1="1" x2="1" y2="0"/><line x1="1" y1="1" x2="0" y2="0"/>)svg");
+  ASSERT_EQ(d.contours.size(), 1u);
+  EXPECT_TRUE(d.contours[0].closed);
+  EXPECT_EQ(d.contours[0].size(), 3u);
+}
+
+TEST(Svg, DamageIsAnErrorThatSaysWhere) {
+  const auto error = [](const std::string& text) {
+    const auto out = read_svg(text);
+    return out ? std::string("no error") : out.error();
+  };
+  EXPECT_NE(error("").find("not an SVG"), std::string::npos);
+  EXPECT_NE(error("<html/>").find("root element"), std::string::npos);
+  EXPECT_NE(error("<svg></svg>").find("draws no line"), std::string::npos);
+  EXPECT_NE(error("<svg><path d='M 0 0 L 1 x'/></svg>").find("near"), std::string::npos);
+  EXPECT_NE(error("<svg><path d='L 0 0'/></svg>").find("near"), std::string::npos);
+  EXPECT_NE(error("<svg><path d='M 0 0 L 1e999 2'/></svg>").find("near"), std::string::npos);
+  EXPECT_NE(error("<svg><g transform='spin(3)'><line x2='1'/></g></svg>").find("transform"),
+            std::string::npos);
+  EXPECT_NE(error("<svg><polyline points='1 2 3'/></svg>").find("odd"), std::string::npos);
+  EXPECT_NE(error("<svg viewBox='0 0 0 0'><line x2='1'/></svg>").find("viewBox"), std::string::npos);
+  std::string deep = "<svg>";
+  for (int i = 0; i < 300; ++i) deep += "<g>";
+  EXPECT_NE(error(deep).find("no error"), 0u);
+  // A curve that asks for more points than are allowed is refused, not drawn.
+  VectorLimits few;
+  few.most_points = 100;
+  EXPECT_FALSE(read_svg("<svg><circle r='1000'/></svg>", few));
+}
+
+TEST(Dxf, EntitiesHaveTheirTrueSize) {
+  const auto d =
+      dxf("0\nCIRCLE\n10\n5\n20\n5\n40\n10\n"
+          "0\nARC\n10\n100\n20\n0\n40\n5\n50\n0\n51\n90\n"
+          "0\nLINE\n10\n200\n20\n0\n11\n203\n21\n4\n");
+  ASSERT_EQ(d.contours.size(), 3u);
+  EXPECT_TRUE(d.contours[0].closed);
+  EXPECT_NEAR(bounding_box(d.contours[0].points_m).size().x(), 20e-3, 1e-12);
+  EXPECT_NEAR(length_m(d.contours[1]), 2.5e-3 * M_PI, 1e-6);
+  EXPECT_NEAR((d.contours[1].points_m.back() - 1e-3 * Vec2(100, 5)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(length_m(d.contours[2]), 5e-3, 1e-12);
+}
+
+TEST(Dxf, BulgesAreArcs) {
+  const auto d = dxf("0\nLWPOLYLINE\n90\n2\n70\n1\n10\n-4\n20\n0\n42\n1\n10\n4\n20\n0\n42\n1\n");
+  ASSERT_EQ(d.contours.size(), 1u);
+  EXPECT_TRUE(d.contours[0].closed);
+  for (const Vec2& p : d.contours[0].points_m) EXPECT_NEAR(p.norm(), 4e-3, 1e-12);
+  EXPECT_GT(geometry::signed_area_m2(d.contours[0]), 0.0);  // a positive bulge turns left
+  const auto old =
+      dxf("0\nPOLYLINE\n70\n1\n0\nVERTEX\n10\n0\n20\n0\n0\nVERTEX\n10\n2\n20\n0\n42\n0.41421356237309503\n"
+          "0\nVERTEX\n10\n2\n20\n2\n0\nSEQEND\n");
+  ASSERT_EQ(old.contours.size(), 1u);
+  EXPECT_NEAR(length_m(old.contours[0]), 1e-3 * (2 + std::sqrt(2.0) * M_PI / 2 + std::sqrt(8.0)), 1e-6);
+}
+
+TEST(Dxf, SplinesAreTheirCurves) {
+  // A rational quadratic quarter circle: three control points, middle weight 1/sqrt 2.
+  const auto d =
+      dxf("0\nSPLINE\n70\n4\n71\n2\n40\n0\n40\n0\n40\n0\n40\n1\n40\n1\n40\n1\n41\n1\n41\n0."
+          "70710678118654752\n41\n1\n"
+          "10\n10\n20\n0\n10\n10\n20\n10\n10\n0\n20\n10\n");
+  ASSERT_EQ(d.contours.size(), 1u);
+  for (const Vec2& p : d.contours[0].points_m) EXPECT_NEAR(p.norm(), 10e-3, 1e-12);
+  EXPECT_NEAR(length_m(d.contours[0]), 5e-3 * M_PI, 1e-6);
+}
+
+TEST(Dxf, UnitsAndExtrusion) {
+  const std::string header = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n1\n0\nENDSEC\n";
+  EXPECT_NEAR(length_m(dxf("0\nLINE\n10\n0\n20\n0\n11\n2\n21\n0\n", header).contours.at(0)), 50.8e-3, 1e-12);
+  const auto mirrored = dxf("0\nCIRCLE\n10\n5\n20\n0\n40\n1\n230\n-1\n");
+  EXPECT_NEAR(bounding_box(mirrored.contours.at(0).points_m).centre().x(), -5e-3, 1e-12);
+}
+
+TEST(Dxf, DamageIsAnError) {
+  EXPECT_FALSE(read_dxf(""));
+  EXPECT_FALSE(read_dxf("AutoCAD Binary DXF\r\n"));
+  EXPECT_FALSE(read_dxf("hello\nworld\n"));
+  EXPECT_FALSE(read_dxf(entities("")));
+  EXPECT_FALSE(read_dxf(entities("0\nCIRCLE\n10\nnan\n20\n0\n40\n1\n")));
+  EXPECT_FALSE(read_dxf(entities("0\nCIRCLE\n10\n1e400\n20\n0\n40\n1\n")));
+  EXPECT_FALSE(read_dxf(entities("0\nSPLINE\n71\n3\n40\n0\n10\n0\n20\n0\n10\n1\n20\n1\n")));
+  const auto text = entities("0\nTEXT\n10\n0\n20\n0\n");
+  EXPECT_NE(read_dxf(text).error().find("1 other"), std::string::npos);
+}
+
+TEST(Export, CsvComesBackExactly) {
+  Polyline line{{}, true};
+  for (int i = 0; i < 500; ++i)
+    line.points_m.emplace_back(0.01 * std::sin(i * 1.7), 0.01 * std::cos(i * 0.9) / 3.0);
+  const auto back = points_from_csv(to_csv(line));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(*back, line.points_m);
+}
+
+TEST(Export, BadCsvNamesTheLine) {
+  const auto error = [](const char* text) {
+    const auto out = points_from_csv(text);
+    return out ? std::string("no error") : out.error();
+  };
+  EXPECT_NE(error("x,y\n0,0\n1,nan\n").find("line 3"), std::string::npos);
+  EXPECT_NE(error("nan,nan\n").find("line 1"), std::string::npos);
+  EXPECT_NE(error("1\n").find("line 1"), std::string::npos);
+  EXPECT_NE(error("1,2,3\n").find("line 1"), std::string::npos);
+  EXPECT_NE(error("1,2\nx,y\n").find("line 2"), std::string::npos);
+  EXPECT_NE(error("x_m,y_m\n").find("no point"), std::string::npos);
+  EXPECT_EQ(error("x_m,y_m\r\n1,2\r\n3,4"), "no error");
+}
+
+TEST(Export, SvgRoundTripKeepsTheSize) {
+  const auto d = svg(R"svg(<circle cx="50" cy="50" r="10"/>)svg");
+  const auto back = read_svg(to_svg(d.contours));
+  ASSERT_TRUE(back);
+  EXPECT_NEAR(bounding_box(back->contours[0].points_m).size().x(), 20e-3, 2e-9);
+}
+
+TEST(Export, GCodeCutsHolesFirstAndClosesContours) {
+  const auto d = svg(R"svg(<circle cx="50" cy="50" r="20"/><circle cx="50" cy="50" r="5"/>)svg");
+  const GCode g = to_gcode(d.contours);
+  EXPECT_NE(g.text.find("G21 G90"), std::string::npos);
+  EXPECT_NEAR(g.cutting_time_s, (2 * M_PI * 25e-3 + 0.4e-3) / 8e-3 + g.travel_m / 0.05, 0.01);
+  // The first way goes to the hole, 5 mm from the middle.
+  double x = 0.0;
+  double y = 0.0;
+  ASSERT_EQ(std::sscanf(g.text.c_str() + g.text.find("G0 X"), "G0 X%lf Y%lf", &x, &y), 2);
+  EXPECT_NEAR(std::hypot(x - 50, y + 50), 5.0, 1e-3);
+  // Every cut is switched on and off.
+  const auto count = [&](const std::string& word) {
+    int n = 0;
+    for (std::size_t at = g.text.find(word); at != std::string::npos; at = g.text.find(word, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("M4 S1000"), 2);
+  EXPECT_EQ(count("\nM5\n"), 3);
+}
+
+}  // namespace
+}  // namespace telekerf::vision

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// The fuzzers' bounded, repeatable variant: seeds mutated with a fixed generator.
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/fuzz/vector_drawings.h"
+
+namespace telekerf::vision {
+namespace {
+
+const std::vector<std::string> kSvgSeeds{
+    R"svg(<svg width="40mm" height="30mm" viewBox="0 0 400 300"><g transform="translate(10,20) rotate(30)"><circle cx="100" cy="50" r="50"/><path d="M10 10 h50 v50 h-50z m100 100 a25 25 0 1 1 50 0 a 25,25 0 11-50 0"/><rect x="2" y="1" width="5" height="2" rx="5"/></g></svg>)svg",
+    R"svg(<svg><path d="M 0 0 C 10 10 20 10 30 0 S 50 -10 60 0 Q 70 10 80 0 T 100 0 L 1e3 2e-3 H 4 V-5 Z"/><polygon points="0,0 1,1 2,0"/></svg>)svg",
+    R"svg(<svg viewBox="0 0 1 1" width="1in"><line x1="1cm" x2="2mm"/><ellipse rx="3" ry="2" transform="skewX(30) matrix(1 2 3 4 5 6)"/></svg>)svg"};
+const std::vector<std::string> kDxfSeeds{
+    "0\nSECTION\n2\nHEADER\n9\n$"
+    "INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n10\n5\n20\n5\n40\n10\n0\nARC\n10\n1\n20"
+    "\n2\n40\n3\n50\n10\n51\n200\n0\nENDSEC\n0\nEOF\n",
+    "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n90\n2\n70\n1\n10\n20\n20\n0\n42\n1\n10\n24\n20\n0\n42\n-0."
+    "5\n0\nELLIPSE\n10\n0\n20\n0\n11\n3\n21\n1\n40\n0.5\n41\n0\n42\n6.28\n0\nENDSEC\n0\nEOF\n",
+    "0\nSECTION\n2\nENTITIES\n0\nSPLINE\n70\n4\n71\n2\n40\n0\n40\n0\n40\n0\n40\n1\n40\n1\n40\n1\n41\n1\n41\n0"
+    ".7\n41\n1\n10\n10\n20\n0\n10\n10\n20\n10\n10\n0\n20\n10\n0\nPOLYLINE\n70\n1\n0\nVERTEX\n10\n0\n20\n0\n0"
+    "\nVERTEX\n10\n2\n20\n0\n42\n0.4\n0\nSEQEND\n0\nENDSEC\n0\nEOF\n"};
+const std::vector<std::string> kTokens{
+    "nan",  "inf",       "-1e308", "1e308", "1e-308", "0",      "-0",     "99999999999999999999",
+    "M",    "Z",         "a",      "<g>",   "</g>",   "\"",     ">",      "(",
+    ")",    ",",         "\n0\n",  "10\n",  "40\n",   "SPLINE", "CIRCLE", "\0",
+    "<!--", "<![CDATA[", "&#0;"};
+
+std::string mutated(const std::vector<std::string>& seeds, std::mt19937_64& rng) {
+  const auto pick = [&](std::size_t n) {
+    return static_cast<std::size_t>(rng() % std::max<std::size_t>(1, n));
+  };
+  std::string text = seeds[pick(seeds.size())];
+  for (std::size_t i = 1 + pick(8); i-- > 0;) {
+    const std::size_t at = pick(text.size());
+    switch (pick(6)) {
+      case 0:
+        text[at] = static_cast<char>(rng());
+        break;
+      case 1:
+        text.erase(at, 1 + pick(12));
+        break;
+      case 2:
+        text = text.substr(0, at) + kTokens[pick(kTokens.size())] + text.substr(at);
+        break;
+      case 3:
+        text = text.substr(0, at) + text.substr(pick(text.size()), pick(80)) + text.substr(at);
+        break;
+      case 4:
+        text.resize(at + 1);
+        break;
+      default:
+        text[at] = static_cast<char>('0' + pick(10));
+        break;
+    }
+    if (text.empty()) text.push_back(' ');
+  }
+  return text;
+}
+
+TEST(VectorFuzz, AnyBytesGiveADrawingOrASentence) {
+  for (const bool svg : {true, false}) {
+    std::mt19937_64 rng(svg ? 1 : 2);
+    for (int i = 0; i < 6000; ++i) try_reader(mutated(svg ? kSvgSeeds : kDxfSeeds, rng), svg);
+    for (const std::string& seed : svg ? kSvgSeeds : kDxfSeeds) {
+      for (std::size_t n = 0; n <= seed.size(); n += 3) try_reader(seed.substr(0, n), svg);
+    }
+  }
+}
+
+TEST(VectorFuzz, AHubOfLinesIsJoinedInReasonableTime) {
+  std::string text = "<svg><path d=\"";
+  for (int i = 0; i < 4000; ++i) text += "M0 0L" + std::to_string(i + 1) + " 1";
+  try_reader(text + "\"/></svg>", true);
+}
+
+}  // namespace
+}  // namespace telekerf::vision
