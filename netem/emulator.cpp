@@ -118,7 +118,7 @@ bool Emulator::lose(const Plan::Stage& stage, std::uint64_t index) noexcept {
 }
 
 std::int64_t Emulator::law_delay(const Plan::Stage& stage, std::uint64_t index) noexcept {
-  if (stage.constant) return stage.delay.at(0.0);
+  if (stage.constant) return stage.constant_ns;
   const double fresh = normal_.at(delay_.draw(index));
   score_ =
       has_score_ && stage.correlation > 0 ? stage.correlation * score_ + stage.innovation * fresh : fresh;
@@ -126,10 +126,12 @@ std::int64_t Emulator::law_delay(const Plan::Stage& stage, std::uint64_t index) 
   return stage.delay.at(score_);
 }
 
-void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, Fate& fate) const noexcept {
+void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, Fate& fate) noexcept {
   for (std::size_t i = 0; i < plan_.events.size(); ++i) {
     const Plan::Event& event = plan_.events[i];
-    const std::int64_t occurrence = event.occurrence(since_ns);
+    Plan::Window& window = windows_[i];
+    if (since_ns < window.from_ns || since_ns >= window.until_ns) window = event.window(since_ns);
+    const std::int64_t occurrence = window.occurrence;
     if (occurrence < 0) continue;
     const std::uint64_t word = event_delay_.draw(static_cast<std::uint64_t>(occurrence) * kMostEvents + i);
     fate.event_ns +=
@@ -146,7 +148,8 @@ bool Emulator::lost_again(const Plan::Stage& stage, std::int64_t since_ns,
   for (std::size_t i = 0; i < plan_.events.size(); ++i) {
     const Plan::Event& event = plan_.events[i];
     const std::uint64_t word = retransmission_.draw(counter * (kMostEvents + 1) + 1 + i);
-    if (event.lost.possible() && event.occurrence(since_ns) >= 0 && event.lost.happens(word)) return true;
+    if (event.lost.possible() && event.window(since_ns).occurrence >= 0 && event.lost.happens(word))
+      return true;
   }
   return false;
 }
@@ -243,25 +246,6 @@ void Emulator::keep(Fate& fate, std::int64_t now_ns, std::span<const std::byte> 
   }
 }
 
-std::optional<std::int64_t> Emulator::next_deadline() const noexcept {
-  if (flight_.empty()) return std::nullopt;
-  return flight_.next_due();
-}
-
-std::optional<Delivery> Emulator::pop(std::int64_t now_ns) noexcept {
-  if (flight_.empty() || flight_.next_due() > now_ns) return std::nullopt;
-  InFlight::Packet packet;
-  Delivery delivery;
-  flight_.take(packet, delivery.due_ns, delivery.bytes);
-  delivery.tag = packet.tag;
-  delivery.size = packet.size;
-  delivery.in_ns = packet.in_ns;
-  delivery.corrupted = packet.corrupted;
-  delivery.duplicate = packet.duplicate;
-  ++counters_.delivered;
-  return delivery;
-}
-
 void Emulator::switch_to(Plan& plan, std::int64_t now_ns) noexcept {
   std::swap(plan_, plan);
   origin_ns_ = now_ns;
@@ -269,6 +253,7 @@ void Emulator::switch_to(Plan& plan, std::int64_t now_ns) noexcept {
   stage_ = 0;
   state_ = -1;
   slot_number_ = -1;
+  windows_.fill({});
   // A longer line of an old bottleneck does not hold up the new network; packets under way still keep their
   // order.
   bottleneck_free_ns_ = kLongAgo;

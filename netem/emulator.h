@@ -33,18 +33,6 @@ struct Fate {
   bool lost() const noexcept { return lost_by_model || lost_by_event || queue_full || overflowed; }
 };
 
-/// A packet that has arrived. `bytes` stay valid until the emulator's next push or pop; they are empty if the
-/// packet was pushed as a size only.
-struct Delivery {
-  std::uint64_t tag = 0;
-  std::span<const std::byte> bytes;
-  std::uint32_t size = 0;
-  std::int64_t in_ns = 0;
-  std::int64_t due_ns = 0;
-  bool corrupted = false;
-  bool duplicate = false;
-};
-
 struct Counters {
   std::uint64_t pushed = 0;
   std::uint64_t delivered = 0;  ///< copies included
@@ -72,10 +60,19 @@ class Emulator {
   Fate push(std::int64_t now_ns, std::uint32_t size_bytes, std::uint64_t tag) noexcept;
 
   /// When the next pop will succeed.
-  std::optional<std::int64_t> next_deadline() const noexcept;
+  std::optional<std::int64_t> next_deadline() const noexcept {
+    if (flight_.empty()) return std::nullopt;
+    return flight_.next_due();
+  }
 
   /// The earliest packet that is due by `now_ns`; never one before its due time.
-  std::optional<Delivery> pop(std::int64_t now_ns) noexcept;
+  std::optional<Delivery> pop(std::int64_t now_ns) noexcept {
+    std::optional<Delivery> delivery;
+    if (flight_.empty() || flight_.next_due() > now_ns) return delivery;
+    flight_.take(delivery.emplace());
+    ++counters_.delivered;
+    return delivery;
+  }
 
   /// Puts another network in place, from the next push on; what is under way keeps its due time. `plan`
   /// receives the old one, to be destroyed by the caller where allocation is allowed. Stages and events count
@@ -90,7 +87,7 @@ class Emulator {
             std::uint64_t tag) noexcept;
   const Plan::Stage& stage_at(std::int64_t since_ns) noexcept;
   bool lose(const Plan::Stage& stage, std::uint64_t index) noexcept;
-  void meet_events(std::int64_t since_ns, std::uint64_t index, Fate& fate) const noexcept;
+  void meet_events(std::int64_t since_ns, std::uint64_t index, Fate& fate) noexcept;
   std::int64_t law_delay(const Plan::Stage& stage, std::uint64_t index) noexcept;
   bool lost_again(const Plan::Stage& stage, std::int64_t since_ns, std::uint64_t counter) const noexcept;
   std::int64_t retransmit(const Plan::Stage& stage, std::int64_t since_ns, std::uint64_t index,
@@ -113,6 +110,8 @@ class Emulator {
   std::uint64_t index_ = 0;       // of the next packet: the counter of every stream
   std::uint64_t plan_index_ = 0;  // index of the first packet under this plan
   std::size_t stage_ = 0;
+  std::array<Plan::Window, kMostEvents>
+      windows_{};       // the stretch of time that each event was last looked up for
   int state_ = -1;      // of the loss chain; -1: not drawn yet
   double score_ = 0.0;  // normal score of the last delay
   bool has_score_ = false;

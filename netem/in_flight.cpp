@@ -7,14 +7,14 @@
 namespace telekerf::netem {
 
 InFlight::InFlight(Capacity capacity)
-    : run_(capacity.packets),
-      slots_(capacity.packets),
-      free_slots_(capacity.packets),
+    : run_(std::min(capacity.packets, kMostPackets)),
+      slots_(run_.size()),
+      free_slots_(static_cast<std::uint32_t>(run_.size())),
       chunks_((static_cast<std::size_t>(capacity.bytes) + kChunk_bytes - 1) / kChunk_bytes * kChunk_bytes),
       next_chunk_(chunks_.size() / kChunk_bytes),
       free_chunks_(static_cast<std::uint32_t>(next_chunk_.size())),
       joined_(std::min<std::size_t>(capacity.largest_packet, chunks_.size())) {
-  heap_.reserve(capacity.packets);
+  heap_.reserve(run_.size());
   for (std::uint32_t i = 0; i < slots_.size(); ++i) slots_[i].first_chunk = i + 1;
   for (std::uint32_t i = 0; i < next_chunk_.size(); ++i) next_chunk_[i] = i + 1;
 }
@@ -26,9 +26,14 @@ bool InFlight::insert(std::int64_t due_ns, const Packet& packet, std::span<const
   const std::uint32_t slot = free_slot_;
   free_slot_ = slots_[slot].first_chunk;
   --free_slots_;
-  slots_[slot] = {packet.in_ns,     packet.tag,      store(bytes, flip_bit), packet.size & 0x3FFFFFFF,
-                  packet.corrupted, packet.duplicate};
-  const Key key{due_ns, sequence_++, slot};
+  Slot& kept = slots_[slot];
+  kept.in_ns = packet.in_ns;
+  kept.tag = packet.tag;
+  kept.first_chunk = store(bytes, flip_bit);
+  kept.size = packet.size & 0x3FFFFFFF;
+  kept.corrupted = packet.corrupted;
+  kept.duplicate = packet.duplicate;
+  const Key key{due_ns, sequence_++ << 24 | slot};
   if (run_size_ == 0 || due_ns >= run_last_due_ns_) {
     std::size_t end = run_begin_ + run_size_++;
     if (end >= run_.size()) end -= run_.size();
@@ -40,7 +45,7 @@ bool InFlight::insert(std::int64_t due_ns, const Packet& packet, std::span<const
   return true;
 }
 
-void InFlight::take(Packet& packet, std::int64_t& due_ns, std::span<const std::byte>& bytes) noexcept {
+void InFlight::take(Delivery& delivery) noexcept {
   Key key;
   if (next_from_run()) {
     key = run_[run_begin_];
@@ -49,18 +54,25 @@ void InFlight::take(Packet& packet, std::int64_t& due_ns, std::span<const std::b
   } else {
     key = pop_heap();
   }
-  Slot& slot = slots_[key.slot];
-  packet = {slot.in_ns, slot.tag, slot.size, slot.corrupted != 0, slot.duplicate != 0};
-  due_ns = key.due_ns;
-  bytes = slot.first_chunk == kNone ? std::span<const std::byte>() : load(slot.first_chunk, slot.size);
+  Slot& slot = slots_[key.slot()];
+  delivery.tag = slot.tag;
+  delivery.in_ns = slot.in_ns;
+  delivery.due_ns = key.due_ns;
+  delivery.size = slot.size;
+  delivery.corrupted = slot.corrupted != 0;
+  delivery.duplicate = slot.duplicate != 0;
+  if (slot.first_chunk != kNone) delivery.bytes = load(slot.first_chunk, slot.size);
   slot.first_chunk = free_slot_;
-  free_slot_ = key.slot;
+  free_slot_ = key.slot();
   ++free_slots_;
 }
 
 void InFlight::push_heap(Key key) noexcept {
-  std::size_t at = heap_.size();
   heap_.push_back(key);  // reserved in the constructor: never more keys than slots
+  sift_up(heap_.size() - 1, key);
+}
+
+void InFlight::sift_up(std::size_t at, Key key) noexcept {
   while (at > 0) {
     const std::size_t parent = (at - 1) / 4;
     if (!key.before(heap_[parent])) break;
@@ -76,19 +88,21 @@ InFlight::Key InFlight::pop_heap() noexcept {
   heap_.pop_back();
   const std::size_t size = heap_.size();
   if (size == 0) return top;
+  // The hole sinks to the bottom first; the last key, a late one, then has hardly a step to climb.
   std::size_t at = 0;
   for (;;) {
     const std::size_t first = 4 * at + 1;
     if (first >= size) break;
     std::size_t least = first;
-    for (std::size_t child = first + 1; child < std::min(first + 4, size); ++child) {
-      if (heap_[child].before(heap_[least])) least = child;
+    if (first + 3 < size) {
+      least = lesser(lesser(first, first + 1), lesser(first + 2, first + 3));
+    } else {
+      for (std::size_t child = first + 1; child < size; ++child) least = lesser(least, child);
     }
-    if (!heap_[least].before(last)) break;
     heap_[at] = heap_[least];
     at = least;
   }
-  heap_[at] = last;
+  sift_up(at, last);
   return top;
 }
 

@@ -2,7 +2,6 @@
 #include "netem/law.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
@@ -11,6 +10,9 @@
 
 namespace telekerf::netem {
 namespace {
+
+/// Double precision is plenty for tables of whole nanoseconds.
+using Precision = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 
 constexpr int kPartsBits = 6;
 constexpr int kParts = 1 << kPartsBits;  // linear pieces in one octave of the tail probability
@@ -22,7 +24,7 @@ constexpr int kNodes = static_cast<int>(2 * kReach * kNodesPerUnit) + 1;
 /// The normal number above which the share `upper` <= 0.5 lies, on a grid of 2^-40 so that the last digits of
 /// a library's functions leave no trace.
 double normal_above(double upper) {
-  const double z = std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * upper);
+  const double z = std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * upper, Precision());
   return std::ldexp(std::round(std::ldexp(z, 40)), -40);
 }
 
@@ -35,7 +37,7 @@ double symmetric_quantile(Law law, double lower, double upper) {
     case Law::kUniform:
       return std::numbers::sqrt3 * (2.0 * lower - 1.0);
     case Law::kNormal:
-      return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * lower);
+      return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * lower, Precision());
     default:
       return std::log(2.0 * lower) / std::numbers::sqrt2;  // Laplace
   }
@@ -57,8 +59,8 @@ double symmetric_share_below(Law law, double x) {
 double one_sided_quantile(Law law, double shape, double lower, double upper) {
   switch (law) {
     case Law::kGamma: {
-      const double x =
-          lower < upper ? boost::math::gamma_p_inv(shape, lower) : boost::math::gamma_q_inv(shape, upper);
+      const double x = lower < upper ? boost::math::gamma_p_inv(shape, lower, Precision())
+                                     : boost::math::gamma_q_inv(shape, upper, Precision());
       return x / std::sqrt(shape);
     }
     case Law::kLognormal: {
@@ -106,8 +108,9 @@ double NormalTable::at(std::uint64_t word) const noexcept {
   const auto part = static_cast<std::size_t>(digits >> (64 - kPartsBits));
   const double rest = static_cast<double>((digits << kPartsBits) >> 12) * 0x1p-52;
   const Cell& cell = cells_[static_cast<std::size_t>(octave) * kParts + part];
-  const double z = cell.value + rest * cell.rise;
-  return (word >> 63) != 0 ? z : -z;
+  const double z = cell.value + rest * cell.rise;  // never negative
+  const std::uint64_t sign = ~word & (1ULL << 63);
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(z) | sign);
 }
 
 double delay_quantile(const DelayLaw& law, double lower, double upper) {
@@ -136,31 +139,31 @@ double delay_at_normal(const DelayLaw& law, double z) {
 }
 
 Moments delay_moments(const DelayLaw& law, double z_limit) {
-  if (law.law == Law::kConstant) return {law.delay_s, 0.0};
+  if (law.law == Law::kConstant) return {law.delay_s, 0.0, 0.0};
   // Simpson's rule over z; the two tails beyond the limit carry the limit's own value.
-  constexpr int kSteps = 4096;
+  constexpr int kSteps = 2048;
   const double step = 2.0 * z_limit / kSteps;
-  const double tail = upper_of(z_limit);
-  const double low = delay_at_normal(law, -z_limit);
-  const double high = delay_at_normal(law, z_limit);
-  const double centre = delay_at_normal(law, 0.0);
+  std::vector<double> delay(kSteps + 1);
+  std::vector<double> weight(kSteps + 1);
   double mass = 0.0;
-  double first = 0.0;
-  double second = 0.0;
   for (int i = 0; i <= kSteps; ++i) {
     const double z = -z_limit + i * step;
-    const double weight = (i == 0 || i == kSteps ? 1.0 : (i % 2 == 1 ? 4.0 : 2.0)) * step / 3.0 *
-                          std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
-    const double x = delay_at_normal(law, z) - centre;
-    mass += weight;
-    first += weight * x;
-    second += weight * x * x;
+    const double simpson = i == 0 || i == kSteps ? 1.0 : (i % 2 == 1 ? 4.0 : 2.0);
+    delay[i] = delay_at_normal(law, z);
+    weight[i] = simpson * step / 3.0 * std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+    if (i == 0 || i == kSteps) weight[i] += upper_of(z_limit);
+    mass += weight[i];
   }
-  mass += 2.0 * tail;
-  first = (first + tail * (low - centre) + tail * (high - centre)) / mass;
-  second =
-      (second + tail * (low - centre) * (low - centre) + tail * (high - centre) * (high - centre)) / mass;
-  return {centre + first, std::sqrt(std::max(0.0, second - first * first))};
+  Moments moments;
+  for (int i = 0; i <= kSteps; ++i) moments.mean_s += weight[i] / mass * delay[i];
+  double variance = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double square = (delay[i] - moments.mean_s) * (delay[i] - moments.mean_s);
+    variance += weight[i] / mass * square;
+    moments.fourth_s4 += weight[i] / mass * square * square;
+  }
+  moments.sd_s = std::sqrt(variance);
+  return moments;
 }
 
 DelayTable::DelayTable(const DelayLaw& law) : nodes_ns_(kNodes) {

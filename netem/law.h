@@ -36,6 +36,7 @@ double delay_at_normal(const DelayLaw& law, double z);
 struct Moments {
   double mean_s = 0.0;
   double sd_s = 0.0;
+  double fourth_s4 = 0.0;  ///< fourth central moment
 };
 /// Of the nominal law, between its quantiles at normal scores -z_limit and z_limit (values outside count as
 /// the limits themselves: winsorised).

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace telekerf::netem {
 namespace {
@@ -25,6 +26,7 @@ Plan::Stage::Stage(const netem::Stage& stage)
     : from_ns(to_ns(stage.from_s)),
       delay(stage.conditions.delay),
       constant(stage.conditions.delay.law == Law::kConstant),
+      constant_ns(to_ns(stage.conditions.delay.delay_s)),
       correlation(stage.conditions.delay.correlation),
       innovation(std::sqrt(1.0 - correlation * correlation)),
       order(stage.conditions.order),
@@ -61,12 +63,14 @@ Plan::Event::Event(const netem::Event& event)
       add_range_ns(to_ns(event.add_delay_max_s) - add_min_ns),
       lost(event.loss) {}
 
-std::int64_t Plan::Event::occurrence(std::int64_t since_ns) const noexcept {
-  const std::int64_t after = since_ns - first_ns;
-  if (after < 0) return -1;
-  if (every_ns == 0) return after < duration_ns ? 0 : -1;
-  const std::int64_t count = after / every_ns;
-  return after - count * every_ns < duration_ns ? count : -1;
+Plan::Window Plan::Event::window(std::int64_t since_ns) const noexcept {
+  constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+  const std::int64_t after_ns = since_ns - first_ns;
+  if (after_ns < 0) return {std::numeric_limits<std::int64_t>::min(), first_ns, -1};
+  const std::int64_t count = every_ns == 0 ? 0 : after_ns / every_ns;
+  const std::int64_t begin_ns = first_ns + count * every_ns;
+  if (since_ns < begin_ns + duration_ns) return {begin_ns, begin_ns + duration_ns, count};
+  return {begin_ns + duration_ns, every_ns == 0 ? kNever : begin_ns + every_ns, -1};
 }
 
 Plan::Plan(const DirectionProfile& profile) : recording(profile.recording), loss_only(profile.loss_only) {

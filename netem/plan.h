@@ -25,6 +25,7 @@ struct Plan {
     std::int64_t from_ns;
     DelayTable delay;
     bool constant;  ///< no draw needed
+    std::int64_t constant_ns;
     double correlation, innovation;
     std::array<State, kMostLossStates> loss;
     std::array<Chance, kMostLossStates - 1> first_state;
@@ -40,12 +41,17 @@ struct Plan {
     std::int64_t queue_ns;  ///< waiting time that fills the queue
     std::int64_t slot_ns, slot_jitter_ns, slot_packets, slot_bytes;
   };
+  /// Times since the profile began, [from, until), over which an event does not change: inside an occurrence,
+  /// or between two (occurrence -1).
+  struct Window {
+    std::int64_t from_ns = 0, until_ns = 0;
+    std::int64_t occurrence = -1;
+  };
   struct Event {
     explicit Event(const netem::Event& event);
     std::int64_t first_ns, every_ns, duration_ns, add_min_ns, add_range_ns;
     Chance lost;
-    /// Number of the occurrence that `since_ns` (since the profile began) falls into, or -1.
-    std::int64_t occurrence(std::int64_t since_ns) const noexcept;
+    Window window(std::int64_t since_ns) const noexcept;
   };
 
   explicit Plan(const DirectionProfile& profile);

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "netem/tc.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "netem/law.h"
+#include "netem/loss.h"
+
+namespace telekerf::netem {
+namespace {
+
+std::string per_cent(double probability) { return fmt::format("{:.6g}%", 100.0 * probability); }
+std::string ms(double seconds) { return fmt::format("{:.6g}ms", 1e3 * seconds); }
+
+std::string delay_words(const DelayLaw& law, TcExport& out) {
+  if (law.law == Law::kConstant) return law.delay_s > 0 ? " delay " + ms(law.delay_s) : "";
+  const Moments moments = delay_moments(law);
+  std::string words;
+  switch (law.law) {
+    case Law::kUniform:  // tc's default law, plus or minus its half-width
+      words = fmt::format(" delay {} {}", ms(law.delay_s), ms(std::numbers::sqrt3 * law.jitter_s));
+      break;
+    case Law::kNormal:
+      words = fmt::format(" delay {} {} distribution normal", ms(law.delay_s), ms(law.jitter_s));
+      break;
+    case Law::kPareto:
+      words = fmt::format(" delay {} {} distribution pareto", ms(moments.mean_s), ms(moments.sd_s));
+      out.shortcomings.push_back(
+          "pareto: tc's table is cut at 4 standard deviations and knows one tail index");
+      break;
+    default:
+      words = fmt::format(" delay {} {} distribution normal", ms(moments.mean_s), ms(moments.sd_s));
+      out.shortcomings.push_back(
+          "distribution: tc ships no table for this law; the command takes a normal law of equal mean and "
+          "deviation");
+  }
+  if (law.law == Law::kUniform || law.law == Law::kNormal || law.law == Law::kLaplace) {
+    if (std::abs(moments.mean_s - law.delay_s) > 1e-3 * law.jitter_s) {
+      out.shortcomings.push_back(
+          "delays below zero: tc sends them at once, a heap at zero instead of a cut law");
+    }
+  }
+  if (law.correlation > 0) {
+    out.shortcomings.push_back(
+        "correlation: tc's has next to no effect on jitter and bends the law; left out");
+  }
+  return words;
+}
+
+std::string loss_words(const LossLaw& law, TcExport& out) {
+  switch (law.model) {
+    case LossModel::kNone:
+      return "";
+    case LossModel::kBernoulli:
+      return " loss random " + per_cent(law.loss);
+    case LossModel::kGilbertElliott:
+      return fmt::format(" loss gemodel {} {} {} {}", per_cent(law.ge_p), per_cent(law.ge_r),
+                         per_cent(1 - law.ge_h), per_cent(1 - law.ge_k));
+    case LossModel::kFourState:
+      return fmt::format(" loss state {} {} {} {} {}", per_cent(law.p13), per_cent(law.p31),
+                         per_cent(law.p32), per_cent(law.p23), per_cent(law.p14));
+    case LossModel::kTrace:
+      out.shortcomings.push_back("loss_trace: tc cannot replay losses");
+      return "";
+  }
+  return "";
+}
+
+}  // namespace
+
+TcExport export_to_tc(const DirectionProfile& profile, const std::string& device) {
+  TcExport out;
+  if (profile.recording && !profile.loss_only) {
+    out.shortcomings.push_back("trace: tc cannot replay a recording; nothing is left of this profile");
+    out.command = fmt::format("tc qdisc replace dev {} root netem", device);
+    return out;
+  }
+  const Conditions& now = profile.stages.front().conditions;
+  constexpr int kLimit_packets =
+      100'000;  // tc counts packets that merely wait for their delay; 1000 is too few
+  std::string words = fmt::format("tc qdisc replace dev {} root netem limit {}", device, kLimit_packets);
+  words += delay_words(now.delay, out);
+  if (now.order == Order::kReorder) {
+    words += fmt::format(" reorder {} gap {}", per_cent(now.reorder), now.reorder_gap);
+    out.shortcomings.push_back(
+        "reorder: tc sends the chosen packets without any delay instead of letting them overtake");
+    if (now.delay.law == Law::kConstant && now.delay.delay_s == 0) words += " delay 1ms";
+  } else if (now.order == Order::kFifo && now.delay.law != Law::kConstant) {
+    out.shortcomings.push_back("order = fifo: tc lets jitter reorder packets");
+  }
+  if (now.tcp_like) {
+    if (mean_loss(loss_chain(now.loss)) > 0) {
+      out.shortcomings.push_back("tcp_like: tc cannot turn a loss into a wait; losses left out");
+    }
+  } else {
+    words += loss_words(now.loss, out);
+  }
+  if (now.duplicate > 0) words += " duplicate " + per_cent(now.duplicate);
+  if (now.corrupt > 0) words += " corrupt " + per_cent(now.corrupt);
+  if (now.rate_bit_per_s > 0) {
+    words += fmt::format(" rate {:.6g}kbit", now.rate_bit_per_s / 1e3);
+    out.shortcomings.push_back(
+        "queue_bytes: tc's limit counts packets, those waiting for their delay included");
+  }
+  if (now.slots.period_s > 0) {
+    words += fmt::format(" slot {} {}", ms(now.slots.period_s), ms(now.slots.period_s + now.slots.jitter_s));
+    if (now.slots.packets > 0) words += fmt::format(" packets {}", now.slots.packets);
+    if (now.slots.bytes > 0) words += fmt::format(" bytes {}", now.slots.bytes);
+    if (now.slots.jitter_s > 0)
+      out.shortcomings.push_back("slot_jitter_ms: tc lets slots drift instead of keeping a period");
+  }
+  if (profile.stages.size() > 1)
+    out.shortcomings.push_back("stage: tc knows no time; only the beginning is here");
+  if (!profile.events.empty()) out.shortcomings.push_back("event: tc knows no time; events are left out");
+  const bool random = now.delay.law != Law::kConstant || now.loss.model != LossModel::kNone ||
+                      now.duplicate > 0 || now.corrupt > 0 || now.order == Order::kReorder;
+  if (random)
+    out.shortcomings.push_back(
+        "seed: tc draws other random numbers every time (a seed only since Linux 6.6)");
+  out.command = words;
+  return out;
+}
+
+}  // namespace telekerf::netem

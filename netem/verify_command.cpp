@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-netem verify: measured against nominal, exit 1 when outside the bounds.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "netem/commands.h"
+#include "netem/verify.h"
+
+namespace telekerf::netem {
+namespace {
+
+struct Options {
+  std::string profile;
+  VerifyOptions verify;
+  bool json = false;
+};
+
+const char* text_of(Direction direction) { return direction == Direction::kForward ? "forward" : "backward"; }
+
+nlohmann::json to_json(const StageReport& report) {
+  nlohmann::json checks = nlohmann::json::array();
+  for (const Check& check : report.checks) {
+    nlohmann::json entry{{"name", check.name}, {"unit", check.unit}, {"measured", check.measured}};
+    if (check.judged) {
+      entry.update(
+          {{"nominal", check.nominal}, {"low", check.low}, {"high", check.high}, {"good", check.good()}});
+    }
+    checks.push_back(entry);
+  }
+  return {{"direction", text_of(report.direction)},
+          {"from_s", report.from_s},
+          {"good", report.good()},
+          {"checks", checks}};
+}
+
+void print_table(const StageReport& report) {
+  fmt::print("{}, from {:g} s\n", text_of(report.direction), report.from_s);
+  fmt::print("  {:<34} {:>12} {:>12}   {:<29}\n", "", "measured", "nominal", "bounds");
+  for (const Check& check : report.checks) {
+    if (!check.judged) {
+      fmt::print("  {:<34} {:>12.6g} {:>12}   {:<29} {}\n", check.name, check.measured, "-", "not judged",
+                 check.unit);
+      continue;
+    }
+    fmt::print("  {:<34} {:>12.6g} {:>12.6g}   [{:>12.6g}, {:>12.6g}]  {:<8}{}\n", check.name, check.measured,
+               check.nominal, check.low, check.high, check.unit, check.good() ? "" : "  OUTSIDE");
+  }
+}
+
+int run(const Options& options) {
+  const Profile profile = load_profile(options.profile);
+  const auto reports = verify(profile, options.verify);
+  const bool good =
+      std::all_of(reports.begin(), reports.end(), [](const StageReport& report) { return report.good(); });
+  if (options.json) {
+    nlohmann::json out{{"profile", profile.name},
+                       {"packets", options.verify.packets},
+                       {"seed", options.verify.seed},
+                       {"good", good},
+                       {"reports", nlohmann::json::array()}};
+    for (const auto& report : reports) out["reports"].push_back(to_json(report));
+    fmt::print("{}\n", out.dump(2));
+  } else {
+    for (const auto& report : reports) print_table(report);
+    fmt::print("{}: {} over {} packets each way, seed {}\n", profile.name,
+               good ? "all within their bounds" : "OUTSIDE its bounds", options.verify.packets,
+               options.verify.seed);
+  }
+  return good ? 0 : 1;
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand(
+      "verify", "Sends virtual packets and holds what happens to them against the profile");
+  auto options = std::make_shared<Options>();
+  command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
+  command->add_option("--packets", options->verify.packets, "in each direction (and stage)")
+      ->check(CLI::Range(std::uint64_t{100}, std::uint64_t{100'000'000}))
+      ->capture_default_str();
+  command->add_option("--seed", options->verify.seed, "of the random numbers")->capture_default_str();
+  command->add_option("--rate-hz", options->verify.rate_hz, "packets per second")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "one JSON object instead of a table");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace telekerf::netem

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Delay laws: quantiles and moments against closed forms, cut at zero, and tables that follow them.
+#include "netem/law.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace telekerf::netem {
+namespace {
+
+DelayLaw law(Law kind, double delay_s, double jitter_s, double shape = 0.0) {
+  DelayLaw law;
+  law.law = kind;
+  law.delay_s = delay_s;
+  law.jitter_s = jitter_s;
+  law.shape = shape;
+  return law;
+}
+
+double quantile(const DelayLaw& l, double p) { return delay_quantile(l, p, 1.0 - p); }
+
+TEST(Law, JitterIsTheStandardDeviationOfEveryLaw) {
+  for (const DelayLaw& l :
+       {law(Law::kUniform, 0.1, 0.01), law(Law::kNormal, 0.1, 0.01), law(Law::kLaplace, 0.3, 0.01),
+        law(Law::kGamma, 0.1, 0.01, 2.0), law(Law::kGamma, 0.1, 0.01, 0.3),
+        law(Law::kLognormal, 0.1, 0.01, 0.8), law(Law::kPareto, 0.1, 0.01, 9.0)}) {
+    EXPECT_NEAR(delay_moments(l, 9.0).sd_s, 0.01, 2e-5) << static_cast<int>(l.law);
+  }
+}
+
+TEST(Law, ClosedForms) {
+  // Gamma(2, 5 ms): mean 10 ms; the median of Gamma(2, 1) is 1.678347.
+  const DelayLaw gamma = law(Law::kGamma, 0.05, std::sqrt(2.0) * 0.005, 2.0);
+  EXPECT_NEAR(delay_moments(gamma).mean_s, 0.060, 1e-6);
+  EXPECT_NEAR(quantile(gamma, 0.5), 0.05 + 0.005 * 1.678346990, 1e-9);
+  // Exponential: -log(1 - p).
+  EXPECT_NEAR(quantile(law(Law::kGamma, 0.0, 0.01, 1.0), 0.9), 0.01 * std::log(10.0), 1e-9);
+  // Normal, Laplace, uniform about 100 ms.
+  EXPECT_NEAR(quantile(law(Law::kNormal, 0.1, 0.01), 0.975), 0.1 + 0.01 * 1.959963985, 1e-9);
+  EXPECT_NEAR(quantile(law(Law::kLaplace, 0.1, 0.01), 0.75), 0.1 + 0.01 * std::log(2.0) / std::numbers::sqrt2,
+              1e-8);
+  EXPECT_NEAR(quantile(law(Law::kUniform, 0.1, 0.01), 1.0), 0.1 + 0.01 * std::numbers::sqrt3, 1e-9);
+  // Lomax with tail index 3: lambda = jitter / sqrt(3/4), median lambda (2^(1/3) - 1).
+  EXPECT_NEAR(quantile(law(Law::kPareto, 0.0, 0.01, 3.0), 0.5),
+              0.01 / std::sqrt(0.75) * (std::cbrt(2.0) - 1.0), 1e-9);
+}
+
+TEST(Law, ParetoKeepsItsTail) {
+  // Halving the tail probability multiplies a far quantile by 2^(1/alpha), however far out.
+  const DelayLaw pareto = law(Law::kPareto, 0.0, 0.01, 2.5);
+  for (double upper = 1e-6; upper > 1e-17; upper /= 10) {
+    const double ratio = delay_quantile(pareto, 1.0, upper / 2) / delay_quantile(pareto, 1.0, upper);
+    EXPECT_NEAR(ratio, std::pow(2.0, 1 / 2.5), 2e-3) << upper;
+  }
+  EXPECT_GT(DelayTable(pareto).at(8.0),
+            DelayTable(pareto).at(4.0) * 100);  // far beyond 4 standard deviations
+}
+
+TEST(Law, TheLawCutAtZeroIsTheConditionalOne) {
+  // Normal about 0: the half-normal law.
+  const DelayLaw half = law(Law::kNormal, 0.0, 0.01);
+  EXPECT_NEAR(quantile(half, 0.5), 0.01 * 0.674489750, 1e-9);
+  EXPECT_NEAR(delay_moments(half).mean_s, 0.01 * std::sqrt(2 / std::numbers::pi), 1e-7);
+  for (const Law kind : {Law::kUniform, Law::kNormal, Law::kLaplace}) {
+    const DelayLaw cut = law(kind, 0.005, 0.01);
+    EXPECT_NEAR(quantile(cut, 0.0), 0.0, 1e-9);
+    const double below = quantile(law(kind, 1.0, 0.01), 0.9) - 0.995;  // the same law without the cut
+    const double share_cut = [&] {
+      double low = 0, high = 1;
+      for (int i = 0; i < 60; ++i) {
+        const double p = (low + high) / 2;
+        (quantile(law(kind, 1.0, 0.01), p) < 0.995 ? low : high) = p;
+      }
+      return low;
+    }();
+    EXPECT_NEAR(quantile(cut, (0.9 - share_cut) / (1 - share_cut)), below, 1e-9) << static_cast<int>(kind);
+  }
+}
+
+TEST(Law, TablesFollowTheirQuantiles) {
+  DelayLaw table;
+  table.law = Law::kTable;
+  table.delay_s = 0.010;
+  table.table_p = {0.0, 0.5, 1.0};
+  table.table_s = {0.0, 0.002, 0.010};
+  EXPECT_DOUBLE_EQ(quantile(table, 0.25), 0.011);
+  EXPECT_DOUBLE_EQ(quantile(table, 0.75), 0.016);
+  EXPECT_NEAR(delay_moments(table).mean_s, 0.010 + 0.5 * 0.001 + 0.5 * 0.006, 1e-6);
+}
+
+TEST(Law, DelayTableInterpolatesWithinAMicrosecond) {
+  for (const DelayLaw& l : {law(Law::kUniform, 0.1, 0.01), law(Law::kNormal, 0.01, 0.01),
+                            law(Law::kLaplace, 0.1, 0.01), law(Law::kGamma, 0.1, 0.01, 2.0),
+                            law(Law::kLognormal, 0.1, 0.01, 0.8), law(Law::kPareto, 0.1, 0.01, 3.0)}) {
+    const DelayTable table(l);
+    for (double z = -5; z < 5; z += 0.0137) {
+      const double exact_s = delay_at_normal(l, z);
+      EXPECT_NEAR(static_cast<double>(table.at(z)) * 1e-9, exact_s,
+                  1e-6 + 1e-3 * std::abs(exact_s - l.delay_s))
+          << z;
+      if (std::abs(z) < 4) {
+        EXPECT_NEAR(table.normal_score(table.at(z)), z, 1e-3);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace telekerf::netem
