@@ -165,6 +165,7 @@ std::vector<geometry::Polyline> joined(std::vector<geometry::Polyline> lines, do
         auto& more = lines[next].points_m;
         if (!at_front) std::reverse(more.begin(), more.end());
         line.points_m.insert(line.points_m.end(), more.begin() + 1, more.end());
+        more.clear();
       }
       std::reverse(line.points_m.begin(), line.points_m.end());
     }
