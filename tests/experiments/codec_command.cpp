@@ -24,6 +24,7 @@ using Curve = std::vector<RatePoint>;
 
 /// Fields of a command or state block beside its payload, the anchor among them.
 constexpr double kBlockFieldsBytes = 60.0;
+constexpr int kLimitColour = 7;
 constexpr int kSweepFrom = -4, kSweepTo = 12;  // half octaves of the fine error
 
 struct Options {
@@ -40,8 +41,9 @@ struct Contender {
   const char* codec;
   bool promised = false;
   bool anchored = false;
+  bool events = false;  ///< a packet of floats whenever a sample leaves the band: no block, no delay
 };
-constexpr std::array<Contender, 7> kContenders{{
+constexpr std::array<Contender, 8> kContenders{{
     {"SDCT", "sdct"},
     {"SDCT, promised RMS", "sdct", true},
     {"SDCT + anchor (not counted)", "sdct", false, true},
@@ -49,10 +51,12 @@ constexpr std::array<Contender, 7> kContenders{{
     {"DPCM + Rice", "dpcm"},
     {"dead-band", "deadband"},
     {"Weber dead-band", "weber"},
+    {"dead-band, floats at once", "deadband", false, false, true},
 }};
 
 codec::StreamSettings settings_for(const Contender& contender, int block, double error, double scale) {
   codec::StreamSettings s{.block = block, .keep = block, .redundancy = 0, .anchored = contender.anchored};
+  if (contender.events) s.block = 1;
   s = codec::with_codec(s, contender.codec);
   if (contender.promised) {
     s.max_rms = error;
@@ -95,13 +99,35 @@ double bits_at(const Curve& curve, double rmse) {
   return std::nan("");
 }
 
-Line line_of(const std::string& label, const Curve& curve, Line::Style style) {
-  Line line{label, {}, {}, style};
+Line line_of(const Curve& curve, Line::Style style, int colour) {
+  Line line{"", {}, {}, style, colour};
   for (const auto& point : curve) {
     line.x.push_back(point.rmse);
     line.y.push_back(point.bits_per_sample);
   }
   return line;
+}
+
+Panel panel_for(const std::string& title, std::array<double, 2> errors) {
+  Panel panel;
+  panel.title = title;
+  panel.x_label = "RMS error";
+  panel.y_label = "bits a sample";
+  panel.log_x = true;
+  panel.x_range = errors;
+  return panel;
+}
+
+/// The legend has a panel to itself: inside the others it would hide lines.
+Panel legend() {
+  auto panel = panel_for("what is what", {1, 10});
+  panel.y_range = {0, 1};
+  for (std::size_t c = 0; c < kContenders.size(); ++c) {
+    panel.lines.push_back({kContenders[c].label, {1}, {-1}, Line::Style::kSolid, static_cast<int>(c)});
+  }
+  panel.lines.push_back({"Gaussian limit, block alone", {1}, {-1}, Line::Style::kDashed, kLimitColour});
+  panel.lines.push_back({"Gaussian limit, any delay", {1}, {-1}, Line::Style::kPoints, kLimitColour});
+  return panel;
 }
 
 Json rounded(double value) {
@@ -118,21 +144,15 @@ Json rate_distortion(const SeededTrace& seeded, int block, Panel& panel) {
   std::vector<Curve> curves;
   for (const auto& contender : kContenders) curves.push_back(sweep(seeded, contender, block));
 
-  panel.title = fmt::format("{}, N = {}", seeded.trace.name, block);
-  panel.x_label = fmt::format("RMS error [{}]", seeded.unit);
-  panel.y_label = "bits a sample";
-  panel.log_x = true;
-  panel.x_range = {errors.front(), errors.back()};
+  panel = panel_for(fmt::format("{} [{}]", seeded.trace.name, seeded.unit), {errors.front(), errors.back()});
   double highest = 0;
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    panel.lines.push_back(line_of(kContenders[c].label, curves[c], Line::Style::kSolid));
-    const double bits = bits_at(curves[c], seeded.fine);
+    panel.lines.push_back(line_of(curves[c], Line::Style::kSolid, static_cast<int>(c)));
+    const double bits = kContenders[c].events ? 0 : bits_at(curves[c], seeded.fine);
     if (std::isfinite(bits)) highest = std::max(highest, bits);
   }
-  panel.lines.push_back(line_of("Gaussian limit, block alone", limit, Line::Style::kDashed));
-  panel.lines.back().colour = 7;
-  panel.lines.push_back(line_of("Gaussian limit, any delay", endless, Line::Style::kPoints));
-  panel.lines.back().colour = 7;
+  panel.lines.push_back(line_of(limit, Line::Style::kDashed, kLimitColour));
+  panel.lines.push_back(line_of(endless, Line::Style::kPoints, kLimitColour));
   panel.y_range = {0.0, 1.2 * highest};
 
   Json rows = Json::array();
@@ -146,6 +166,7 @@ Json rate_distortion(const SeededTrace& seeded, int block, Panel& panel) {
     row["sdct_minus_truncated_bits_a_block"] =
         rounded(block * (bits_at(curves[0], rmse) - bits_at(curves[3], rmse)));
     row["sdct_over_deadband"] = rounded(bits_at(curves[0], rmse) / bits_at(curves[5], rmse));
+    row["sdct_over_deadband_floats"] = rounded(bits_at(curves[0], rmse) / bits_at(curves[7], rmse));
     rows.push_back(row);
   }
   return rows;
@@ -204,7 +225,8 @@ int run(const Options& options) {
   }
   Json results;
   for (const int block : {16, 32}) {
-    Figure figure{fmt::format("Rate against distortion, blocks of {} decoded alone", block), {}, 2};
+    Figure figure{
+        fmt::format("Rate against distortion, blocks of {} decoded alone", block), {legend()}, 3, 420, 320};
     for (const auto& trace : traces) {
       Panel panel;
       for (auto& row : rate_distortion(trace, block, panel)) results["rate_distortion"].push_back(row);
