@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// The emulated link between two network namespaces, beside a veth pair in the same run: nothing early,
+// nothing lost that the profile does not lose, little added. Needs root or user namespaces; skipped with the
+// reason otherwise.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::uint16_t kPort = 9000;
+constexpr const char* kOverVeth = "10.78.0.2";
+constexpr const char* kOverLink = "10.77.0.2";
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+double at(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+int udp_socket() {
+  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const int bytes = 4 << 20;
+  (void)::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
+  return fd;
+}
+
+sockaddr_in address(const char* host) {
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(kPort);
+  (void)::inet_pton(AF_INET, host, &to.sin_addr);
+  return to;
+}
+
+/// Sends every datagram back to where it came from, until it is killed.
+[[noreturn]] void echo_for_ever() {
+  const int fd = udp_socket();
+  const sockaddr_in here = address("0.0.0.0");
+  (void)::bind(fd, reinterpret_cast<const sockaddr*>(&here), sizeof(here));
+  for (;;) {
+    char buffer[2048];
+    sockaddr_in from{};
+    socklen_t length = sizeof(from);
+    const ssize_t size =
+        ::recvfrom(fd, buffer, sizeof(buffer), 0, reinterpret_cast<sockaddr*>(&from), &length);
+    if (size > 0)
+      (void)::sendto(fd, buffer, static_cast<std::size_t>(size), 0, reinterpret_cast<sockaddr*>(&from),
+                     length);
+  }
+}
+
+/// Round trips of single datagrams, ms; a lost one counts as infinite.
+std::vector<double> round_trips(const char* host, int count, milliseconds patience) {
+  const int fd = udp_socket();
+  const sockaddr_in to = address(host);
+  std::vector<double> rtt_ms;
+  for (int i = 0; i < count; ++i) {
+    const auto start = Clock::now();
+    (void)::sendto(fd, &i, sizeof(i), 0, reinterpret_cast<const sockaddr*>(&to), sizeof(to));
+    double measured = std::numeric_limits<double>::infinity();
+    pollfd ready{fd, POLLIN, 0};
+    while (ms_since(start) < static_cast<double>(patience.count()) && ::poll(&ready, 1, 50) >= 0) {
+      int answer = -1;
+      if (ready.revents != 0 && ::recv(fd, &answer, sizeof(answer), MSG_DONTWAIT) == sizeof(answer) &&
+          answer == i) {
+        measured = ms_since(start);
+        break;
+      }
+    }
+    rtt_ms.push_back(measured);
+  }
+  ::close(fd);
+  return rtt_ms;
+}
+
+/// Two namespaces, joined by a veth pair: this process in one, an echo in the other.
+class NetemLink : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { obstacle_ = make_namespaces(); }
+  static void TearDownTestSuite() {
+    if (echo_ > 0) {
+      ::kill(echo_, SIGKILL);
+      ::waitpid(echo_, nullptr, 0);
+    }
+  }
+  void SetUp() override {
+    if (!obstacle_.empty()) GTEST_SKIP() << obstacle_;
+  }
+  void TearDown() override {
+    if (link_ > 0) stop_link();
+  }
+
+  void start_link(const std::string& profile) {
+    const std::string netns = "/proc/" + std::to_string(echo_) + "/ns/net";
+    link_ = ::fork();
+    if (link_ == 0) {
+      (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      ::execl(TELEKERF_NETEM, "telekerf-netem", "link", profile.c_str(), "--slave-netns", netns.c_str(),
+              nullptr);
+      std::_Exit(127);
+    }
+    // Up when the first answer comes over it.
+    for (int i = 0; i < 50; ++i) {
+      if (round_trips(kOverLink, 1, milliseconds(700)).front() < 1e9) return;
+      if (::waitpid(link_, nullptr, WNOHANG) == link_) {
+        link_ = 0;
+        FAIL() << "telekerf-netem link ended by itself";
+      }
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    FAIL() << "no answer over the link";
+  }
+  /// Its exit code.
+  int stop_link() {
+    int status = 0;
+    ::kill(link_, SIGTERM);
+    ::waitpid(link_, &status, 0);
+    link_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  /// Empty, or why it cannot be done here.
+  static std::string make_namespaces() {
+    const auto uid = ::getuid();
+    const auto gid = ::getgid();
+    if (::unshare(CLONE_NEWNET) != 0) {
+      if (::unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) {
+        return std::string("network namespaces are not allowed here: ") + std::strerror(errno);
+      }
+      std::ofstream("/proc/self/setgroups") << "deny";
+      std::ofstream("/proc/self/uid_map") << "0 " << uid << " 1";
+      std::ofstream("/proc/self/gid_map") << "0 " << gid << " 1";
+    }
+    const int tun = ::open("/dev/net/tun", O_RDWR);
+    if (tun < 0) return std::string("no TUN devices here: ") + std::strerror(errno);
+    ::close(tun);
+    if (std::system("ip -V > /dev/null 2>&1") != 0) return "the program `ip` (iproute2) is missing";
+    int ready[2];
+    if (::pipe(ready) != 0) return "no pipe";
+    echo_ = ::fork();
+    if (echo_ == 0) {
+      (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      const char good = ::unshare(CLONE_NEWNET) == 0 ? 1 : 0;
+      (void)!::write(ready[1], &good, 1);
+      echo_for_ever();
+    }
+    char good = 0;
+    (void)!::read(ready[0], &good, 1);
+    const std::string pid = std::to_string(echo_);
+    const std::string commands = "ip link add ve0 type veth peer name ve1 netns " + pid +
+                                 " && ip addr add 10.78.0.1/24 dev ve0 && ip link set ve0 up"
+                                 " && nsenter -t " +
+                                 pid + " -n sh -c 'ip addr add 10.78.0.2/24 dev ve1 && ip link set ve1 up'";
+    if (good == 0 || std::system(commands.c_str()) != 0) return "a veth pair cannot be made here";
+    return "";
+  }
+
+  static inline std::string obstacle_;
+  static inline pid_t echo_ = 0;
+  pid_t link_ = 0;
+};
+
+TEST_F(NetemLink, AddsTheProfileAndNothingEarlier) {
+  start_link("thesis-constant");
+  const auto rtt_ms = round_trips(kOverLink, 60, milliseconds(3000));
+  std::printf("thesis-constant: RTT min %.3f median %.3f max %.3f ms\n", at(rtt_ms, 0), at(rtt_ms, 0.5),
+              at(rtt_ms, 1));
+  for (const double rtt : rtt_ms) EXPECT_GE(rtt, 100.0);
+  EXPECT_LT(at(rtt_ms, 1), 1e9) << "lost";
+  EXPECT_NEAR(at(rtt_ms, 0.5), 100.0, 10.0);
+  EXPECT_EQ(stop_link(), 0);
+}
+
+TEST_F(NetemLink, AddsLittleToAVethPair) {
+  start_link("ideal");
+  // In short windows by turns: what else the machine does hits both, and a quiet window shows the link's own
+  // cost.
+  double least = 1e9;
+  std::vector<double> veth_ms;
+  std::vector<double> link_ms;
+  for (int window = 0; window < 20; ++window) {
+    const auto veth = round_trips(kOverVeth, 100, milliseconds(1000));
+    const auto link = round_trips(kOverLink, 100, milliseconds(1000));
+    least = std::min(least, at(link, 0.5) - at(veth, 0.5));
+    veth_ms.insert(veth_ms.end(), veth.begin(), veth.end());
+    link_ms.insert(link_ms.end(), link.begin(), link.end());
+  }
+  std::printf(
+      "RTT p50 / p99 / max: veth %.3f / %.3f / %.3f ms, link %.3f / %.3f / %.3f ms; least added %.3f ms\n",
+      at(veth_ms, 0.5), at(veth_ms, 0.99), at(veth_ms, 1), at(link_ms, 0.5), at(link_ms, 0.99),
+      at(link_ms, 1), least);
+  EXPECT_LE(least, 0.2);
+  EXPECT_EQ(stop_link(), 0);
+}
+
+TEST_F(NetemLink, CarriesFiveThousandPacketsASecondWithoutLoss) {
+  start_link("lan");
+  constexpr int kPackets = 10'000;
+  constexpr std::size_t kBytes = 300;
+  const int fd = udp_socket();
+  const sockaddr_in to = address(kOverLink);
+  std::vector<bool> back(kPackets, false);
+  int received = 0;
+  const auto receive = [&](int wait_ms) {
+    pollfd ready{fd, POLLIN, 0};
+    if (::poll(&ready, 1, wait_ms) <= 0) return false;
+    int index[kBytes / sizeof(int)];
+    while (::recv(fd, index, sizeof(index), MSG_DONTWAIT) > 0) {
+      if (index[0] >= 0 && index[0] < kPackets && !back[index[0]]) {
+        back[index[0]] = true;
+        ++received;
+      }
+    }
+    return true;
+  };
+  const auto start = Clock::now();
+  for (int i = 0; i < kPackets; ++i) {
+    std::this_thread::sleep_until(start + i * std::chrono::microseconds(200));
+    int packet[kBytes / sizeof(int)] = {i};
+    ASSERT_EQ(::sendto(fd, packet, sizeof(packet), 0, reinterpret_cast<const sockaddr*>(&to), sizeof(to)),
+              static_cast<ssize_t>(sizeof(packet)));
+    receive(0);
+  }
+  const double sent_s = ms_since(start) / 1e3;
+  while (received < kPackets && receive(1000)) {
+  }
+  ::close(fd);
+  std::printf("%d of %d packets came back, sent at %.0f a second\n", received, kPackets, kPackets / sent_s);
+  EXPECT_EQ(received, kPackets);
+  EXPECT_EQ(stop_link(), 0);
+}
+
+}  // namespace
