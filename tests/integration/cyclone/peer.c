@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// A foreign peer in Telekerf's cell: announces an event, waits for the latched contour and one state block, prints both.
+// Usage: cyclone_peer DOMAIN CELL
+#include <dds/dds.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "telekerf.h"
+
+static dds_qos_t* qos_of(const char* cell, int reliable, int latched) {
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_partition1(qos, cell);
+  dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, DDS_SECS(1));
+  dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, latched ? 1 : 16);
+  return qos;
+}
+
+// Takes one sample into *sample, within 20 s. Exits with 1 if none comes.
+static void take_one(dds_entity_t reader, void** sample, const char* what) {
+  dds_sample_info_t info;
+  for (int i = 0; i < 2000; ++i) {
+    if (dds_take(reader, sample, &info, 1, 1) > 0 && info.valid_data) return;
+    dds_sleepfor(DDS_MSECS(10));
+  }
+  fprintf(stderr, "no %s\n", what);
+  exit(1);
+}
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
+  const dds_entity_t contours =
+      dds_create_topic(participant, &telekerf_wire_Contour_desc, "telekerf/contour", NULL, NULL);
+  const dds_entity_t states =
+      dds_create_topic(participant, &telekerf_wire_StateBlock_desc, "telekerf/state", NULL, NULL);
+  const dds_entity_t events = dds_create_topic(participant, &telekerf_wire_Event_desc, "telekerf/event", NULL, NULL);
+
+  // The partition belongs to publisher and subscriber.
+  dds_qos_t* in_cell = qos_of(argv[2], 0, 0);
+  const dds_entity_t subscriber = dds_create_subscriber(participant, in_cell, NULL);
+  const dds_entity_t publisher = dds_create_publisher(participant, in_cell, NULL);
+  dds_qos_t* latched = qos_of(argv[2], 1, 1);
+  dds_qos_t* reliable = qos_of(argv[2], 1, 0);
+  const dds_entity_t contour_reader = dds_create_reader(subscriber, contours, latched, NULL);
+  const dds_entity_t state_reader = dds_create_reader(subscriber, states, in_cell, NULL);
+  const dds_entity_t event_writer = dds_create_writer(publisher, events, reliable, NULL);
+  dds_delete_qos(in_cell);
+  dds_delete_qos(latched);
+  dds_delete_qos(reliable);
+
+  void* sample = telekerf_wire_Contour__alloc();
+  take_one(contour_reader, &sample, "contour");
+  const telekerf_wire_Contour* contour = sample;
+  double sum = 0.0;
+  for (uint32_t i = 0; i < contour->points._length; ++i) {
+    sum += contour->points._buffer[i].x_m - 2.0 * contour->points._buffer[i].y_m;
+  }
+  printf("contour %u %u %d %s %s %u %.17g\n", (unsigned)contour->contract, (unsigned)contour->id, contour->closed,
+         contour->source, contour->mode, (unsigned)contour->points._length, sum);
+  telekerf_wire_Contour_free(sample, DDS_FREE_ALL);
+
+  sample = telekerf_wire_StateBlock__alloc();
+  take_one(state_reader, &sample, "state");
+  const telekerf_wire_StateBlock* state = sample;
+  unsigned octets = 0;
+  for (uint32_t i = 0; i < state->payload._length; ++i) octets = octets * 31u + state->payload._buffer[i];
+  printf("state %u %" PRIu64 " %.9g %.9g %d %" PRId64 " %u %u\n", (unsigned)state->number, state->applied_bitmap,
+         (double)state->anchor.position_m[2], (double)state->anchor.velocity_m_per_s[0], (int)state->interlock,
+         state->echo_received_ns, (unsigned)state->payload._length, octets);
+  const uint16_t contract = state->contract;
+  telekerf_wire_StateBlock_free(sample, DDS_FREE_ALL);
+
+  telekerf_wire_Event event = {.contract = contract, .epoch = 7, .kind = 4, .value = 0.5, .text = "from elsewhere"};
+  for (int i = 0; i < 2000; ++i) {
+    dds_publication_matched_status_t status;
+    dds_get_publication_matched_status(event_writer, &status);
+    if (status.current_count > 0) break;
+    dds_sleepfor(DDS_MSECS(10));
+  }
+  dds_write(event_writer, &event);
+  dds_wait_for_acks(event_writer, DDS_SECS(10));
+  dds_delete(participant);
+  return 0;
+}

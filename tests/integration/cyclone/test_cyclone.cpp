@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cyclone DDS reads our latched contour and our stream, and we read its event.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <future>
+#include <string>
+
+#include "tests/unit/bus/cell.h"
+#include "tests/unit/bus/samples.h"
+
+namespace telekerf {
+namespace {
+
+/// What the peer prints, line by line.
+std::string run_peer(const BusSettings& settings) {
+  const std::string command = fmt::format("{} {} {}", TELEKERF_CYCLONE_PEER, settings.domain, settings.cell);
+  std::string printed;
+  FILE* pipe = popen(command.c_str(), "r");
+  std::array<char, 1024> line{};
+  while (fgets(line.data(), line.size(), pipe) != nullptr) printed += line.data();
+  EXPECT_EQ(pclose(pipe), 0);
+  return printed;
+}
+
+TEST(Cyclone, AForeignPeerReadsAndWritesTheContract) {
+  samples::Random random(1);
+  const ContourMessage contour = samples::contour(random, 3000);
+  const StateBlock state = samples::state(random, 60);
+  double sum = 0.0;
+  for (const Vec2& point : contour.points_m) sum += point.x() - 2.0 * point.y();
+  unsigned octets = 0;
+  for (const std::uint8_t byte : state.payload.view()) octets = octets * 31u + byte;
+
+  Bus slave(settings("slave", Site::kSlave));
+  Writer<ContourMessage> contours(slave);
+  Writer<StateBlock> states(slave);
+  Reader<EventMessage> events(slave);
+  ASSERT_TRUE(contours.write(contour));  // before the peer is there
+
+  auto printed = std::async(std::launch::async, run_peer, slave.settings());
+  while (printed.wait_for(10ms) != std::future_status::ready) ASSERT_TRUE(states.write(state));
+  EXPECT_EQ(printed.get(),
+            fmt::format("contour {} {} {} leaf.png outline 3000 {:.17g}\n", kContractVersion, contour.id,
+                        contour.closed ? 1 : 0, sum) +
+                fmt::format("state {} {} {:.9g} {:.9g} {} {} 60 {}\n", state.sequence, state.applied_bitmap,
+                            state.anchor.position_m.z(), state.anchor.velocity_m_per_s.x(),
+                            static_cast<int>(state.interlock), state.echo_received_ns, octets));
+  const auto event = take_soon(events);
+  ASSERT_TRUE(event);
+  EXPECT_EQ(event->value.epoch, 7u);
+  EXPECT_EQ(event->value.kind, EventMessage::Kind::kSetBeta);
+  EXPECT_EQ(event->value.value, 0.5);
+  EXPECT_EQ(event->value.text, "from elsewhere");
+}
+
+}  // namespace
+}  // namespace telekerf

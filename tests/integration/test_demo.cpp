@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// The real processes on loopback: a cut across 50 ms each way, and what each process refuses.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/integration/programs.h"
+
+namespace telekerf::integration {
+namespace {
+
+using std::chrono::seconds;
+
+std::vector<std::string> bus(const std::string& netem, std::vector<std::string> more) {
+  std::vector<std::string> all = {"--domain", own_domain(), "--cell", "test", "--netem", netem};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+std::set<std::string> shared_memory() {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
+    names.insert(entry.path().filename());
+  return names;
+}
+
+TEST(Demo, CutsAHeartAcross50MsEachWay) {
+  const auto litter_before = shared_memory();
+  const std::string out = (Program::scratch() / "cut").string();
+  {
+    Program vision("telekerf-vision", bus("thesis-constant", {"--image", "heart"}));
+    Program slave("telekerf-slave", bus("thesis-constant", {"--record", out}));
+    Program master("telekerf-master",
+                   bus("thesis-constant", {"--record", out, "--engage", "--duration-s", "12"}));
+    ASSERT_EQ(master.wait(seconds(60)), 0) << master.output() << slave.output() << vision.output();
+    slave.interrupt();
+    vision.interrupt();
+    EXPECT_EQ(slave.wait(seconds(10)), 0) << slave.output();
+    EXPECT_EQ(vision.wait(seconds(10)), 0) << vision.output();
+  }
+  Program inspect("telekerf-inspect", {"run", out});
+  ASSERT_EQ(inspect.wait(seconds(30)), 0) << inspect.output();
+  const auto report = nlohmann::json::parse(std::ifstream(out + "/report.json"));
+  EXPECT_LE(report["constraint"]["rms_um"].get<double>(), 150.0) << report.dump(2);
+  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0) << report.dump(2);
+  EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
+  EXPECT_GE(report["cut"]["coverage"].get<double>(), 0.5) << "12 s of hand motion";
+  // Nothing arrives before its due time; how much later is the machine's affair.
+  EXPECT_GE(report["link"]["rtt_ms"]["p50"].get<double>(), 100.0);
+  EXPECT_TRUE(std::filesystem::exists(out + "/cut.png"));
+  EXPECT_TRUE(std::filesystem::exists(out + "/trace.csv"));
+  for (const auto& name : shared_memory()) {
+    EXPECT_TRUE(litter_before.contains(name) || name.find("fast") == std::string::npos) << name;
+  }
+}
+
+TEST(Demo, ASecondMasterIsRefusedAndTheFirstCarriesOn) {
+  Program first("telekerf-master", bus("none", {}));
+  ASSERT_TRUE(first.says("ready", seconds(20))) << first.output();
+  Program second("telekerf-master", bus("none", {}));
+  EXPECT_EQ(second.wait(seconds(20)), 2) << second.output();
+  EXPECT_NE(second.output().find("master"), std::string::npos) << second.output();
+  EXPECT_TRUE(first.running());
+  first.interrupt();
+  EXPECT_EQ(first.wait(seconds(10)), 0) << first.output();
+}
+
+TEST(Demo, AMasterStartedLateStillGetsTheContour) {
+  Program vision("telekerf-vision", bus("none", {"--image", "gear"}));
+  ASSERT_TRUE(vision.says("gear", seconds(20)));
+  std::this_thread::sleep_for(seconds(3));
+  Program master("telekerf-master", bus("none", {}));
+  EXPECT_TRUE(master.says("moving to the contour", seconds(20))) << master.output();
+}
+
+TEST(Demo, AMasterAloneGivesUpWithAHint) {
+  Program master("telekerf-master", {"--domain", own_domain(), "--cell", "empty", "--engage", "--duration-s",
+                                     "1", "--wait-s", "1"});
+  EXPECT_EQ(master.wait(seconds(20)), 2) << master.output();
+  EXPECT_TRUE(master.says("nobody to work with for 1 s in cell 'empty'", seconds(1))) << master.output();
+}
+
+struct Refused {
+  const char* name;
+  const char* program;
+  const char* flag;
+  const char* value;     ///< with `file`: the file's name
+  const char* file;      ///< null, or what stands in a file that the value names
+  const char* sentence;  ///< part of what is said
+};
+
+class Refusals : public testing::TestWithParam<Refused> {};
+
+TEST_P(Refusals, OneSentenceAndExitCodeTwo) {
+  const Refused& wrong = GetParam();
+  std::string value = wrong.value;
+  if (wrong.file != nullptr) {
+    value = (Program::scratch() / wrong.value).string();
+    std::ofstream(value, std::ios::binary) << wrong.file;
+  }
+  Program program(wrong.program, {wrong.flag, value});
+  EXPECT_EQ(program.wait(seconds(30)), 2) << program.output();
+  const std::string said = program.output();
+  EXPECT_NE(said.find(wrong.sentence), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    BadInput, Refusals,
+    testing::Values(
+        Refused{"MissingImage", "telekerf-vision", "--image", "/nowhere/picture.png", nullptr,
+                "/nowhere/picture.png"},
+        Refused{"UnreadableImage", "telekerf-vision", "--image", "no.png", "not a picture", "no.png"},
+        Refused{"UnknownKey", "telekerf-slave", "--config", "typo.toml", "contrl_hz = 1000\n",
+                "unknown key 'contrl_hz'"},
+        Refused{"OutOfBounds", "telekerf-master", "--beta", "99", nullptr,
+                "beta = 99: must lie within [0.01, 10]"},
+        Refused{"UnknownFlag", "telekerf-master", "--no-such-flag", "1", nullptr, "no-such-flag"},
+        Refused{"UnknownProfile", "telekerf-slave", "--netem", "mars", nullptr,
+                "'mars' is neither a file nor one of"},
+        Refused{"ProfileOutOfRange", "telekerf-slave", "--netem", "bad.toml",
+                "[forward]\ndelay_ms = -5\n[backward]\ndelay_ms = 5\n", "-5"},
+        Refused{"ImpossibleGeometry", "telekerf-slave", "--robot", "robot.toml",
+                "[geometry]\nbase_radius_m = -1\n", "robot.toml"},
+        Refused{"ContourTooLarge", "telekerf-vision", "--width-mm", "900", nullptr, "--width-mm"}),
+    [](const auto& wrong) { return std::string(wrong.param.name); });
+
+}  // namespace
+}  // namespace telekerf::integration

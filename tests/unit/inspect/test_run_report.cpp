@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// The measures of contract.md on runs whose errors are known by construction.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "common/inspect/run_report.h"
+#include "common/runtime/refusal.h"
+
+namespace telekerf::inspect {
+namespace {
+
+/// A circle of 10 mm radius; the master runs on 20 mm (beta 0.5) `out` metres outside, the slave applies each
+/// tick 30 ticks later with a radial error of `off` metres; the laser burns over the first half of the
+/// circle.
+RunRecord circle_run(double out, double off) {
+  RunRecord record;
+  for (int i = 0; i < 3600; ++i) {
+    record.contour_m.push_back({0.01 * std::cos(i * M_PI / 1800), 0.01 * std::sin(i * M_PI / 1800)});
+  }
+  for (int i = 0; i < 1000; ++i) {
+    const double angle = i * 2 * M_PI / 1000;
+    MasterRow row;
+    row.tick = 500 + static_cast<std::uint64_t>(i);
+    row.t_s = i * 1e-3;
+    row.tool_m = {(0.02 + out) * std::cos(angle), (0.02 + out) * std::sin(angle), 0.0};
+    row.guided = row.engaged = true;
+    record.master.push_back(row);
+  }
+  for (int i = 0; i < 1000; ++i) {
+    const double angle = i * 2 * M_PI / 1000;
+    SlaveRow row;
+    row.tick = 40 + static_cast<std::uint64_t>(i);
+    row.t_s = (i + 30) * 1e-3;
+    row.applied = 500 + i;
+    const double radius = 0.5 * (0.02 + out) + off;
+    row.tool_m = {radius * std::cos(angle), radius * std::sin(angle), 0.0};
+    row.ref_m = row.tool_m;
+    row.settled = true;
+    row.laser_w = i < 500 ? 4.0 : 0.0;
+    record.slave.push_back(row);
+  }
+  record.master_figures["beta"] = 0.5;
+  return record;
+}
+
+TEST(RunReport, MeasuresConstraintTrackingAndCutWithoutAnyFittedShift) {
+  const auto report = make_report(circle_run(100e-6, 30e-6));
+  EXPECT_NEAR(report["constraint"]["rms_um"].get<double>(), 100.0, 0.1);
+  EXPECT_NEAR(report["constraint"]["max_um"].get<double>(), 100.0, 0.1);
+  EXPECT_NEAR(report["tracking"]["rms_um"].get<double>(), 30.0, 0.01);
+  EXPECT_NEAR(report["cut"]["rms_um"].get<double>(), 80.0, 0.1);
+  EXPECT_NEAR(report["cut"]["coverage"].get<double>(), 0.5, 0.005);
+  EXPECT_NEAR(report["cut"]["laser_on_s"].get<double>(), 0.5, 1e-6);
+  EXPECT_NEAR(report["cut"]["energy_inside_j"].get<double>(), 2.0, 1e-6);
+  EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
+  EXPECT_NEAR(report["contour"]["length_m"].get<double>(), 0.02 * M_PI, 1e-6);
+}
+
+TEST(RunReport, EnergyBeyondTheCorridorIsCountedAndReachesNothing) {
+  const auto report = make_report(circle_run(0.0, 0.6e-3));
+  EXPECT_EQ(report["cut"]["energy_inside_j"].get<double>(), 0.0);
+  EXPECT_NEAR(report["cut"]["energy_outside_corridor_j"].get<double>(), 2.0, 1e-6);
+  EXPECT_EQ(report["cut"]["coverage"].get<double>(), 0.0);
+}
+
+TEST(RunReport, TicksThatAreNotSettledOrNotAppliedAreNotTracking) {
+  RunRecord record = circle_run(0.0, 20e-6);
+  for (std::size_t i = 0; i < 500; ++i) {
+    record.slave[i].tool_m[0] += 0.005;
+    (i % 2 == 0 ? record.slave[i].settled = false : record.slave[i].applied = -1.0);
+  }
+  const auto report = make_report(record);
+  EXPECT_NEAR(report["tracking"]["max_um"].get<double>(), 20.0, 0.01);
+  EXPECT_EQ(report["tracking"]["samples"].get<int>(), 500);
+}
+
+TEST(RunReport, ARunWithoutMotionHasNoErrorsRatherThanZeroErrors) {
+  RunRecord record = circle_run(0.0, 0.0);
+  record.master.clear();
+  record.slave.clear();
+  const auto report = make_report(record);
+  EXPECT_TRUE(report["tracking"]["rms_um"].is_null());
+  EXPECT_TRUE(report["constraint"]["rms_um"].is_null());
+  EXPECT_EQ(report["cut"]["coverage"].get<double>(), 0.0);
+}
+
+TEST(RunRecord, WhatIsWrittenIsReadAgainBitForBit) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "run_record";
+  RunRecord record = circle_run(1.0 / 3e4, 1e-7 / 3);
+  record.slave_figures["lost"] = 3;
+  record.words["law"] = "local";
+  write_contour(folder, record);
+  write_master(folder, record);
+  write_slave(folder, record);
+  EXPECT_EQ(make_report(read_run(folder)).dump(), make_report(record).dump());
+  write_report(folder, record);
+  EXPECT_TRUE(std::filesystem::exists(folder / "cut.png"));
+  std::ifstream trace(folder / "trace.csv");
+  std::string header;
+  std::getline(trace, header);
+  EXPECT_EQ(header,
+            "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w");
+}
+
+TEST(RunRecord, ADamagedFileIsRefusedByNameAndLine) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "run_damaged";
+  const RunRecord record = circle_run(0, 0);
+  write_contour(folder, record);
+  write_master(folder, record);
+  write_slave(folder, record);
+  std::ofstream(folder / "slave.csv", std::ios::app) << "1,2,three\n";
+  try {
+    (void)read_run(folder);
+    FAIL() << "accepted";
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("slave.csv: line 1002"), std::string::npos) << refusal.what();
+  }
+  EXPECT_THROW((void)read_run(folder / "nowhere"), Refusal);
+}
+
+}  // namespace
+}  // namespace telekerf::inspect
