@@ -145,11 +145,20 @@ struct Reader<T>::Impl : dds::DataReaderListener {
     matched.fetch_add(status.current_count_change, std::memory_order_relaxed);
   }
 
-  /// In a thread of the middleware: take, judge, stamp, hand over. Several of its threads may come (the
-  /// socket's and the emulated link's), so the ring's one producer is whoever holds the mutex.
+  /// In a thread of the middleware: take, judge, stamp, hand over. Several of its threads may come, each with
+  /// locks of the middleware that taking needs as well, so nobody waits here: whoever comes second leaves the
+  /// work to the first, who goes round once more. So the ring has one producer at a time.
   void on_data_available(dds::DataReader* source) override {
+    if (calls.fetch_add(1, std::memory_order_acq_rel) != 0) return;
+    unsigned answered = 0;
+    do {
+      answered = calls.load(std::memory_order_acquire);
+      drain(source);
+    } while (calls.fetch_sub(answered, std::memory_order_acq_rel) != answered);
+  }
+
+  void drain(dds::DataReader* source) {
     const std::int64_t now_ns = monotonic_ns();
-    const std::lock_guard lock(producers);
     dds::SampleInfo info;
     while (true) {
       undecodable = false;
@@ -184,7 +193,7 @@ struct Reader<T>::Impl : dds::DataReaderListener {
 
   std::shared_ptr<Bus::Participant> participant;
   dds::DataReader* reader = nullptr;
-  std::mutex producers;
+  std::atomic<unsigned> calls{0};
   typename bus::Topic<T>::Type::type wire;
   Ring<Received<T>> ring;
   std::atomic<int> matched{0};
