@@ -7,6 +7,7 @@
 
 #include "common/inspect/commands.h"
 #include "common/inspect/robot_picture.h"
+#include "common/robot/hall_sensor.h"
 #include "common/robot/robot_model.h"
 #include "common/runtime/refusal.h"
 
@@ -21,6 +22,7 @@ struct Options {
   std::string robot;
   std::vector<double> ik, fk, jacobian;
   bool workspace = false;
+  bool hall = false;
   std::string picture;
 };
 
@@ -65,6 +67,19 @@ Json workspace(const robot::RobotModel& model, const robot::DeltaKinematics& kin
           {"worst_condition", robot::worst_condition(kinematics, w)}};
 }
 
+/// Error of the Hall positions over the stroke, without and with calibration; one joint, sensors drawn from
+/// seed 1.
+Json hall(const robot::RobotModel& model) {
+  const robot::HallAccuracy before =
+      robot::hall_accuracy(model.sensor, model.geometry.stroke_max_m - model.geometry.stroke_min_m, 1, false);
+  const robot::HallAccuracy after =
+      robot::hall_accuracy(model.sensor, model.geometry.stroke_max_m - model.geometry.stroke_min_m, 1, true);
+  return {{"robot", model.name},
+          {"pitch_m", model.sensor.pitch_m},
+          {"before", {{"rms_m", before.rms_m}, {"worst_m", before.worst_m}}},
+          {"after", {{"rms_m", after.rms_m}, {"worst_m", after.worst_m}}}};
+}
+
 int run(const Options& options) {
   const robot::RobotModel model = robot::load_robot(options.robot);
   const robot::DeltaKinematics kinematics(model.geometry);
@@ -79,6 +94,8 @@ int run(const Options& options) {
     if (!options.jacobian.empty()) {
       out["jacobian"] = json_of(value_or_refuse(kinematics.jacobian(joints, tool), model.name));
     }
+  } else if (options.hall) {
+    out = hall(model);
   } else {
     out = workspace(model, kinematics);
     if (!options.picture.empty()) {
@@ -106,6 +123,7 @@ void add_robot_command(CLI::App& app, Action& action) {
       ->type_name("D1 D2 D3");
   auto* workspace =
       what->add_flag("--workspace", options->workspace, "Largest upright cylinder, conditioning");
+  what->add_flag("--hall", options->hall, "Position error of the Hall sensors before and after calibration");
   what->require_option(1);
   command->add_option("--picture", options->picture, "Draw the workspace into this file (PNG)")
       ->needs(workspace);

@@ -170,4 +170,29 @@ double HallDecoder::update(const HallCounts& counts) noexcept {
   return position_m_;
 }
 
+HallAccuracy hall_accuracy(const Sensor& spec, double path_m, std::uint64_t seed, bool calibrated) {
+  constexpr int kSamples = 4000;
+  HallSensor sensor(spec, seed);
+  std::vector<HallCounts> sweep;
+  for (int i = 0; i < kSamples; ++i) sweep.push_back(sensor.sample(2 * spec.pitch_m * i / kSamples));
+  const auto calibration = calibrated ? calibrate_hall(sweep, spec.adc_bits) : std::nullopt;
+  HallDecoder decoder(spec.pitch_m, spec.adc_bits, calibration.value_or(HallCalibration{}));
+  decoder.update(sensor.sample(0));
+  decoder.home(0);
+  std::vector<double> errors;
+  double mean = 0;
+  for (int i = 0; i <= 2 * kSamples; ++i) {
+    const double share = 1 - std::abs(1 - static_cast<double>(i) / kSamples);
+    errors.push_back(decoder.update(sensor.sample(share * path_m)) - share * path_m);
+    mean += errors.back() / (2 * kSamples + 1);
+  }
+  HallAccuracy accuracy;
+  for (const double error : errors) {
+    accuracy.worst_m = std::max(accuracy.worst_m, std::abs(error - mean));
+    accuracy.rms_m += (error - mean) * (error - mean);
+  }
+  accuracy.rms_m = std::sqrt(accuracy.rms_m / static_cast<double>(errors.size()));
+  return accuracy;
+}
+
 }  // namespace telekerf::robot

@@ -82,4 +82,14 @@ class HallDecoder {
   double amplitude_ = 0;
 };
 
+/// Position error over a path there and back, its mean (which homing removes) taken out.
+struct HallAccuracy {
+  double rms_m = 0;
+  double worst_m = 0;
+};
+
+/// Accuracy of one joint with sensors drawn from `seed`, read as ideal ones or through a calibration of their
+/// own.
+HallAccuracy hall_accuracy(const Sensor& sensor, double path_m, std::uint64_t seed, bool calibrated);
+
 }  // namespace telekerf::robot

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// A robot in another process: the hardware seam over UDP, one datagram each way a step.
+//
+// The smallest possible drive, to copy from (docs/attach-a-drive.md). Lost datagrams cost a step, never an
+// offset: positions are absolute. For one host or a wire of its own; there is no protection against a
+// stranger's datagrams.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <cstdint>
+#include <string>
+
+#include "common/robot/robot.h"
+#include "common/robot/simulated_robot.h"
+
+namespace telekerf::robot {
+
+/// Currents, controller -> drive. Little endian, as all fields of both datagrams.
+struct UdpCurrents {
+  static constexpr std::uint32_t kMagic = 0x43554b54;
+  std::uint32_t magic = kMagic;
+  std::uint32_t reserved = 0;
+  std::uint64_t sequence = 0;
+  double currents_a[3] = {0, 0, 0};
+};
+
+/// Reading, drive -> controller; the answer to each UdpCurrents.
+struct UdpReading {
+  static constexpr std::uint32_t kMagic = 0x52554b54;
+  std::uint32_t magic = kMagic;
+  std::uint32_t valid = 0;
+  std::uint64_t sequence = 0;  ///< of the currents that it answers
+  std::uint64_t tick = 0;
+  std::int64_t time_ns = 0;
+  double joints_m[3] = {0, 0, 0};
+};
+
+/// Controller's side. Neither call blocks: a datagram that is not there yet makes read() invalid.
+class UdpRobot final : public Robot {
+ public:
+  /// Throws Refusal if the address cannot be resolved or opened.
+  UdpRobot(const std::string& host, std::uint16_t port);
+
+  /// Newest answer that has arrived; invalid if none has come since the last call.
+  JointReading read() noexcept override;
+  void write(const Vec3& currents_a) noexcept override;
+  Capabilities capabilities() const override;
+
+  /// Datagrams that could not be sent or were not an answer of a drive.
+  std::uint64_t dropped() const noexcept { return dropped_; }
+
+ private:
+  boost::asio::io_context context_;
+  boost::asio::ip::udp::socket socket_;
+  boost::asio::ip::udp::endpoint drive_;
+  std::uint64_t sequence_ = 0;
+  std::uint64_t newest_ = 0;
+  std::uint64_t dropped_ = 0;
+};
+
+/// The drive's side: a simulated robot that moves one period for each datagram of currents, and answers with
+/// its reading. Without datagrams nothing moves.
+class UdpDrive {
+ public:
+  /// Binds to `port` of the loopback interface; 0: any free one, see port().
+  UdpDrive(SimulatedRobot& plant, std::uint16_t port, double period_s);
+
+  std::uint16_t port() const { return socket_.local_endpoint().port(); }
+  /// Serves what arrives within `seconds`; returns the number of steps.
+  std::uint64_t serve_for(double seconds);
+
+ private:
+  void receive();
+
+  SimulatedRobot& plant_;
+  double period_s_;
+  boost::asio::io_context context_;
+  boost::asio::ip::udp::socket socket_;
+  boost::asio::ip::udp::endpoint from_;
+  UdpCurrents incoming_;
+  std::uint64_t last_sequence_ = 0;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace telekerf::robot

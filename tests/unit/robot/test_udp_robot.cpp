@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// The hardware seam with a robot in another process: the controller below knows nothing but `Robot`.
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "common/control/acceleration_control.h"
+#include "common/robot/udp_robot.h"
+#include "common/runtime/refusal.h"
+
+namespace telekerf::robot {
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+
+/// Forks a process that is the drive of `model`, resting in its workspace's centre; ends it when destroyed.
+class DriveProcess {
+ public:
+  explicit DriveProcess(const RobotModel& model) {
+    int ends[2];
+    if (pipe(ends) != 0) throw Refusal("no pipe");
+    pid_ = fork();
+    if (pid_ == 0) {
+      SimulatedRobot plant(model, 3, model.workspace.centre_m);
+      UdpDrive drive(plant, 0, kPeriod_s);
+      const std::uint16_t port = drive.port();
+      const bool told = write(ends[1], &port, sizeof(port)) == sizeof(port);
+      if (told) drive.serve_for(60);
+      _exit(0);
+    }
+    pollfd wait{ends[0], POLLIN, 0};
+    if (poll(&wait, 1, 20000) != 1 || read(ends[0], &port_, sizeof(port_)) != sizeof(port_)) port_ = 0;
+    close(ends[0]);
+    close(ends[1]);
+  }
+  ~DriveProcess() {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  DriveProcess(const DriveProcess&) = delete;
+  DriveProcess& operator=(const DriveProcess&) = delete;
+
+  std::uint16_t port() const { return port_; }
+
+ private:
+  pid_t pid_ = -1;
+  std::uint16_t port_ = 0;
+};
+
+/// Holds the tool at `goal` (base frame) for `steps` steps through any robot; returns the last measured tool.
+Vec3 hold(Robot& robot, const RobotModel& model, const Vec3& goal, int steps) {
+  const DeltaKinematics kinematics(model.geometry);
+  control::AccelerationControl control(
+      control::AccelerationControl::settings_for(model, {kPeriod_s, 200, 600}));
+  control.reset(*kinematics.inverse(model.workspace.centre_m));
+  Vec3 tool = model.workspace.centre_m;
+  for (int i = 0; i < steps; ++i) {
+    JointReading reading = robot.read();
+    for (int wait = 0; wait < 200 && i > 0 && !reading.valid; ++wait) {
+      std::this_thread::sleep_for(std::chrono::microseconds(50));
+      reading = robot.read();
+    }
+    control.observe(reading);
+    const auto state = kinematics.state(control.joints_m(), control.joint_velocity_m_per_s());
+    if (!state) return Vec3::Zero();
+    tool = state->tool_m;
+    const Vec3 wanted = 2500 * (goal - tool) - 100 * state->tool_velocity_m_per_s;
+    robot.write(control.currents(state->joint_acceleration(wanted), joint_inertia(model, *state),
+                                 control.disturbance_n()));
+  }
+  return tool;
+}
+
+TEST(UdpRobot, ARobotInAnotherProcessIsControlledLikeAnyOther) {
+  const RobotModel model = load_robot("slave-keops");
+  const DriveProcess process(model);
+  ASSERT_NE(process.port(), 0);
+  UdpRobot robot("127.0.0.1", process.port());
+  const Vec3 goal = model.workspace.centre_m + Vec3(0.005, -0.003, 0.001);
+  const Vec3 tool = hold(robot, model, goal, 1500);
+  EXPECT_LT((tool - goal).norm(), 20e-6);
+  EXPECT_EQ(robot.dropped(), 0u);
+}
+
+TEST(UdpRobot, NothingThereIsAnInvalidReadingNotAWait) {
+  UdpRobot robot("127.0.0.1", 9);  // nobody answers
+  for (int i = 0; i < 10; ++i) {
+    robot.write(Vec3::Zero());
+    EXPECT_FALSE(robot.read().valid);
+  }
+  EXPECT_THROW(UdpRobot("no.such.host.invalid", 9), Refusal);
+}
+
+TEST(UdpRobot, StrangersAreNotTakenAndNothingIsReadTwice) {
+  const RobotModel model = load_robot("slave-keops");
+  SimulatedRobot plant(model, 3, model.workspace.centre_m);
+  UdpDrive drive(plant, 0, kPeriod_s);
+  UdpRobot robot("127.0.0.1", drive.port());
+  boost::asio::io_context context;
+  boost::asio::ip::udp::socket stranger(context, boost::asio::ip::udp::v4());
+  const std::string nonsense(40, 'x');
+  stranger.send_to(boost::asio::buffer(nonsense), {boost::asio::ip::address_v4::loopback(), drive.port()});
+  robot.write(Vec3::Zero());
+  EXPECT_EQ(drive.serve_for(0.05), 1u);  // the nonsense moved nothing
+  const JointReading reading = robot.read();
+  EXPECT_TRUE(reading.valid);
+  EXPECT_LT((reading.joints_m - plant.true_state().joints_m).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_FALSE(robot.read().valid);  // nothing new
+}
+
+}  // namespace
+}  // namespace telekerf::robot
