@@ -72,34 +72,6 @@ std::vector<std::pair<std::size_t, std::size_t>> runs_of_bad(const std::vector<b
   return runs;
 }
 
-/// A cubic through both sides of each junction, which continues each side's direction.
-void bridge(std::vector<Vec2>& p, const std::vector<bool>& junction, bool closed) {
-  const std::size_t n = p.size();
-  std::vector<bool> good(n);
-  for (std::size_t i = 0; i < n; ++i) good[i] = !junction[i];
-  for (const auto& [first, last] : runs_of_bad(good, closed)) {
-    if (!closed && (first == 0 || last == n - 1)) continue;
-    const std::size_t a = (first + n - 1) % n;
-    const std::size_t b = (last + 1) % n;
-    const double gap = (p[b] - p[a]).norm();
-    const auto reach = std::clamp<std::size_t>(static_cast<std::size_t>(0.5 * gap), 2, 12);
-    if (!closed && (a < reach || b + reach >= n)) continue;
-    const Vec2 in = p[a] - p[(a + n - reach) % n];
-    const Vec2 out = p[(b + reach) % n] - p[b];
-    if (!(gap > 0.0) || !(in.norm() > 0.0) || !(out.norm() > 0.0)) continue;
-    const Vec2 m0 = gap * in.normalized();
-    const Vec2 m1 = gap * out.normalized();
-    const auto steps = static_cast<double>(last - first + 2);
-    for (std::size_t i = first; i <= last; ++i) {
-      const double t = static_cast<double>(i - first + 1) / steps;
-      const double t2 = t * t;
-      const double t3 = t2 * t;
-      p[i % n] =
-          (2 * t3 - 3 * t2 + 1) * p[a] + (t3 - 2 * t2 + t) * m0 + (3 * t2 - 2 * t3) * p[b] + (t3 - t2) * m1;
-    }
-  }
-}
-
 /// Keeps each point's mark while the line is given evenly spaced points.
 void space_evenly(std::vector<Vec2>& p, std::vector<bool>& junction, bool closed) {
   const geometry::Polyline line{p, closed};
@@ -194,6 +166,33 @@ void set_end(const Field& field, std::vector<Vec2>& p, double width_px) {
 }
 
 }  // namespace
+
+void bridge(std::vector<Vec2>& p, const std::vector<bool>& junction, bool closed) {
+  const std::size_t n = p.size();
+  std::vector<bool> good(n);
+  for (std::size_t i = 0; i < n; ++i) good[i] = !junction[i];
+  for (const auto& [first, last] : runs_of_bad(good, closed)) {
+    if (!closed && (first == 0 || last == n - 1)) continue;
+    const std::size_t a = (first + n - 1) % n;
+    const std::size_t b = (last + 1) % n;
+    const double gap = (p[b] - p[a]).norm();
+    const auto reach = std::clamp<std::size_t>(static_cast<std::size_t>(0.5 * gap), 2, 12);
+    if (!closed && (a < reach || b + reach >= n)) continue;
+    const Vec2 in = p[a] - p[(a + n - reach) % n];
+    const Vec2 out = p[(b + reach) % n] - p[b];
+    if (!(gap > 0.0) || !(in.norm() > 0.0) || !(out.norm() > 0.0)) continue;
+    const Vec2 m0 = gap * in.normalized();
+    const Vec2 m1 = gap * out.normalized();
+    const auto steps = static_cast<double>(last - first + 2);
+    for (std::size_t i = first; i <= last; ++i) {
+      const double t = static_cast<double>(i - first + 1) / steps;
+      const double t2 = t * t;
+      const double t3 = t2 * t;
+      p[i % n] =
+          (2 * t3 - 3 * t2 + 1) * p[a] + (t3 - 2 * t2 + t) * m0 + (3 * t2 - 2 * t3) * p[b] + (t3 - t2) * m1;
+    }
+  }
+}
 
 PixelContour centred(const Field& field, const Route& route, double width_px) {
   PixelContour out;

@@ -10,6 +10,7 @@
 
 #include "common/vision/corners.h"
 #include "common/vision/modes.h"
+#include "common/vision/thesis_tracker.h"
 
 namespace telekerf::vision {
 namespace {
@@ -41,18 +42,6 @@ void keep_large(Contours& contours, double smallest_share) {
     if (size >= smallest_share * order.front().first) kept.push_back(std::move(contours[i]));
   }
   contours = std::move(kept);
-}
-
-void start_near(PixelContour& contour, const Vec2& start) {
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < contour.points_px.size(); ++i) {
-    if ((contour.points_px[i] - start).norm() < (contour.points_px[best] - start).norm()) best = i;
-  }
-  if (contour.closed) {
-    std::rotate(contour.points_px.begin(), contour.points_px.begin() + best, contour.points_px.end());
-  } else if (2 * best > contour.points_px.size()) {
-    std::reverse(contour.points_px.begin(), contour.points_px.end());
-  }
 }
 
 constexpr double kThinnest =
@@ -108,6 +97,82 @@ tl::expected<Contours, std::string> stroke_mode(const Field& field, const Outlin
                   found.cut_off > 0 ? kCutOff : "the picture holds specks only, no stroke");
 }
 
+tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlines& found,
+                                                const ExtractSettings& settings) {
+  const double width = stroke_width_of(found);
+  const bool is_stroke = width < kThinnest * std::max(1.0, drawing_size_of(found));
+  const cv::Mat band = edge_band(field, width, is_stroke);
+  std::optional<cv::Point> start = first_in_evolving_square(band);
+  if (!start) return tl::unexpected<std::string>("Canny finds no edge in the picture");
+  if (settings.start_px) {
+    std::vector<cv::Point> on;
+    cv::findNonZero(band > 0.2F, on);
+    for (const cv::Point& p : on) {
+      const auto distance = [&](const cv::Point& q) {
+        return (Vec2(q.x, q.y) - *settings.start_px).squaredNorm();
+      };
+      if (distance(p) < distance(*start)) start = p;
+    }
+  }
+  Contours out{follow_band(band, *start, is_stroke ? width : 3.0, is_stroke)};
+  auto contours =
+      finished(std::move(out), settings.smallest_share, 1.5,
+               "the window found too little to follow from its start; give --start on the contour");
+  if (contours && !is_stroke) sharpen_corners(contours->front().points_px, contours->front().closed, {});
+  return contours;
+}
+
+/// The part between two points of a contour; without `end` only the start moves. An end that is nearly meant
+/// is kept whole.
+void apply_ends(Contours& contours, const std::optional<Vec2>& start, const std::optional<Vec2>& end) {
+  if (!start && !end) return;
+  const auto nearest = [](const PixelContour& c, const Vec2& p) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < c.points_px.size(); ++i) {
+      if ((c.points_px[i] - p).squaredNorm() < (c.points_px[best] - p).squaredNorm()) best = i;
+    }
+    return best;
+  };
+  // The contour that the first given point lies on comes first.
+  const Vec2 wanted = start ? *start : *end;
+  const auto distance = [&](const PixelContour& c) {
+    return (c.points_px[nearest(c, wanted)] - wanted).norm();
+  };
+  const auto chosen = std::min_element(contours.begin(), contours.end(), [&](const auto& a, const auto& b) {
+    return distance(a) + 1e-6 < distance(b);
+  });
+  std::rotate(contours.begin(), chosen, chosen + 1);
+  PixelContour& c = contours.front();
+  auto& p = c.points_px;
+  const auto near = static_cast<std::size_t>(1.5 * c.width_px + 5.0);
+  if (c.closed) {
+    if (start) std::rotate(p.begin(), p.begin() + nearest(c, *start), p.end());
+    if (!start || !end) return;
+    const std::size_t last = nearest(c, *end);
+    if (last <= near || last + near >= p.size()) return;  // all the way round
+    // Of the two ways round, the longer one leaves less undone.
+    if (2 * last < p.size()) {
+      std::reverse(p.begin() + 1, p.end());
+      p.resize(p.size() - last + 1);
+    } else {
+      p.resize(last + 1);
+    }
+    c.closed = false;
+    return;
+  }
+  std::size_t first = start ? nearest(c, *start) : 0;
+  std::size_t last = end ? nearest(c, *end) : p.size() - 1;
+  if (start && !end && 2 * first > p.size()) last = 0;
+  if (end && !start && 2 * last < p.size()) first = p.size() - 1;
+  if (first > last) {
+    std::reverse(p.begin(), p.end());
+    first = p.size() - 1 - first;
+    last = p.size() - 1 - last;
+  }
+  if (last + near < p.size()) p.resize(last + 1);
+  if (first > near) p.erase(p.begin(), p.begin() + first);
+}
+
 }  // namespace
 
 std::string_view name_of(Mode mode) {
@@ -123,17 +188,23 @@ std::optional<Mode> mode_of(std::string_view name) {
 tl::expected<Extraction, std::string> extract(const cv::Mat& image, const ExtractSettings& settings) {
   const auto grey = grey_plane(image);
   if (!grey) return tl::unexpected(grey.error());
-  const auto field = make_field(*grey);
+  auto field = make_field(*grey);
   if (!field) return tl::unexpected(field.error());
-
   Outlines outlines = outlines_of(*field);
+  if (const auto complaint = clutter(*field, outlines)) {
+    // Perhaps drawing and background are the other way round: a lit plate in a dark frame.
+    invert(*field);
+    outlines = outlines_of(*field);
+    const double diagonal = std::hypot(image.cols, image.rows);
+    if (clutter(*field, outlines) || drawing_size_of(outlines) < 0.2 * diagonal)
+      return tl::unexpected(*complaint);
+  }
 
   Extraction out;
   out.picture_width_px = image.cols;
   out.picture_height_px = image.rows;
   out.mode = settings.mode;
   out.why = "asked for";
-  if (auto complaint = clutter(*field, outlines)) return tl::unexpected(*complaint);
   if (settings.mode == Mode::kAuto) {
     const double width = stroke_width_of(outlines);
     const double size = std::max(1.0, drawing_size_of(outlines));
@@ -141,11 +212,16 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
     out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", width, size,
                           out.mode == Mode::kStroke ? "stroke" : "region");
   }
-  auto contours = out.mode == Mode::kStroke ? stroke_mode(*field, outlines, settings)
-                                            : outline_mode(std::move(outlines), settings);
+  auto contours = out.mode == Mode::kStroke   ? stroke_mode(*field, outlines, settings)
+                  : out.mode == Mode::kThesis ? thesis_mode(*field, outlines, settings)
+                                              : outline_mode(std::move(outlines), settings);
   if (!contours) return tl::unexpected(contours.error());
   out.contours = std::move(*contours);
-  if (settings.start_px) start_near(out.contours.front(), *settings.start_px);
+  apply_ends(out.contours, settings.start_px, settings.end_px);
+  if (out.contours.front().points_px.size() < 4) {
+    return tl::unexpected<std::string>(
+        "start and end lie so close together that nothing is left between them");
+  }
   return out;
 }
 

@@ -351,4 +351,9 @@ tl::expected<Field, std::string> make_field(const cv::Mat& grey) {
   return field;
 }
 
+void invert(Field& field) {
+  field.dark = !field.dark;
+  cv::bitwise_not(field.drawn, field.drawn);
+}
+
 }  // namespace telekerf::vision

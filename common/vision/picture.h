@@ -31,4 +31,7 @@ double noise_of(const cv::Mat& grey);
 /// Smooths and separates; the error says why the picture holds no drawing.
 tl::expected<Field, std::string> make_field(const cv::Mat& grey);
 
+/// Swaps drawing and background.
+void invert(Field& field);
+
 }  // namespace telekerf::vision

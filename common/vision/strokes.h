@@ -25,6 +25,9 @@ struct Route {
 /// between is wider than one stroke. `width_px` is the stroke's.
 std::vector<Route> routes_through(const SkeletonGraph& graph, const cv::Mat& half_width, double width_px);
 
+/// Replaces the marked points by a cubic that continues the directions on both sides.
+void bridge(std::vector<Vec2>& points, const std::vector<bool>& junction, bool closed);
+
 /// Moves each point to the middle between the stroke's two borders, bridges what lies within junctions by a
 /// cubic, and sets free ends half a width inside the ink (the centre of a round pen). Returns the contour
 /// unsmoothed.
