@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "common/codec/lattice.h"
+
 namespace telekerf::codec {
 namespace {
 
@@ -123,9 +125,9 @@ void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int k
   best = {code, cost, true};
 }
 
-bool Analyser::try_adaptive(std::span<const double> residual, AxisCode& code, int offset, double max_rms,
-                            bool prefix, const AxisContext& context, const Grid& grid,
-                            Choice& best) const noexcept {
+Analyser::Trial Analyser::try_adaptive(std::span<const double> residual, AxisCode& code, int offset,
+                                       double max_rms, bool prefix, const AxisContext& context,
+                                       const Grid& grid, Choice& best) const noexcept {
   code.step_offset = std::min(first_offset(residual, grid) + offset, kMaxStepOffset);
   code.set = 0;
   const double step = grid.step(code.step_offset);
@@ -146,7 +148,7 @@ bool Analyser::try_adaptive(std::span<const double> residual, AxisCode& code, in
     saving[k] = squared(residual[k]) - error;
     order[static_cast<std::size_t>(count++)] = static_cast<std::uint8_t>(k);
   }
-  if (energy > allowed) return false;
+  if (energy > allowed) return Trial::kInfeasible;
   // The least m: give up the weakest (of a prefix the highest) as long as the promise holds.
   const auto weaker = [&](std::uint8_t a, std::uint8_t b) {
     return !prefix && saving[a] != saving[b] ? saving[a] < saving[b] : a > b;
@@ -160,9 +162,39 @@ bool Analyser::try_adaptive(std::span<const double> residual, AxisCode& code, in
     code.set &= ~(IndexSet{1} << k);
   }
   const double bits = newest_axis_bits(code, context, grid, block_);
-  if (best.found && bits >= best.cost) return false;
+  if (best.found && bits >= best.cost) return Trial::kDearer;
   best = {code, bits, true};
-  return true;
+  return Trial::kTaken;
+}
+
+void Analyser::try_stairs(std::span<const double> samples, const Aim& aim, const AxisContext& context,
+                          const Grid& grid, Choice& best) const noexcept {
+  AxisCode code;
+  code.mode = Mode::kStairs;
+  code.step_offset = first_offset(samples, grid);
+  const double step = grid.step(code.step_offset);
+  // A smooth motion moves on at nearly every sample: seen at once, and nothing for stairs.
+  const double move = aim.max_rms == 0.0 ? step : 2.0 * aim.max_rms;
+  const int most = aim.max_rms == 0.0 ? aim.keep : block_ / 2;
+  int moves = 0;
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    if (std::abs(samples[n] - samples[n - 1]) > move && ++moves > most) return;
+  }
+  if (aim.max_rms == 0.0) {
+    const double energy = hold_within(samples, 0.5 * step, step, code);
+    if (std::popcount(code.set) > aim.keep) return;
+    const double cost =
+        energy / squared(grid.level) + kEnergyPerBit * newest_axis_bits(code, context, grid, block_);
+    if (!best.found || cost < best.cost) best = {code, cost, true};
+    return;
+  }
+  const double allowed = squared(aim.max_rms) * block_ * (1.0 - 1e-9);
+  for (const double band : {2.0, 1.4, 1.0}) {
+    if (hold_within(samples, band * aim.max_rms, step, code) > allowed) continue;
+    const double bits = newest_axis_bits(code, context, grid, block_);
+    if (!best.found || bits < best.cost) best = {code, bits, true};
+    return;
+  }
 }
 
 AxisCode Analyser::analyse(std::span<const double> samples, const Aim& aim, const AxisContext& context,
@@ -199,8 +231,11 @@ AxisCode Analyser::analyse(std::span<const double> samples, const Aim& aim, cons
     if (!adaptive) {
       try_fixed(part, code, aim.keep, context, grid, best);
     } else {
-      if (!context.truncated && !adapt(usual, false) && !best.found) adapt(0, false);
-      if (fit.mode == Mode::kIntra && !adapt(usual, true) && !best.found) adapt(0, true);
+      for (const bool prefix : {false, true}) {
+        if (prefix ? fit.mode != Mode::kIntra : context.truncated) continue;
+        for (int offset = usual; offset >= 0 && adapt(offset, prefix) == Trial::kInfeasible; --offset) {
+        }
+      }
     }
   }
   if (adaptive && best.found) {
@@ -210,12 +245,13 @@ AxisCode Analyser::analyse(std::span<const double> samples, const Aim& aim, cons
     const int middle = best.code.step_offset - first_offset(part, grid);
     for (const int direction : {1, -1}) {
       for (int offset = middle + direction; offset >= 0 && offset <= kCoarsestOffset; offset += direction) {
-        bool better = !context.truncated && adapt(offset, false);
-        if (code.mode == Mode::kIntra) better = adapt(offset, true) || better;
+        bool better = !context.truncated && adapt(offset, false) == Trial::kTaken;
+        if (code.mode == Mode::kIntra) better = adapt(offset, true) == Trial::kTaken || better;
         if (!better) break;
       }
     }
   }
+  if (!context.truncated) try_stairs(samples, aim, context, grid, best);
   constexpr double kFloatBits = 32;
   const double bits =
       !best.found ? 0 : (adaptive ? best.cost : newest_axis_bits(best.code, context, grid, block_));

@@ -39,6 +39,8 @@ class Analyser {
     bool found = false;
   };
 
+  enum class Trial { kInfeasible, kDearer, kTaken };
+
   int fits(std::span<const double> coefficients, int from, const AxisContext& context, const Grid& grid,
            std::span<Fit> found) const noexcept;
   void residual(std::span<const double> coefficients, const AxisCode& code, double level_coefficient,
@@ -46,8 +48,10 @@ class Analyser {
   /// Both take the code over into `best` when it costs less.
   void try_fixed(std::span<const double> residual, AxisCode& code, int keep, const AxisContext& context,
                  const Grid& grid, Choice& best) const noexcept;
-  bool try_adaptive(std::span<const double> residual, AxisCode& code, int offset, double max_rms, bool prefix,
-                    const AxisContext& context, const Grid& grid, Choice& best) const noexcept;
+  Trial try_adaptive(std::span<const double> residual, AxisCode& code, int offset, double max_rms,
+                     bool prefix, const AxisContext& context, const Grid& grid, Choice& best) const noexcept;
+  void try_stairs(std::span<const double> samples, const Aim& aim, const AxisContext& context,
+                  const Grid& grid, Choice& best) const noexcept;
 
   int block_;
   const Dct* dct_;

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
+
+#include "common/codec/lattice.h"
 
 namespace telekerf::codec {
 namespace {
@@ -15,15 +16,16 @@ constexpr int kSlopeOrder = 3;
 constexpr int kCorrectionOrder = 2;
 
 // Modes by frequency: with a trend the curve is the usual one, without it nothing is.
-constexpr std::array<Mode, 5> kAnchoredModes{Mode::kCurve, Mode::kLine, Mode::kHold, Mode::kIntra,
-                                             Mode::kRaw};
-constexpr std::array<Mode, 5> kFreeModes{Mode::kIntra, Mode::kCurve, Mode::kLine, Mode::kRaw, Mode::kHold};
-constexpr std::array<Mode, 5> kTruncatedModes{Mode::kIntra, Mode::kRaw, Mode::kRaw, Mode::kRaw, Mode::kRaw};
+using Modes = std::array<Mode, 6>;
+constexpr Modes kAnchoredModes{Mode::kCurve, Mode::kLine,   Mode::kHold,
+                               Mode::kIntra, Mode::kStairs, Mode::kRaw};
+constexpr Modes kFreeModes{Mode::kIntra, Mode::kCurve, Mode::kLine, Mode::kStairs, Mode::kRaw, Mode::kHold};
+constexpr Modes kTruncatedModes{Mode::kIntra, Mode::kRaw, Mode::kRaw, Mode::kRaw, Mode::kRaw, Mode::kRaw};
 
-const std::array<Mode, 5>& modes(const AxisContext& context) {
+const Modes& modes(const AxisContext& context) {
   return context.truncated ? kTruncatedModes : (context.anchored ? kAnchoredModes : kFreeModes);
 }
-int last_mode(const AxisContext& context) { return context.truncated ? 1 : 4; }
+int last_mode(const AxisContext& context) { return context.truncated ? 1 : 5; }
 
 /// The order for a value after one of magnitude |previous|: coefficients fall off slowly.
 int next_order(std::int64_t previous) noexcept {
@@ -96,6 +98,29 @@ int slope_order(const AxisContext& context) noexcept {
   return context.anchored ? (context.newest ? 0 : kCorrectionOrder) : kSlopeOrder;
 }
 
+/// Where a block of stairs begins: at its trend, or so that it ends where its successor begins.
+std::int64_t stairs_guess(const AxisCode& code, const AxisContext& context, const Grid& grid,
+                          int block) noexcept {
+  const double step = grid.step(code.step_offset);
+  if (context.newest) return on_grid(grid.level * static_cast<double>(context.trend_level), step);
+  const auto rise = code.values[static_cast<std::size_t>(block - 1)] - code.values[0];
+  return on_grid(context.next.first, step) - rise;
+}
+int stairs_order(const AxisContext& context) noexcept {
+  return context.newest && !context.anchored ? context.habits.level_order : kCorrectionOrder;
+}
+
+bool read_stairs(BitReader& in, AxisCode& code, const AxisContext& context, const Grid& grid,
+                 int block) noexcept {
+  if (!read_runs(in, code, block)) return false;
+  const auto first = stairs_guess(code, context, grid, block) + in.signed_golomb(stairs_order(context));
+  for (auto& value : std::span(code.values).first(static_cast<std::size_t>(block))) {
+    value += first;
+    if (std::abs(value) > kMaxParameter) return false;
+  }
+  return !in.failed();
+}
+
 template <typename Sink>
 void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const AxisContext& context,
                const Grid& grid, int block) noexcept {
@@ -109,6 +134,11 @@ void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const Axi
     return;
   }
   out.signed_golomb(code.step_offset - context.habits.step_offset, 0);
+  if (code.mode == Mode::kStairs) {
+    write_runs(out, code);
+    out.signed_golomb(code.values[0] - stairs_guess(code, context, grid, block), stairs_order(context));
+    return;
+  }
   const auto telling = cheapest_telling(code, context, block);
   if (!context.truncated) out.bits(telling.prefix ? 0 : 1, 1);
   out.signed_golomb(telling.count - context.habits.count, kCountOrder);
@@ -190,6 +220,11 @@ bool read_axis(BitReader& in, AxisCode& code, const AxisContext& context, const 
   const auto offset = context.habits.step_offset + in.signed_golomb(0);
   if (in.failed() || offset < 0 || offset > kMaxStepOffset) return false;
   code.step_offset = static_cast<int>(offset);
+  if (code.mode == Mode::kStairs) {
+    if (!read_stairs(in, code, context, grid, block)) return false;
+    reconstruct(code, grid, {}, samples);
+    return true;
+  }
   Telling telling;
   if (!read_telling(in, telling, context, block) || !read_values(in, code, context, telling)) return false;
   if (code.has_bend()) code.bend = in.signed_golomb(kBendOrder);

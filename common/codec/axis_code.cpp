@@ -36,6 +36,10 @@ std::int64_t on_grid(double value, double grid) noexcept {
 }
 
 void shape_of(const AxisCode& code, const Grid& grid, const Dct& dct, std::span<double> shape) noexcept {
+  if (!code.is_transformed()) {
+    std::fill(shape.begin(), shape.end(), 0.0);
+    return;
+  }
   std::array<double, kMaxBlock> coefficients{};
   const double step = grid.step(code.step_offset);
   for (auto set = code.set & ~IndexSet{1}; set != 0; set &= set - 1) {
@@ -58,6 +62,11 @@ void reconstruct(const AxisCode& code, const Grid& grid, std::span<const double>
                  std::span<double> samples) noexcept {
   if (code.mode == Mode::kRaw) {
     std::copy_n(code.raw.begin(), samples.size(), samples.begin());
+    return;
+  }
+  if (code.mode == Mode::kStairs) {
+    const double step = grid.step(code.step_offset);
+    for (std::size_t n = 0; n < samples.size(); ++n) samples[n] = step * static_cast<double>(code.values[n]);
     return;
   }
   const double base = base_of(code, grid, static_cast<int>(samples.size()));

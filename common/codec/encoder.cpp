@@ -151,21 +151,22 @@ void BlockEncoder::State::learn_habits(const Block& block) noexcept {
   int used = 0;
   for (int a = 0; a < settings.axes; ++a) {
     const auto& code = block.axes[static_cast<std::size_t>(a)].code;
-    if (code.mode == Mode::kRaw) continue;
-    count += std::popcount(code.set);
-    offset += code.step_offset;
-    ++used;
     const auto width = [&](std::size_t k) {
       return static_cast<int>(std::bit_width(zigzag(code.values[k])));
     };
+    if (code.mode == Mode::kStairs) level_order = std::max(level_order, width(0) - 2);
+    if (!code.is_transformed()) continue;
+    count += std::popcount(code.set);
+    offset += code.step_offset;
+    ++used;
     level_order = std::max(level_order, width(0) - 2);
     const auto upper = code.set & ~IndexSet{settings.anchored && code.has_level() ? 0u : 1u};
     if (upper != 0) value_order += width(static_cast<std::size_t>(std::countr_zero(upper))) - 1;
   }
+  habits.level_order = std::clamp(level_order, 0, 31);
   if (used == 0) return;
   habits.count = std::min((count + used / 2) / used, 63);
   habits.step_offset = std::clamp((offset + used / 2) / used, 0, 31);
-  habits.level_order = std::clamp(level_order, 0, 31);
   habits.value_order = std::clamp(value_order / used, 0, 15);
 }
 

@@ -84,8 +84,7 @@ void write_dpcm(Sink& out, const AxisCode& code, int block) noexcept {
 }
 
 template <typename Sink>
-void write_events(Sink& out, const AxisCode& code, int block) noexcept {
-  out.signed_golomb(code.values[0], kFirstOrder);
+void write_any_runs(Sink& out, const AxisCode& code) noexcept {
   out.golomb(static_cast<std::uint64_t>(std::popcount(code.set & ~IndexSet{1})), kRunOrder);
   std::size_t last = 0;
   int order = kEventOrder;
@@ -97,7 +96,6 @@ void write_events(Sink& out, const AxisCode& code, int block) noexcept {
     order = std::clamp(static_cast<int>(std::bit_width(zigzag(step))) - 2, 0, 31);
     last = n;
   }
-  (void)block;
 }
 
 template <typename Sink>
@@ -113,7 +111,8 @@ void write_any(Sink& out, CodecKind kind, const AxisCode& code, int block) noexc
   if (kind == CodecKind::kDpcm) {
     write_dpcm(out, code, block);
   } else {
-    write_events(out, code, block);
+    out.signed_golomb(code.values[0], kFirstOrder);
+    write_runs(out, code);
   }
 }
 
@@ -133,31 +132,6 @@ bool read_dpcm(BitReader& in, AxisCode& code, int block) noexcept {
   return true;
 }
 
-bool read_events(BitReader& in, AxisCode& code, int block) noexcept {
-  auto& v = code.values;
-  v[0] = in.signed_golomb(kFirstOrder);
-  auto events = in.golomb(kRunOrder);
-  if (in.failed() || std::abs(v[0]) > kMaxValue || events >= static_cast<std::uint64_t>(block)) return false;
-  std::size_t last = 0;
-  int order = kEventOrder;
-  code.set = 1;
-  for (; events > 0; --events) {
-    const auto run = in.golomb(kRunOrder);
-    const auto step = in.signed_golomb(order);
-    if (in.failed() || run >= static_cast<std::uint64_t>(block) - last - 1) return false;
-    const auto n = last + static_cast<std::size_t>(run) + 1;
-    for (auto hold = last + 1; hold < n; ++hold) v[hold] = v[last];
-    if (std::abs(step) > 4 * kMaxValue) return false;
-    v[n] = v[last] + step;
-    if (std::abs(v[n]) > kMaxValue) return false;
-    order = std::clamp(static_cast<int>(std::bit_width(zigzag(step))) - 2, 0, 31);
-    code.set |= IndexSet{1} << n;
-    last = n;
-  }
-  for (auto hold = last + 1; hold < static_cast<std::size_t>(block); ++hold) v[hold] = v[last];
-  return true;
-}
-
 /// Rounds to the lattice and returns the squared error.
 double round_all(std::span<const double> samples, double step, AxisCode& code) noexcept {
   double energy = 0.0;
@@ -170,9 +144,9 @@ double round_all(std::span<const double> samples, double step, AxisCode& code) n
   return energy;
 }
 
-/// Sends what left the last one sent by more than the band; the squared error against the samples.
-double hold_within(std::span<const double> samples, bool weber, double threshold, double step,
-                   AxisCode& code) noexcept {
+/// The same with a band that may grow with the value last sent.
+double hold(std::span<const double> samples, bool weber, double threshold, double step,
+            AxisCode& code) noexcept {
   double energy = 0.0;
   double sent = 0.0;
   code.set = 0;
@@ -201,6 +175,37 @@ int smallest_offset(std::span<const double> samples, const Grid& grid) noexcept 
 
 }  // namespace
 
+double hold_within(std::span<const double> samples, double band, double step, AxisCode& code) noexcept {
+  return hold(samples, false, band, step, code);
+}
+
+void write_runs(BitWriter& out, const AxisCode& code) noexcept { write_any_runs(out, code); }
+void write_runs(BitCounter& out, const AxisCode& code) noexcept { write_any_runs(out, code); }
+
+bool read_runs(BitReader& in, AxisCode& code, int block) noexcept {
+  auto& v = code.values;
+  auto events = in.golomb(kRunOrder);
+  if (in.failed() || events >= static_cast<std::uint64_t>(block)) return false;
+  std::size_t last = 0;
+  int order = kEventOrder;
+  code.set = 1;
+  for (; events > 0; --events) {
+    const auto run = in.golomb(kRunOrder);
+    const auto step = in.signed_golomb(order);
+    if (in.failed() || run >= static_cast<std::uint64_t>(block) - last - 1) return false;
+    const auto n = last + static_cast<std::size_t>(run) + 1;
+    for (auto held = last + 1; held < n; ++held) v[held] = v[last];
+    if (std::abs(step) > 4 * kMaxValue) return false;
+    v[n] = v[last] + step;
+    if (std::abs(v[n]) > 8 * kMaxValue) return false;
+    order = std::clamp(static_cast<int>(std::bit_width(zigzag(step))) - 2, 0, 31);
+    code.set |= IndexSet{1} << n;
+    last = n;
+  }
+  for (auto held = last + 1; held < static_cast<std::size_t>(block); ++held) v[held] = v[last];
+  return true;
+}
+
 AxisCode analyse_lattice(std::span<const double> samples, const StreamSettings& settings,
                          const Grid& grid) noexcept {
   AxisCode code;
@@ -220,7 +225,7 @@ AxisCode analyse_lattice(std::span<const double> samples, const StreamSettings& 
       }
     }
   } else if (kept) {
-    hold_within(samples, weber, settings.threshold, grid.step(least), code);
+    hold(samples, weber, settings.threshold, grid.step(least), code);
   } else {
     for (int widen = kWidestBand; widen >= -kWidestBand && !kept; --widen) {
       const double band = Grid::fractional_power(settings.max_rms, 2 * widen);
@@ -228,7 +233,7 @@ AxisCode analyse_lattice(std::span<const double> samples, const StreamSettings& 
       double largest = 0.0;
       for (const double x : samples) largest = std::max(largest, std::abs(x));
       const double threshold = weber && largest > 0.0 ? band / largest : band;
-      kept = hold_within(samples, weber, threshold, grid.step(least), code) <= allowed;
+      kept = hold(samples, weber, threshold, grid.step(least), code) <= allowed;
     }
   }
   BitCounter counter;
@@ -256,7 +261,9 @@ bool read_lattice(BitReader& in, CodecKind kind, AxisCode& code, int block) noex
   const auto offset = in.golomb(0);
   if (in.failed() || offset > kMaxStepOffset) return false;
   code.step_offset = static_cast<int>(offset);
-  return kind == CodecKind::kDpcm ? read_dpcm(in, code, block) : read_events(in, code, block);
+  if (kind == CodecKind::kDpcm) return read_dpcm(in, code, block);
+  code.values[0] = in.signed_golomb(kFirstOrder);
+  return !in.failed() && std::abs(code.values[0]) <= kMaxValue && read_runs(in, code, block);
 }
 
 void reconstruct_lattice(const AxisCode& code, const Grid& grid, std::span<double> samples) noexcept {

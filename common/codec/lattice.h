@@ -3,8 +3,8 @@
 // time.
 #pragma once
 
+#include "common/codec/axis_bits.h"
 #include "common/codec/axis_code.h"
-#include "common/codec/bits.h"
 #include "common/codec/settings.h"
 
 namespace telekerf::codec {
@@ -21,6 +21,15 @@ AxisCode analyse_lattice(std::span<const double> samples, const StreamSettings& 
 void write_lattice(BitWriter& out, CodecKind kind, const AxisCode& code, int block) noexcept;
 /// False when no encoder writes that.
 bool read_lattice(BitReader& in, CodecKind kind, AxisCode& code, int block) noexcept;
+/// Rounds to the lattice what left the last one kept by more than `band` and holds it in between, into
+/// code.values and code.set; returns the squared error.
+double hold_within(std::span<const double> samples, double band, double step, AxisCode& code) noexcept;
+/// Changes of code.values after its first: how many, run lengths, steps. The first value is the caller's.
+void write_runs(BitWriter& out, const AxisCode& code) noexcept;
+void write_runs(BitCounter& out, const AxisCode& code) noexcept;
+/// The values from values[0] on; false when no encoder writes that.
+bool read_runs(BitReader& in, AxisCode& code, int block) noexcept;
+
 /// The decoded samples.
 void reconstruct_lattice(const AxisCode& code, const Grid& grid, std::span<double> samples) noexcept;
 

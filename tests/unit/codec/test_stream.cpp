@@ -157,6 +157,40 @@ TEST(Stream, DefaultSettingsFollowAHandToAMicrometreWithoutChatterAtTheEdges) {
   EXPECT_LT(bytes / static_cast<double>(all.size()), 53);
 }
 
+TEST(Stream, JumpsAndHeldSignalsAreTakenAsStairs) {
+  for (const bool anchored : {true, false}) {
+    for (const double max_rms : {0.0, 1e-6}) {
+      BlockEncoder encoder({.block = 32, .max_rms = max_rms, .redundancy = 2, .anchored = anchored});
+      BlockDecoder decoder;
+      std::mt19937 random(6);
+      std::vector<std::uint8_t> packet(1024);
+      std::vector<std::vector<Vec3>> history;
+      Vec3 level = Vec3::Zero();
+      for (int b = 0; b < 30; ++b) {
+        std::vector<Vec3> samples;
+        const auto jump = random() % 64;
+        for (unsigned n = 0; n < 32; ++n) {
+          if (n == jump) level += Vec3(0.01, -0.02, 0.001) * static_cast<double>(random() % 5);
+          samples.push_back(level);
+        }
+        const Trend trend{anchored ? samples[0].cast<float>().cast<double>().eval() : Vec3::Zero(),
+                          Vec3::Zero()};
+        const auto size = encoder.encode(samples, 0, trend, packet);
+        ASSERT_TRUE(size);
+        EXPECT_LT(encoder.newest_block_bits(),
+                  130u);  // a jump of the cosine transform takes three times as many
+        for (std::size_t n = 0; n < 32; ++n) EXPECT_LT((encoder.decoded()[n] - samples[n]).norm(), 2e-6);
+        history.emplace_back(encoder.decoded().begin(), encoder.decoded().end());
+        const auto got = decoder.decode(std::span(packet).first(*size), trend);
+        ASSERT_TRUE(got);
+        for (std::size_t age = 0; age < static_cast<std::size_t>((*got)->blocks); ++age) {
+          EXPECT_TRUE(same_bits((*got)->blocks_newest_first[age].samples, history[history.size() - 1 - age]));
+        }
+      }
+    }
+  }
+}
+
 TEST(Stream, BadSamplesAreRefusedCountedAndLeaveTheStreamClean) {
   BlockEncoder encoder({});
   BlockDecoder decoder;
