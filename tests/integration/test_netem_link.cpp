@@ -3,27 +3,17 @@
 // nothing lost that the profile does not lose, little added. Needs root or user namespaces; skipped with the
 // reason otherwise.
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
-#include <sched.h>
-#include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <chrono>
-#include <csignal>
-#include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <map>
-#include <string>
-#include <thread>
-#include <vector>
+#include <limits>
+#include <memory>
 
+#include "tests/integration/namespaces.h"
+
+namespace telekerf::integration {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -98,92 +88,56 @@ std::vector<double> round_trips(const char* host, int count, milliseconds patien
   return rtt_ms;
 }
 
-/// Two namespaces, joined by a veth pair: this process in one, an echo in the other.
+/// The two namespaces, joined by a veth pair and by the link under test; an echo on the slave's side.
 class NetemLink : public testing::Test {
  protected:
-  static void SetUpTestSuite() { obstacle_ = make_namespaces(); }
-  static void TearDownTestSuite() {
-    if (echo_ > 0) {
-      ::kill(echo_, SIGKILL);
-      ::waitpid(echo_, nullptr, 0);
-    }
-  }
   void SetUp() override {
-    if (!obstacle_.empty()) GTEST_SKIP() << obstacle_;
+    Namespaces& both = Namespaces::instance();
+    if (!both.obstacle().empty()) GTEST_SKIP() << both.obstacle();
+    static const bool joined =
+        std::system(
+            "ip link add ve0 type veth peer name ve1 && ip addr add 10.78.0.1/24 dev ve0"
+            " && ip link set ve0 up") == 0 &&
+        move_to_slave("ve1") && both.in_slave("ip addr add 10.78.0.2/24 dev ve1 && ip link set ve1 up");
+    if (!joined) GTEST_SKIP() << "a veth pair cannot be made here";
+    echo_ = both.fork_on(Side::kSlave, echo_for_ever);
   }
   void TearDown() override {
-    if (link_ > 0) stop_link();
+    if (echo_ <= 0) return;
+    ::kill(echo_, SIGKILL);
+    ::waitpid(echo_, nullptr, 0);
   }
 
   void start_link(const std::string& profile) {
-    const std::string netns = "/proc/" + std::to_string(echo_) + "/ns/net";
-    link_ = ::fork();
-    if (link_ == 0) {
-      (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      ::execl(TELEKERF_NETEM, "telekerf-netem", "link", profile.c_str(), "--slave-netns", netns.c_str(),
-              nullptr);
-      std::_Exit(127);
-    }
-    // Up when the first answer comes over it.
-    for (int i = 0; i < 50; ++i) {
+    link_ = std::make_unique<SidedProgram>(
+        Side::kOperator,
+        std::vector<std::string>{TELEKERF_NETEM, "link", profile, "--slave-netns",
+                                 Namespaces::instance().slave_path()},
+        testing::TempDir() + "netem-link-" + std::to_string(::getpid()) + ".txt");
+    ASSERT_TRUE(link_->says("link up", std::chrono::seconds(10))) << link_->output();
+    // The echo may still be starting.
+    for (int i = 0; i < 20; ++i) {
       if (round_trips(kOverLink, 1, milliseconds(700)).front() < 1e9) return;
-      if (::waitpid(link_, nullptr, WNOHANG) == link_) {
-        link_ = 0;
-        FAIL() << "telekerf-netem link ended by itself";
-      }
-      std::this_thread::sleep_for(milliseconds(20));
     }
     FAIL() << "no answer over the link";
   }
-  /// Its exit code.
+  /// Its exit code; prints its report.
   int stop_link() {
-    int status = 0;
-    ::kill(link_, SIGTERM);
-    ::waitpid(link_, &status, 0);
-    link_ = 0;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    link_->interrupt();
+    const int code = link_->wait(std::chrono::seconds(10));
+    std::printf("%s", link_->output().c_str());
+    return code;
   }
 
  private:
-  /// Empty, or why it cannot be done here.
-  static std::string make_namespaces() {
-    const auto uid = ::getuid();
-    const auto gid = ::getgid();
-    if (::unshare(CLONE_NEWNET) != 0) {
-      if (::unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) {
-        return std::string("network namespaces are not allowed here: ") + std::strerror(errno);
-      }
-      std::ofstream("/proc/self/setgroups") << "deny";
-      std::ofstream("/proc/self/uid_map") << "0 " << uid << " 1";
-      std::ofstream("/proc/self/gid_map") << "0 " << gid << " 1";
-    }
-    const int tun = ::open("/dev/net/tun", O_RDWR);
-    if (tun < 0) return std::string("no TUN devices here: ") + std::strerror(errno);
-    ::close(tun);
-    if (std::system("ip -V > /dev/null 2>&1") != 0) return "the program `ip` (iproute2) is missing";
-    int ready[2];
-    if (::pipe(ready) != 0) return "no pipe";
-    echo_ = ::fork();
-    if (echo_ == 0) {
-      (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      const char good = ::unshare(CLONE_NEWNET) == 0 ? 1 : 0;
-      (void)!::write(ready[1], &good, 1);
-      echo_for_ever();
-    }
-    char good = 0;
-    (void)!::read(ready[0], &good, 1);
-    const std::string pid = std::to_string(echo_);
-    const std::string commands = "ip link add ve0 type veth peer name ve1 netns " + pid +
-                                 " && ip addr add 10.78.0.1/24 dev ve0 && ip link set ve0 up"
-                                 " && nsenter -t " +
-                                 pid + " -n sh -c 'ip addr add 10.78.0.2/24 dev ve1 && ip link set ve1 up'";
-    if (good == 0 || std::system(commands.c_str()) != 0) return "a veth pair cannot be made here";
-    return "";
+  static bool move_to_slave(const std::string& device) {
+    const std::string path = Namespaces::instance().slave_path();
+    const std::string pid = path.substr(6, path.find('/', 6) - 6);
+    return std::system(("ip link set " + device + " netns " + pid).c_str()) == 0;
   }
 
-  static inline std::string obstacle_;
-  static inline pid_t echo_ = 0;
-  pid_t link_ = 0;
+  std::unique_ptr<SidedProgram> link_;
+  pid_t echo_ = 0;
 };
 
 TEST_F(NetemLink, AddsTheProfileAndNothingEarlier) {
@@ -257,3 +211,4 @@ TEST_F(NetemLink, CarriesFiveThousandPacketsASecondWithoutLoss) {
 }
 
 }  // namespace
+}  // namespace telekerf::integration
