@@ -25,12 +25,13 @@ struct Grid {
   Vec3 point(int x, int y, int z) const { return origin + Vec3(x * step_m, y * step_m, z * step_z_m); }
 };
 
-void fill(Grid& grid, const DeltaKinematics& kinematics, double worst_condition) {
+template <typename Free>
+void fill(Grid& grid, Free free) {
   grid.free.assign(static_cast<std::size_t>(grid.nx) * grid.ny * grid.nz, 0);
   for (int z = 0; z < grid.nz; ++z) {
     for (int y = 0; y < grid.ny; ++y) {
       for (int x = 0; x < grid.nx; ++x) {
-        grid.free[grid.index(x, y, z)] = workable(kinematics, grid.point(x, y, z), worst_condition);
+        grid.free[grid.index(x, y, z)] = free(grid.point(x, y, z));
       }
     }
   }
@@ -139,7 +140,7 @@ Workspace largest_cylinder(const DeltaKinematics& kinematics, double worst_condi
   const double stroke = std::max(std::abs(g.stroke_min_m), std::abs(g.stroke_max_m));
   const double side = std::abs(g.base_radius_m - g.tool_radius_m) + stroke + rod;
   Grid coarse = grid_over(Vec3::Constant(-side), Vec3::Constant(side), cells);
-  fill(coarse, kinematics, worst_condition);
+  fill(coarse, [&](const Vec3& p) { return kinematics.inverse(p).has_value(); });
   Vec3 low = Vec3::Constant(side);
   Vec3 high = -low;
   for (int z = 0; z < coarse.nz; ++z) {
@@ -154,7 +155,7 @@ Workspace largest_cylinder(const DeltaKinematics& kinematics, double worst_condi
   if (low.x() > high.x()) return {};
   const Vec3 margin(coarse.step_m, coarse.step_m, coarse.step_z_m);
   Grid grid = grid_over(low - margin, high + margin, cells);
-  fill(grid, kinematics, worst_condition);
+  fill(grid, [&](const Vec3& p) { return workable(kinematics, p, worst_condition); });
 
   const std::vector<double> clear = clearance(grid);
   Candidate best;
@@ -180,14 +181,15 @@ Workspace largest_cylinder(const DeltaKinematics& kinematics, double worst_condi
     *value = std::round(*value * kStepsPerMetre) / kStepsPerMetre;
   }
   found.height_m = std::floor(found.height_m * kStepsPerMetre) / kStepsPerMetre;
-  Workspace larger = found;
-  found.radius_m = 0;
-  for (int k = 1; k / kStepsPerMetre <= best.workspace.radius_m + 2 * grid.step_m; ++k) {
-    larger.radius_m = k / kStepsPerMetre;
-    if (!over_cylinder(larger, 1, [&](const Vec3& p) { return workable(kinematics, p, worst_condition); }))
-      break;
-    found = larger;
-  }
+  const auto fits = [&](int steps) {
+    found.radius_m = steps / kStepsPerMetre;
+    return over_cylinder(found, 1, [&](const Vec3& p) { return workable(kinematics, p, worst_condition); });
+  };
+  int steps = static_cast<int>(best.workspace.radius_m * kStepsPerMetre);
+  const int most = static_cast<int>((best.workspace.radius_m + 2 * grid.step_m) * kStepsPerMetre);
+  while (steps < most && fits(steps + 1)) ++steps;
+  while (steps > 0 && !fits(steps)) --steps;
+  found.radius_m = steps / kStepsPerMetre;
   return found;
 }
 
