@@ -13,11 +13,15 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <functional>
 #include <memory>
+#include <system_error>
 
 #include "common/runtime/refusal.h"
 #include "netem/commands.h"
 #include "netem/emulator.h"
+#include "netem/trace.h"
 
 namespace telekerf::netem {
 namespace {
@@ -38,6 +42,13 @@ class OneWay {
   OneWay(asio::io_context& io, asio::posix::stream_descriptor& from, asio::posix::stream_descriptor& to,
          const DirectionProfile& profile, const StreamKey& key)
       : from_(from), to_(to), timer_(io), emulator_(profile, key, kLinkCapacity, now_ns()) {}
+
+  /// Writes the fate of every packet from now on. Throws Refusal.
+  void record(const std::filesystem::path& file) {
+    trace_.reset(std::fopen(file.c_str(), "w"));
+    if (!trace_) throw Refusal(fmt::format("cannot write {}", file.string()));
+    fmt::print(trace_.get(), "{}\n", kTraceHeader);
+  }
 
   void start() {
     from_.async_wait(asio::posix::stream_descriptor::wait_read,
@@ -61,9 +72,18 @@ class OneWay {
     for (int i = 0; i < kBatch; ++i) {
       const ssize_t size = ::read(from_.native_handle(), buffer_.data(), buffer_.size());
       if (size <= 0) break;  // empty, or the device is going away
-      emulator_.push(now_ns(), std::span<const std::byte>(buffer_.data(), static_cast<std::size_t>(size)), 0);
+      const std::int64_t now = now_ns();
+      const Fate fate = emulator_.push(now, std::span(buffer_).first(static_cast<std::size_t>(size)), 0);
+      if (trace_) write_down(now, fate);
     }
     let_out();
+  }
+
+  void write_down(std::int64_t now, const Fate& fate) {
+    if (recorded_ == 0) recording_began_ns_ = now;
+    const RecordedFate row{now - recording_began_ns_, fate.lost() ? 0 : fate.due_ns - now, fate.lost(),
+                           fate.duplicated, fate.corrupted};
+    fmt::print(trace_.get(), "{}\n", trace_row(recorded_++, row));
   }
 
   void let_out() {
@@ -93,6 +113,9 @@ class OneWay {
   Emulator emulator_;
   std::array<std::byte, 1U << 16> buffer_;
   std::int64_t armed_for_ns_ = 0;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> trace_{nullptr, &std::fclose};
+  std::uint64_t recorded_ = 0;
+  std::int64_t recording_began_ns_ = 0;
   std::uint64_t refused_ = 0;
   std::int64_t latest_ns_ = 0;
 };
@@ -120,6 +143,12 @@ int run_link(const LinkOptions& options) {
                                                 StreamKey{options.seed, 0, Direction::kForward});
   const auto backward = std::make_unique<OneWay>(io, slave_side, operator_side, profile.backward,
                                                  StreamKey{options.seed, 0, Direction::kBackward});
+  if (!options.record.empty()) {
+    std::error_code ignored;  // opening the files tells
+    std::filesystem::create_directories(options.record, ignored);
+    forward->record(std::filesystem::path(options.record) / "forward.csv");
+    backward->record(std::filesystem::path(options.record) / "backward.csv");
+  }
   forward->start();
   backward->start();
 
@@ -185,6 +214,8 @@ void add_link_options(CLI::App& command, LinkOptions& options) {
                    "everything from the operator's side goes over the link");
   command.add_flag("--slave-default-route", options.slave_side.default_route,
                    "everything from the slave's side goes over the link");
+  command.add_option("--record", options.record,
+                     "folder for the fate of every packet: forward.csv, backward.csv");
   command.add_option("--seconds", options.seconds, "stop by itself")->check(CLI::NonNegativeNumber);
 }
 

@@ -16,6 +16,7 @@ struct LinkOptions {
   TunSettings operator_side{"tk-operator", "", "10.77.0.1/24", false};
   TunSettings slave_side{"tk-slave", "", "10.77.0.2/24", false};
   double seconds = 0.0;  ///< 0: until SIGINT or SIGTERM
+  std::string record;    ///< folder for forward.csv and backward.csv, the fate of every packet; empty: none
 };
 
 void add_link_options(CLI::App& command, LinkOptions& options);
