@@ -28,7 +28,8 @@ class Writer {
   bool write(const T& value) noexcept;
   /// Readers that are matched now.
   int readers() const noexcept;
-  /// What is written before a reader is matched is lost for it, unless latched.
+  /// What is written before a reader is matched is lost for it, unless latched. The reader's side may learn
+  /// of the match a little later than this side: blocks may still be lost in between, events are not.
   [[nodiscard]] bool wait_for_reader(std::chrono::nanoseconds timeout, int count = 1) const;
 
   struct Impl;
