@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The control path allocates nothing: both stations' steps, streaming, guided and engaged.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/lap/virtual_lap.h"
+#include "tests/unit/robot/allocations.h"
+
+namespace telekerf::lap {
+namespace {
+
+TEST(ControlPath, NeitherStationsStepAllocates) {
+  LapSettings settings;
+  settings.master.hand_speed_mm_s = 30.0;
+  const ContourMessage contour = find_contour(settings);
+  master::Station master(settings.master);
+  slave::Station slave(settings.slave);
+  const auto task = master.prepare(contour);
+  const auto corridor = slave.prepare(contour);
+  std::vector<Received<CommandBlock>> commands;
+  std::vector<Received<StateBlock>> states;
+  commands.reserve(4);
+  states.reserve(4);
+
+  std::uint64_t in_steps = 0;
+  for (int n = 0; n < 8000; ++n) {
+    const std::int64_t now_ns = n * std::int64_t{1'000'000};
+    const auto before = ::telekerf::testing::allocations();
+    const auto command = master.step(now_ns, task.get(), true, states, {});
+    states.clear();
+    if (command.command) commands.push_back({*command.command, now_ns});
+    const auto state = slave.step(now_ns, corridor.get(), commands, {});
+    commands.clear();
+    if (state.state) states.push_back({*state.state, now_ns});
+    in_steps += ::telekerf::testing::allocations() - before;
+  }
+  EXPECT_GT(testing::allocations(), 0u) << "the counter counts";
+  EXPECT_EQ(in_steps, 0u);
+}
+
+}  // namespace
+}  // namespace telekerf::lap
