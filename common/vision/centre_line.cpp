@@ -127,10 +127,13 @@ double centre_once(const Field& field, std::vector<Vec2>& p, const std::vector<b
   return widths[widths.size() / 2];
 }
 
-/// Width of the pen itself: filter and lens (about 0.8 px) have widened the stroke.
-double pen_of(const Field& field, double width_px) {
-  const double blur = 2.355 * std::hypot(field.sigma_px, 0.8);
-  return std::sqrt(std::max(0.0, width_px * width_px - blur * blur));
+/// How far the middle of the pen's last touch lies before the end of the ink: half the pen (filter and lens,
+/// about 0.8 px, have widened the stroke), less what they take from a round end: about blur^2 over its
+/// diameter.
+double pen_inset(const Field& field, double width_px) {
+  const double blur = std::hypot(field.sigma_px, 0.8);
+  const double pen = std::sqrt(std::max(0.0, width_px * width_px - std::pow(2.355 * blur, 2)));
+  return 0.5 * pen - std::min(0.6, pen > 0.5 ? blur * blur / pen : 0.6);
 }
 
 /// Puts the last point half a pen before the end of the ink, along the stroke's direction and bend before
@@ -159,7 +162,7 @@ void set_end(const Field& field, std::vector<Vec2>& p, double width_px) {
     if (here <= 0.0) on -= kStep * here / (here - before);  // back to where it crosses zero
     before = here;
   }
-  const double wanted = on - 0.5 * pen_of(field, width_px);
+  const double wanted = on - pen_inset(field, width_px);
   for (double t = 1.0; t < wanted; t += 1.0) p.push_back(beyond[static_cast<std::size_t>(t / kStep) - 1]);
   if (wanted > 0.25)
     p.push_back(beyond[std::min(beyond.size() - 1, static_cast<std::size_t>(wanted / kStep) - 1)]);
@@ -233,7 +236,7 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
                    .tip = [&](const Vec2& rounded, const Vec2& outwards) -> std::optional<Vec2> {
                      const auto ink = ink_ends(field, rounded, outwards, 6.0 * w);
                      if (!ink || *ink < 0.5 * w) return std::nullopt;
-                     return rounded + (*ink - 0.5 * pen_of(field, w)) * outwards;
+                     return rounded + (*ink - pen_inset(field, w)) * outwards;
                    }});
   out.points_px = std::move(p);
   return out;

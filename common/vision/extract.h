@@ -29,8 +29,8 @@ std::optional<Mode> mode_of(std::string_view name);
 struct ExtractSettings {
   Mode mode = Mode::kAuto;
   /// Where an open contour starts and ends, or a closed one starts; pixels, top left pixel's centre = (0, 0).
-  std::optional<Vec2> start_px;
-  std::optional<Vec2> end_px;
+  std::optional<Vec2> start_px = std::nullopt;
+  std::optional<Vec2> end_px = std::nullopt;
   /// Contours smaller than this share of the largest one are specks, not contours.
   double smallest_share = 0.05;
 };

@@ -314,13 +314,15 @@ void separate(const cv::Mat& grey, double sigma_px, const Eigen::Matrix<double, 
   const auto counts = histogram_of(field.smooth);
   const double noise = field.noise / (2.0 * sigma_px * std::sqrt(M_PI));
   if (light != nullptr && separate_from_background(counts, (*light)[0], noise, field)) return;
-  const int split = static_cast<int>(otsu(counts).level);
+  const Split halves = otsu(counts);
+  const int split = static_cast<int>(halves.level);
   // The background is what most of the picture's border shows.
   field.dark = !border_is_dark(field.smooth, split + 0.5);
   const double low = percentile(counts, 0, split, field.dark ? 0.2 : 0.5);
   const double high = percentile(counts, split + 1, 255, field.dark ? 0.5 : 0.8);
-  field.contrast = std::max(0.0, high - low);
-  field.level = std::floor(0.5 * (low + high)) + 0.5;  // no pixel lies on it
+  field.contrast =
+      halves.high_mean > halves.low_mean ? std::max(0.0, high - low) : 0.0;  // 0: one grey level only
+  field.level = std::floor(0.5 * (low + high)) + 0.5;                        // no pixel lies on it
 }
 
 }  // namespace

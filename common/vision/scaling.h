@@ -14,9 +14,9 @@ enum class AnchorMode { kBoundingBox, kFirstPoint, kImageCentre };
 
 struct ScaleRequest {
   /// Width of the whole picture; wins over the fit.
-  std::optional<double> picture_width_m;
+  std::optional<double> picture_width_m = std::nullopt;
   /// Known from the camera's magnification; wins over everything.
-  std::optional<double> metres_per_pixel;
+  std::optional<double> metres_per_pixel = std::nullopt;
   /// Otherwise the contour's bounding circle becomes `fill` x this radius.
   double workspace_radius_m = 0.03;
   double fill = 0.6;

@@ -103,7 +103,8 @@ class Window {
       Vec2 next = tangent(p, coherence);
       if (next.dot(t) < 0.0) next = -next;
       const bool turns = next.dot(t) < 0.3;  // a direction that jumps belongs to another branch
-      if (coherence > kCoherent && !turns && in_crossing <= 0.0) t = (t + 0.5 * (next - t)).normalized();
+      if (coherence > kCoherent && !turns && in_crossing <= 0.0)
+        t = (t + 0.5 * coherence * (next - t)).normalized();
       const Vec2 q = p + kStep * t;
       bool wide = false;
       const auto middle = centre_across(q, Vec2(-t.y(), t.x()), wide);
@@ -116,14 +117,12 @@ class Window {
         continue;
       }
       wide = wide && is_stroke_;
-      if (wide && in_crossing <= 0.0) t = direction_before(track.points, t);
       if (wide && in_crossing <= 0.0) {
-        for (std::size_t k = 0; k < std::min(track.crossing.size(), static_cast<std::size_t>(0.5 * width_));
-             ++k) {
-          track.crossing[track.crossing.size() - 1 - k] = true;
-        }
+        t = direction_before(track.points, t);
+        const auto pulled = std::min(track.crossing.size(), static_cast<std::size_t>(radius_));
+        std::fill(track.crossing.end() - static_cast<std::ptrdiff_t>(pulled), track.crossing.end(), true);
       }
-      in_crossing = wide ? width_ : in_crossing - kStep;
+      in_crossing = wide ? 1.4 * width_ : in_crossing - kStep;
       p = wide ? q : Vec2(q + std::clamp(*middle, -0.7, 0.7) * Vec2(-t.y(), t.x()));
       travelled += kStep;
       if (travelled > 4.0 * radius_ && (p - start).norm() < 1.2 * kStep && t.dot(start_tangent) > 0.3) {
@@ -173,7 +172,7 @@ class Window {
 
   /// Where the stroke was heading before the other one began to pull at the window.
   Vec2 direction_before(const std::vector<Vec2>& points, const Vec2& t) const {
-    const auto skip = static_cast<std::size_t>(0.5 * width_ / kStep);
+    const auto skip = static_cast<std::size_t>(radius_ / kStep);
     const auto span = static_cast<std::size_t>((1.2 * width_ + 2.0) / kStep);
     if (points.size() < skip + span + 1) return t;
     const Vec2 d = points[points.size() - 1 - skip] - points[points.size() - 1 - skip - span];

@@ -99,8 +99,8 @@ TEST(Svg, TransformsNest) {
 }
 
 TEST(Svg, WhatIsNotDrawnIsLeftOutAndTouchingLinesJoin) {
-  const auto d =
-      svg(R"svg(<defs><circle r="5"/></defs><circle r="1" display="none"/><circle r="1" style="display : none"/>
+  const auto d = svg(
+      R"svg(<defs><circle r="5"/></defs><circle r="1" display="none"/><circle r="1" style="display : none"/>
       <line x1="0" y1="0" x2="1" y2="0"/><line x1="1" y1="1" x2="1" y2="0"/><line x1="1" y1="1" x2="0" y2="0"/>)svg");
   ASSERT_EQ(d.contours.size(), 1u);
   EXPECT_TRUE(d.contours[0].closed);

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drawings with a known truth, seen through blur (1.2 px), noise (sigma 8) and uneven light, at several
+// angles and sizes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "common/vision/extract.h"
+#include "common/vision/modes.h"
+#include "common/vision/scaling.h"
+#include "tests/unit/vision/truth.h"
+
+namespace telekerf::vision {
+namespace {
+
+drawing::Look hard_look(int round) {
+  drawing::Look look;
+  look.blur_px = 1.2;
+  look.noise = 8.0;
+  look.shading = 20.0;
+  look.seed = static_cast<std::uint64_t>(round + 1);
+  return look;
+}
+
+drawing::Drawing turned(const std::string& name, int round) {
+  return drawing::transformed(*drawing::by_name(name), 0.41 * round, 1.0 - 0.06 * round, {319.5, 239.5},
+                              {3.3 * round, -2.1 * round});
+}
+
+struct Case {
+  const char* shape;
+  Mode mode;
+  Mode used;  ///< what auto chooses
+};
+
+class Truth : public testing::TestWithParam<Case> {};
+
+TEST_P(Truth, PointsLieOnTheDrawingInOrder) {
+  for (int round = 0; round < 4; ++round) {
+    const drawing::Drawing drawing = turned(GetParam().shape, round);
+    const auto found = extract(drawing::render(drawing, hard_look(round)), {.mode = GetParam().mode});
+    ASSERT_TRUE(found) << found.error();
+    EXPECT_EQ(found->mode, GetParam().used);
+    const PixelContour& contour = found->contours.front();
+    ASSERT_EQ(contour.closed, drawing.lines_px.front().closed) << "round " << round;
+    const Comparison c = compare(contour, drawing.lines_px.front());
+    EXPECT_LT(c.rms_px, 0.5) << "round " << round;
+    EXPECT_LT(c.max_px, 2.0) << "round " << round;
+    EXPECT_LT(c.missed_px, 2.0) << "round " << round;
+    EXPECT_NEAR(c.length_ratio, 1.0, 0.02) << "round " << round;
+    EXPECT_LT(c.backwards, 0.01) << "round " << round;
+    EXPECT_NEAR(c.once, 1.0, 0.03) << "round " << round;  // every branch once, the crossing twice
+  }
+}
+
+std::string name_of_case(const testing::TestParamInfo<Case>& info) {
+  std::string out = std::string(info.param.shape) + "_" + std::string(name_of(info.param.mode));
+  std::replace(out.begin(), out.end(), '-', '_');
+  return out;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Drawings, Truth,
+    testing::Values(Case{"line", Mode::kAuto, Mode::kStroke}, Case{"circle", Mode::kAuto, Mode::kStroke},
+                    Case{"figure-8", Mode::kAuto, Mode::kStroke}, Case{"spiral", Mode::kAuto, Mode::kStroke},
+                    Case{"heart", Mode::kAuto, Mode::kStroke}, Case{"letter-s", Mode::kAuto, Mode::kStroke},
+                    Case{"script-e", Mode::kAuto, Mode::kStroke}, Case{"gear", Mode::kAuto, Mode::kOutline},
+                    Case{"cam", Mode::kAuto, Mode::kOutline}, Case{"octagon", Mode::kAuto, Mode::kOutline},
+                    Case{"letter-e", Mode::kAuto, Mode::kOutline}, Case{"blob", Mode::kAuto, Mode::kOutline},
+                    Case{"line", Mode::kThesis, Mode::kThesis}, Case{"circle", Mode::kThesis, Mode::kThesis},
+                    Case{"figure-8", Mode::kThesis, Mode::kThesis},
+                    Case{"spiral", Mode::kThesis, Mode::kThesis},
+                    Case{"script-e", Mode::kThesis, Mode::kThesis},
+                    Case{"letter-s", Mode::kThesis, Mode::kThesis}, Case{"cam", Mode::kThesis, Mode::kThesis},
+                    Case{"octagon", Mode::kThesis, Mode::kThesis}),
+    name_of_case);
+
+TEST(Extract, PensOfAnyWidthAndFaintLines) {
+  for (const double pen : {1.0, 2.0, 3.0, 8.0, 14.0, 20.0}) {
+    for (const char* shape : {"circle", "figure-8", "letter-s"}) {
+      drawing::Drawing drawing = turned(shape, 1);
+      drawing.pen_px = pen;
+      const auto found = extract(drawing::render(drawing, hard_look(3)));
+      ASSERT_TRUE(found) << found.error();
+      EXPECT_EQ(found->mode, Mode::kStroke);
+      const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
+      EXPECT_LT(c.rms_px, 0.5) << shape << " pen " << pen;
+      EXPECT_LT(c.missed_px, 2.0) << shape << " pen " << pen;
+    }
+  }
+}
+
+TEST(Extract, LightOnDarkIsTheSameDrawing) {
+  const drawing::Drawing drawing = turned("script-e", 1);
+  const cv::Mat picture = drawing::render(drawing, hard_look(1));
+  const auto found = extract(255 - picture);
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.5);
+}
+
+TEST(Extract, HolesAreContoursOfTheirOwn) {
+  const drawing::Drawing drawing = turned("flange", 1);
+  const auto found = extract(drawing::render(drawing, hard_look(1)));
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 7u);
+  EXPECT_FALSE(found->contours[0].hole);
+  for (std::size_t i = 1; i < 7; ++i) EXPECT_TRUE(found->contours[i].hole);
+}
+
+TEST(Extract, EndsCanBeGivenAndCutThePath) {
+  const drawing::Drawing drawing = *drawing::by_name("letter-s");
+  const cv::Mat picture = drawing::render(drawing, hard_look(1));
+  const geometry::Polyline& truth = drawing.lines_px.front();
+  const Vec2 first = truth.points_m.front();
+  const Vec2 last = truth.points_m.back();
+  const Vec2 quarter = geometry::NearestIndex(truth).at(0.25 * geometry::length_m(truth)).point_m;
+  for (const bool swap : {false, true}) {
+    const auto found = extract(picture, {.start_px = swap ? last : first, .end_px = swap ? first : last});
+    ASSERT_TRUE(found) << found.error();
+    const auto& p = found->contours.front().points_px;
+    EXPECT_LT((p.front() - (swap ? last : first)).norm(), 2.0);
+    EXPECT_LT((p.back() - (swap ? first : last)).norm(), 2.0);
+  }
+  const auto part = extract(picture, {.start_px = quarter, .end_px = last});
+  ASSERT_TRUE(part);
+  const auto& p = part->contours.front().points_px;
+  EXPECT_LT((p.front() - quarter).norm(), 1.5);
+  EXPECT_NEAR(geometry::length_m({p, false}), 0.75 * geometry::length_m(truth), 5.0);
+  const auto ring =
+      extract(drawing::render(*drawing::by_name("circle"), hard_look(1)), {.start_px = Vec2(500, 240)});
+  ASSERT_TRUE(ring);
+  EXPECT_LT((ring->contours.front().points_px.front() - Vec2(501, 240)).norm(), 3.0);
+}
+
+TEST(Extract, DepthsAlphaAndPalettesAreTheSamePicture) {
+  const drawing::Drawing drawing = turned("cam", 1);
+  const cv::Mat grey = drawing::render(drawing, hard_look(1));
+  std::vector<cv::Mat> pictures;
+  cv::Mat wide;
+  grey.convertTo(wide, CV_16U, 200.0, 900.0);
+  pictures.push_back(wide);
+  cv::Mat real;
+  grey.convertTo(real, CV_32F, 1.0 / 255.0);
+  pictures.push_back(real);
+  cv::Mat colour;
+  cv::cvtColor(grey, colour, cv::COLOR_GRAY2BGR);
+  pictures.push_back(colour);
+  // A white drawing on nothing: only alpha knows it.
+  cv::Mat alpha(grey.size(), CV_8UC4, cv::Scalar(255, 255, 255, 0));
+  cv::Mat coverage = 255 - grey;
+  cv::insertChannel(coverage, alpha, 3);
+  pictures.push_back(alpha);
+  // A black drawing on transparency.
+  cv::Mat ink(grey.size(), CV_8UC4, cv::Scalar(0, 0, 0, 0));
+  cv::insertChannel(coverage, ink, 3);
+  pictures.push_back(ink);
+  // Red on green of the same brightness.
+  cv::Mat red(grey.size(), CV_8UC3);
+  for (int y = 0; y < grey.rows; ++y) {
+    for (int x = 0; x < grey.cols; ++x) {
+      const double u = (228.0 - grey.at<unsigned char>(y, x)) / 188.0;
+      red.at<cv::Vec3b>(y, x) = {60, cv::saturate_cast<unsigned char>(130 - 80 * u),
+                                 cv::saturate_cast<unsigned char>(50 + 157 * u)};
+    }
+  }
+  pictures.push_back(red);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const auto found = extract(pictures[i]);
+    ASSERT_TRUE(found) << i << ": " << found.error();
+    EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.5) << "picture " << i;
+  }
+}
+
+std::string complaint(const cv::Mat& picture, Mode mode = Mode::kAuto) {
+  const auto found = extract(picture, {.mode = mode});
+  if (found) {
+    EXPECT_FALSE(found->contours.empty());
+    return "";
+  }
+  return found.error();
+}
+
+TEST(Extract, WhatIsNoDrawingIsRefusedWithAReason) {
+  EXPECT_NE(complaint(cv::Mat()).find("empty"), std::string::npos);
+  EXPECT_NE(complaint(cv::Mat(1, 1, CV_8U, cv::Scalar(7))).find("1 x 1"), std::string::npos);
+  EXPECT_NE(complaint(cv::Mat(400, 600, CV_8UC3, cv::Scalar(90, 90, 90))).find("uniform"), std::string::npos);
+  EXPECT_NE(complaint(cv::Mat(400, 600, CV_8UC2, cv::Scalar(90, 90))).find("channels"), std::string::npos);
+  cv::RNG rng(1);
+  for (const double sigma : {4.0, 20.0, 60.0}) {
+    cv::Mat noise(480, 640, CV_8U);
+    rng.fill(noise, cv::RNG::NORMAL, 128.0, sigma);
+    EXPECT_NE(complaint(noise), "") << sigma;
+    EXPECT_NE(complaint(noise, Mode::kThesis), "") << sigma;
+    EXPECT_NE(complaint(noise, Mode::kStroke), "") << sigma;
+  }
+  cv::Mat uniform_noise(480, 640, CV_8U);
+  rng.fill(uniform_noise, cv::RNG::UNIFORM, 0, 256);
+  EXPECT_NE(complaint(uniform_noise), "");
+  cv::Mat ramp(480, 640, CV_8U);
+  for (int x = 0; x < 640; ++x) ramp.col(x) = x * 255 / 640;
+  EXPECT_NE(complaint(ramp), "");
+  cv::Mat cut(480, 640, CV_8U, cv::Scalar(220));
+  cv::circle(cut, {600, 240}, 150, cv::Scalar(40), -1);
+  EXPECT_NE(complaint(cut).find("border"), std::string::npos);
+  cv::Mat nan(100, 100, CV_32F, cv::Scalar(NAN));
+  EXPECT_NE(complaint(nan), "");
+}
+
+TEST(Extract, StrokesThatRunOffThePictureAreRefused) {
+  cv::Mat cut(480, 640, CV_8U, cv::Scalar(220));
+  cv::line(cut, {-10, 200}, {660, 260}, cv::Scalar(40), 6, cv::LINE_AA);
+  EXPECT_NE(complaint(cut).find("border"), std::string::npos);
+  EXPECT_NE(complaint(cut, Mode::kStroke).find("border"), std::string::npos);
+}
+
+TEST(Scaling, CirclesStayRoundAndLettersReadable) {
+  PixelContour ring;
+  for (int i = 0; i < 360; ++i)
+    ring.points_px.emplace_back(301.3 + 77.7 * std::cos(i * M_PI / 180),
+                                99.1 + 77.7 * std::sin(i * M_PI / 180));
+  for (const AnchorMode anchor :
+       {AnchorMode::kBoundingBox, AnchorMode::kFirstPoint, AnchorMode::kImageCentre}) {
+    const Scale scale = scale_for(ring, 640, 480, {.picture_width_m = 0.0317, .anchor = anchor});
+    const auto line = to_workpiece(ring, scale);
+    const auto box = geometry::bounding_box(line.points_m);
+    EXPECT_NEAR(box.size().x() / box.size().y(), 1.0, 1e-12);
+    EXPECT_NEAR(box.size().x(), 2 * 77.7 * 0.0317 / 640, 1e-15);
+    EXPECT_LT(scale.to_workpiece(scale.anchor_px).norm(), 1e-18);
+    EXPECT_LT((scale.to_picture(scale.to_workpiece({12, 34})) - Vec2(12, 34)).norm(), 1e-10);
+  }
+  const Scale scale = scale_for(ring, 640, 480, {.picture_width_m = 0.064});
+  EXPECT_GT(scale.to_workpiece({400, 0}).y(), scale.to_workpiece({400, 100}).y());  // up stays up
+  EXPECT_GT(scale.to_workpiece({400, 0}).x(), scale.to_workpiece({300, 0}).x());    // right stays right
+  EXPECT_NEAR(scale.to_workpiece({639.5, 0}).x() - scale.to_workpiece({-0.5, 0}).x(), 0.064, 1e-15);
+}
+
+TEST(Scaling, WithoutAWidthTheContourFillsSixtyPerCent) {
+  PixelContour shape;
+  shape.points_px = {{10, 10}, {210, 20}, {200, 110}, {20, 100}};
+  const auto line = to_workpiece(shape, scale_for(shape, 640, 480, {.workspace_radius_m = 0.05}));
+  EXPECT_NEAR(geometry::bounding_circle(line.points_m).radius_m, 0.03, 1e-12);
+  EXPECT_LT(geometry::bounding_box(line.points_m).centre().norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace telekerf::vision

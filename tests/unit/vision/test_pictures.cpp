@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files: shipped pictures, damaged ones, and the photographs of Debian's opencv-doc, where it is installed.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "common/vision/load.h"
+
+namespace telekerf::vision {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path scratch(const std::string& name) {
+  const fs::path folder = fs::path(testing::TempDir()) / "telekerf_pictures";
+  fs::create_directories(folder);
+  return folder / name;
+}
+
+TEST(Pictures, EveryShippedPictureBecomesAContour) {
+  std::size_t seen = 0;
+  for (const auto& entry : fs::directory_iterator(TELEKERF_PICTURES)) {
+    if (entry.path().extension() != ".png") continue;
+    ++seen;
+    const auto found = load_contours(entry.path().string(), {});
+    ASSERT_TRUE(found) << found.error();
+    const geometry::Polyline& line = found->contours.front();
+    EXPECT_GT(line.size(), 100u) << entry.path();
+    EXPECT_NEAR(geometry::bounding_circle(line.points_m).radius_m, 0.6 * 0.03, 1e-9);
+    const bool open = entry.path().stem() == "line" || entry.path().stem() == "letter-s" ||
+                      entry.path().stem() == "script-e" || entry.path().stem() == "spiral";
+    EXPECT_EQ(line.closed, !open) << entry.path();
+  }
+  EXPECT_GE(seen, 12u);
+}
+
+TEST(Pictures, DamagedFilesAreRefused) {
+  const auto complaint = [](const fs::path& file) {
+    const auto found = load_contours(file.string(), {});
+    return found ? std::string() : found.error();
+  };
+  EXPECT_NE(complaint("/nonexistent/picture.png").find("cannot be read"), std::string::npos);
+  EXPECT_NE(complaint(fs::temp_directory_path()), "");
+  std::ofstream(scratch("empty.png")).flush();
+  EXPECT_NE(complaint(scratch("empty.png")), "");
+  std::ofstream(scratch("text.png"))
+      << "this is not a picture at all, but long enough to be read as a header";
+  EXPECT_NE(complaint(scratch("text.png")), "");
+  // A whole picture, cut at every tenth of its length: an error, or what was decoded, never a crash.
+  cv::Mat picture(200, 300, CV_8U, cv::Scalar(220));
+  cv::circle(picture, {150, 100}, 60, cv::Scalar(30), -1);
+  for (const char* kind : {".png", ".jpg", ".bmp", ".tiff"}) {
+    std::vector<unsigned char> bytes;
+    ASSERT_TRUE(cv::imencode(kind, picture, bytes));
+    for (int tenth = 0; tenth < 10; ++tenth) {
+      std::ofstream(scratch(std::string("cut") + kind), std::ios::binary)
+          .write(reinterpret_cast<const char*>(bytes.data()),
+                 static_cast<std::streamsize>(bytes.size() * tenth / 10));
+      const auto found = load_contours(scratch(std::string("cut") + kind).string(), {});
+      if (found) {
+        EXPECT_FALSE(found->contours.empty());
+      } else {
+        EXPECT_FALSE(found.error().empty());
+      }
+    }
+  }
+}
+
+TEST(Pictures, AHeaderCannotAskForGigabytes) {
+  // A PNG head that promises 60000 x 60000 pixels.
+  const unsigned char head[33] = {0x89, 'P',  'N', 'G', 13,  10, 26, 10,   0,    0, 0,
+                                  13,   'I',  'H', 'D', 'R', 0,  0,  0xea, 0x60, 0, 0,
+                                  0xea, 0x60, 8,   2,   0,   0,  0,  0,    0,    0, 0};
+  std::ofstream(scratch("huge.png"), std::ios::binary)
+      .write(reinterpret_cast<const char*>(head), sizeof head);
+  const auto found = read_picture(scratch("huge.png").string());
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().find("too large"), std::string::npos);
+}
+
+TEST(Pictures, LargePicturesAreReducedAndKeepTheirSize) {
+  cv::Mat picture(5000, 6000, CV_8U, cv::Scalar(220));
+  cv::circle(picture, {3000, 2500}, 2000, cv::Scalar(30), -1);
+  ASSERT_TRUE(cv::imwrite(scratch("large.png").string(), picture, {cv::IMWRITE_PNG_COMPRESSION, 1}));
+  LoadRequest request;
+  request.scale.picture_width_m = 0.06;
+  const auto found = load_contours(scratch("large.png").string(), request);
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_NEAR(geometry::bounding_box(found->contours.front().points_m).size().x(), 0.04, 3e-5);
+  fs::remove(scratch("large.png"));
+}
+
+TEST(Pictures, PhotographsGiveAPlausibleContourOrAClearRefusal) {
+  const fs::path folder = "/usr/share/doc/opencv-doc/examples/data";
+  if (!fs::exists(folder)) {
+    std::puts("skipped: Debian's package opencv-doc is not installed, so there are no photographs to try");
+    GTEST_SKIP();
+  }
+  int contours = 0;
+  int refusals = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string kind = entry.path().extension().string();
+    if ((kind != ".png" && kind != ".jpg") || fs::file_size(entry.path()) > 600'000) continue;
+    const auto found = load_contours(entry.path().string(), {});
+    if (!found) {
+      ++refusals;
+      EXPECT_GT(found.error().size(), 20u) << entry.path();
+      continue;
+    }
+    ++contours;
+    const auto& line = found->contours.front();
+    EXPECT_TRUE(geometry::all_finite(line.points_m)) << entry.path();
+    EXPECT_GE(line.size(), 16u) << entry.path();
+    // Ordered: no step is much longer than a pixel, apart from sharpened corners.
+    for (std::size_t i = 0; i < line.segments(); ++i) {
+      EXPECT_LT((line.end_of(i) - line.start_of(i)).norm(), 60.0 * found->metres_per_pixel) << entry.path();
+    }
+  }
+  std::printf("%d photographs with a contour, %d refused\n", contours, refusals);
+  EXPECT_GT(contours, 20);
+}
+
+}  // namespace
+}  // namespace telekerf::vision
