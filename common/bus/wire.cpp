@@ -87,7 +87,6 @@ bool to_wire(const CommandBlock& value, std::uint16_t contract, wire::CommandBlo
   wire.epoch(value.epoch);
   wire.first_tick(value.first_tick);
   wire.sent_ns(value.sent_ns);
-  wire.button(value.button);
   wire.sample_period_ns(value.sample_period_ns);
   wire.contour_id(value.contour_id);
   wire.beta(static_cast<float>(value.beta));
@@ -107,7 +106,6 @@ Verdict from_wire(const wire::CommandBlock& wire, std::uint16_t contract, Comman
   value.epoch = wire.epoch();
   value.first_tick = wire.first_tick();
   value.sent_ns = wire.sent_ns();
-  value.button = wire.button();
   value.sample_period_ns = wire.sample_period_ns();
   value.contour_id = wire.contour_id();
   value.beta = static_cast<double>(wire.beta());

@@ -12,7 +12,7 @@ namespace telekerf::lap {
 namespace {
 
 /// What a block costs beside its payload: RTPS, UDP, IP and Ethernet (89) and the block's own head.
-constexpr std::uint32_t kBesidePayload = 89 + 60;
+constexpr std::uint32_t kBesidePayload = 89 + 76;
 
 /// The virtual-time driver of the emulator for one kind of message.
 template <class T>

@@ -114,7 +114,7 @@ TEST(Wire, TheChecksumCoversEveryField) {
   EXPECT_TRUE(damaged([](auto& w) { w.contract() ^= 1u; }));
   EXPECT_TRUE(damaged([](auto& w) { w.engaged() ^= 1u; }));
   EXPECT_TRUE(damaged([](auto& w) { w.first_tick() ^= 1u << 31; }));
-  EXPECT_TRUE(damaged([](auto& w) { w.button() ^= 1u; }));
+  EXPECT_TRUE(damaged([](auto& w) { w.number() ^= 1u; }));
   EXPECT_TRUE(damaged([](auto& w) { w.beta() = -w.beta(); }));
   EXPECT_TRUE(damaged([](auto& w) { w.anchor().position_m()[2] += 1e-3f; }));
   EXPECT_TRUE(damaged([](auto& w) { w.payload().back() ^= 128u; }));
