@@ -53,15 +53,20 @@ Vec2 CircleOrLine::tangent(const Vec2& x) const noexcept {
 
 Vec2 CircleOrLine::project(const Vec2& x) const noexcept { return x - phi(x) * gradient(x); }
 
-CircleOrLine fit_circle(std::span<const Vec2> points) noexcept {
+CircleOrLine fit_circle(std::span<const Vec2> points) noexcept { return fit_circle(points, {}); }
+
+CircleOrLine fit_circle(std::span<const Vec2> points, std::span<const double> weights) noexcept {
   CircleOrLine out;
-  const auto n = static_cast<double>(points.size());
   if (points.empty()) return out;
+  double sum = 0.0;
+  for (const double w : weights) sum += w;
+  const double even = 1.0 / static_cast<double>(points.size());
+  const auto share = [&](std::size_t i) { return sum > 0.0 ? weights[i] / sum : even; };
 
   Vec2 mean = Vec2::Zero();
-  for (const Vec2& p : points) mean += p / n;
+  for (std::size_t i = 0; i < points.size(); ++i) mean += share(i) * points[i];
   double spread = 0.0;
-  for (const Vec2& p : points) spread += (p - mean).squaredNorm() / n;
+  for (std::size_t i = 0; i < points.size(); ++i) spread += share(i) * (points[i] - mean).squaredNorm();
   const double scale = std::sqrt(spread);
   out.point_m = mean;
   if (!(scale > 0.0)) return out;
@@ -76,10 +81,10 @@ CircleOrLine fit_circle(std::span<const Vec2> points) noexcept {
   // nothing is ill-conditioned there, because z and x are independent on it.
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
   double extent = 0.0;
-  for (const Vec2& p : points) {
-    const Vec2 u = (p - mean) / scale;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec2 u = (points[i] - mean) / scale;
     const Eigen::Vector3d row(0.5 * (u.squaredNorm() - 1.0), u.x(), u.y());
-    gram += row * row.transpose() / n;
+    gram += share(i) * row * row.transpose();
     extent = std::max(extent, u.norm());
   }
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(gram);
@@ -117,9 +122,9 @@ CircleOrLine fit_circle(std::span<const Vec2> points) noexcept {
   out.point_m = out.centre_m + out.radius_m * outwards;
   out.direction = Vec2(-outwards.y(), outwards.x()) * (out.anticlockwise ? 1.0 : -1.0);
   double squares = 0.0;
-  for (const Vec2& p : points) {
-    const double e = (p - out.centre_m).norm() - out.radius_m;
-    squares += e * e / n;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double e = (points[i] - out.centre_m).norm() - out.radius_m;
+    squares += share(i) * e * e;
   }
   out.residual_m = std::sqrt(squares);
   return out;

@@ -56,5 +56,7 @@ struct CircleOrLine {
 /// duplicates are harmless. A line is returned when the arc bends by less than 1e-7 of its extent or there
 /// are fewer than three points.
 CircleOrLine fit_circle(std::span<const Vec2> points) noexcept;
+/// The same where point i counts `weights[i]` >= 0 times; as many weights as points.
+CircleOrLine fit_circle(std::span<const Vec2> points, std::span<const double> weights) noexcept;
 
 }  // namespace telekerf::geometry

@@ -12,8 +12,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double squared_distance_to_box(const Vec2& q, const Box& box) {
-  return (box.min - q).cwiseMax(q - box.max).cwiseMax(0.0).squaredNorm();
+double distance_to_segment(const Vec2& q, const Vec2& a, const Vec2& b) {
+  const Vec2 d = b - a;
+  const double d2 = d.squaredNorm();
+  const double u = d2 > 0.0 ? std::clamp((q - a).dot(d) / d2, 0.0, 1.0) : 0.0;
+  return (q - a - u * d).norm();
 }
 
 }  // namespace
@@ -25,17 +28,35 @@ NearestIndex::NearestIndex(Polyline line) : line_(std::move(line)) {
 
   const std::size_t n = line_.segments();
   while (leaves_ * kLeaf < n) leaves_ *= 2;
-  // Unused leaves are boxes at infinity: never nearer than anything.
-  nodes_.assign(2 * leaves_ - 1, {{Vec2::Constant(kInfinity), Vec2::Constant(-kInfinity)}});
-  for (std::size_t i = 0; i < n; ++i) {
-    Box& box = nodes_[leaves_ - 1 + i / kLeaf].box;
-    box.min = box.min.cwiseMin(line_.start_of(i)).cwiseMin(line_.end_of(i));
-    box.max = box.max.cwiseMax(line_.start_of(i)).cwiseMax(line_.end_of(i));
+  nodes_.assign(2 * leaves_ - 1, {Vec2::Zero(), Vec2::Zero(), -kInfinity});
+  for (std::size_t first = 0; first < n; first += kLeaf) {
+    Node& node = nodes_[leaves_ - 1 + first / kLeaf];
+    const std::size_t last = std::min(first + kLeaf, n) - 1;
+    node = {line_.start_of(first), line_.end_of(last), 0.0};
+    for (std::size_t i = first; i < last; ++i) {
+      node.radius = std::max(node.radius, distance_to_segment(line_.end_of(i), node.from, node.to));
+    }
   }
   for (std::size_t i = leaves_ - 1; i-- > 0;) {
-    nodes_[i].box.min = nodes_[2 * i + 1].box.min.cwiseMin(nodes_[2 * i + 2].box.min);
-    nodes_[i].box.max = nodes_[2 * i + 1].box.max.cwiseMax(nodes_[2 * i + 2].box.max);
+    const Node& left = nodes_[2 * i + 1];
+    const Node& right = nodes_[2 * i + 2];
+    Node& node = nodes_[i];
+    if (left.radius < 0.0) continue;
+    node = {left.from, right.radius < 0.0 ? left.to : right.to, 0.0};
+    for (const Node* child : {&left, &right}) {
+      if (child->radius < 0.0) continue;
+      // A chord strays furthest at one of its ends.
+      node.radius =
+          std::max(node.radius, child->radius + std::max(distance_to_segment(child->from, node.from, node.to),
+                                                         distance_to_segment(child->to, node.from, node.to)));
+    }
   }
+}
+
+double NearestIndex::bound(const Vec2& query, std::size_t node) const noexcept {
+  const Node& n = nodes_[node];
+  // A hair less than the true bound, so that rounding never hides the nearest segment.
+  return std::max(0.0, distance_to_segment(query, n.from, n.to) * (1.0 - 1e-12) - n.radius * (1.0 + 1e-12));
 }
 
 double NearestIndex::squared_distance(const Vec2& query, std::size_t segment, double& along) const noexcept {
@@ -74,13 +95,13 @@ Nearest NearestIndex::find(const Vec2& query_m) const noexcept {
   // Depth first, the nearer child first; the stack never holds more than one sibling a level.
   std::array<std::pair<std::size_t, double>, 130> stack;
   std::size_t top = 0;
-  stack[top++] = {0, squared_distance_to_box(query_m, nodes_[0].box)};
+  stack[top++] = {0, bound(query_m, 0)};
   double best = kInfinity;
   std::size_t best_segment = 0;
   double best_along = 0.0;
   while (top > 0) {
-    const auto [node, bound] = stack[--top];
-    if (bound > best) continue;
+    const auto [node, least] = stack[--top];
+    if (least * least > best) continue;
     if (node >= leaves_ - 1) {
       const std::size_t first = (node - (leaves_ - 1)) * kLeaf;
       const std::size_t last = std::min(first + kLeaf, line_.segments());
@@ -96,8 +117,8 @@ Nearest NearestIndex::find(const Vec2& query_m) const noexcept {
       continue;
     }
     const std::size_t left = 2 * node + 1;
-    const double d_left = squared_distance_to_box(query_m, nodes_[left].box);
-    const double d_right = squared_distance_to_box(query_m, nodes_[left + 1].box);
+    const double d_left = bound(query_m, left);
+    const double d_right = bound(query_m, left + 1);
     const bool left_first = d_left <= d_right;
     stack[top++] = left_first ? std::pair{left + 1, d_right} : std::pair{left, d_left};
     stack[top++] = left_first ? std::pair{left, d_left} : std::pair{left + 1, d_right};

@@ -31,8 +31,10 @@ struct LocalReach {
   std::size_t segments = 256;
 };
 
-/// A polyline with a static tree of boxes over its segments. Queries are real-time code: noexcept, no
-/// allocation. Needs at least two points; zero-length segments are tolerated.
+/// A polyline with a static tree of capsules over its segments (a chord and how far the line strays from it):
+/// on a smooth curve only those beside the foot point overlap, so a query is O(log n); boxes would overlap in
+/// the hundreds. Queries are real-time code: noexcept, no allocation. Needs at least two points; zero-length
+/// segments are tolerated.
 class NearestIndex {
  public:
   /// An empty line, or a single point, becomes one zero-length segment, so that queries always have an
@@ -53,10 +55,13 @@ class NearestIndex {
 
  private:
   struct Node {
-    Box box;
+    Vec2 from = Vec2::Zero();
+    Vec2 to = Vec2::Zero();
+    double radius = 0.0;  ///< minus infinity: covers nothing
   };
   static constexpr std::size_t kLeaf = 4;  ///< segments in a leaf
 
+  double bound(const Vec2& query, std::size_t node) const noexcept;
   double squared_distance(const Vec2& query, std::size_t segment, double& along) const noexcept;
   Nearest result(const Vec2& query, std::size_t segment, double along) const noexcept;
   Vec2 direction(std::size_t segment) const noexcept;

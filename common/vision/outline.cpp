@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include "common/vision/modes.h"
 
@@ -24,6 +26,14 @@ class BorderWalk {
       unsigned char before = 0;
       auto* row = drawn_.ptr<unsigned char>(y);
       for (int x = 0; x < drawn_.cols; ++x) {
+        // Long runs of background or drawing are passed eight pixels at a time.
+        std::uint64_t eight = 0;
+        while (x + 8 <= drawn_.cols && (before == 0 || before == 255)) {
+          std::memcpy(&eight, row + x, 8);
+          if (eight != (before == 0 ? 0 : ~std::uint64_t{0})) break;
+          x += 8;
+        }
+        if (x >= drawn_.cols) break;
         const unsigned char here = row[x];
         if (here == 255 && before == 0) {
           PixelContour contour;

@@ -59,14 +59,12 @@ void thin(cv::Mat& drawn) {
 
   constexpr unsigned char kListed = 1;  // on the border list; 255: inside; 0: gone
   std::vector<std::ptrdiff_t> border;
-  for (int y = 1; y + 1 < image.rows; ++y) {
-    for (int x = 1; x + 1 < image.cols; ++x) {
-      const std::ptrdiff_t at = y * stride + x;
-      if (data[at] == 0) continue;
-      if (data[at - 1] == 0 || data[at + 1] == 0 || data[at - stride] == 0 || data[at + stride] == 0) {
-        border.push_back(at);
-      }
-    }
+  std::vector<cv::Point> ink;
+  cv::findNonZero(image, ink);
+  for (const cv::Point& p : ink) {
+    const std::ptrdiff_t at = p.y * stride + p.x;
+    if (data[at - 1] == 0 || data[at + 1] == 0 || data[at - stride] == 0 || data[at + stride] == 0)
+      border.push_back(at);
   }
   for (const std::ptrdiff_t at : border) data[at] = kListed;
 
@@ -102,16 +100,13 @@ geometry::Vec2 SkeletonGraph::Node::position() const {
 
 SkeletonGraph graph_of(const cv::Mat& skeleton) {
   SkeletonGraph graph;
-  cv::Mat owner(skeleton.size(), CV_32S, cv::Scalar(-1));  // node of a pixel; -2: on a line already walked
   std::vector<cv::Point> on;
+  cv::findNonZero(skeleton, on);
+  // Node of a pixel; -1: none yet, -2: on a line already walked. Only skeleton pixels are ever looked at.
+  cv::Mat owner(skeleton.size(), CV_32S);
+  for (const cv::Point& p : on) owner.at<int>(p) = -1;
   std::array<cv::Point, 8> around;
   std::array<cv::Point, 8> further;
-  for (int y = 0; y < skeleton.rows; ++y) {
-    const auto* row = skeleton.ptr<unsigned char>(y);
-    for (int x = 0; x < skeleton.cols; ++x) {
-      if (row[x] != 0) on.emplace_back(x, y);
-    }
-  }
   // Nodes: ends alone, touching junction pixels together.
   for (const cv::Point& p : on) {
     if (owner.at<int>(p) != -1) continue;

@@ -108,7 +108,7 @@ Contours strokes_of(const Field& field, const Outlines& outlines) {
   cv::Mat padded;
   cv::copyMakeBorder(drawn, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   cv::Mat half_width;
-  cv::distanceTransform(padded, half_width, cv::DIST_L2, cv::DIST_MASK_5);
+  cv::distanceTransform(padded, half_width, cv::DIST_L2, cv::DIST_MASK_3);
   thin(padded);
   prune_spurs(padded, half_width);
   const SkeletonGraph graph = graph_of(padded);
