@@ -8,9 +8,12 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <memory>
 
+#include "netem/emulator.h"
+#include "netem/trace.h"
 #include "tests/integration/namespaces.h"
 
 namespace telekerf::integration {
@@ -108,12 +111,12 @@ class NetemLink : public testing::Test {
     ::waitpid(echo_, nullptr, 0);
   }
 
-  void start_link(const std::string& profile) {
+  void start_link(const std::string& profile, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> command = {TELEKERF_NETEM, "link", profile, "--slave-netns",
+                                        Namespaces::instance().slave_path()};
+    command.insert(command.end(), more.begin(), more.end());
     link_ = std::make_unique<SidedProgram>(
-        Side::kOperator,
-        std::vector<std::string>{TELEKERF_NETEM, "link", profile, "--slave-netns",
-                                 Namespaces::instance().slave_path()},
-        testing::TempDir() + "netem-link-" + std::to_string(::getpid()) + ".txt");
+        Side::kOperator, command, testing::TempDir() + "netem-link-" + std::to_string(::getpid()) + ".txt");
     ASSERT_TRUE(link_->says("link up", std::chrono::seconds(10))) << link_->output();
     // The echo may still be starting.
     for (int i = 0; i < 20; ++i) {
@@ -149,6 +152,33 @@ TEST_F(NetemLink, AddsTheProfileAndNothingEarlier) {
   EXPECT_LT(at(rtt_ms, 1), 1e9) << "lost";
   EXPECT_NEAR(at(rtt_ms, 0.5), 100.0, 10.0);
   EXPECT_EQ(stop_link(), 0);
+}
+
+TEST_F(NetemLink, GivesEveryPacketTheFateOfVirtualTime) {
+  // In free order a packet's fate depends on its number alone, so two drivers with one seed must agree to the
+  // nanosecond.
+  const std::string folder = testing::TempDir() + "netem-fates-" + std::to_string(::getpid());
+  std::filesystem::create_directories(folder);
+  const std::string file = folder + "/profile.toml";
+  std::ofstream(file)
+      << "[both]\ndelay_ms = 8\njitter_ms = 3\ndistribution = \"gamma\"\nshape = 2\ncorrelation = 0.5\n"
+         "order = \"free\"\nloss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_packets = 3\n"
+         "duplicate = 0.05\ncorrupt = 0.05\n";
+  start_link(file, {"--seed", "11", "--record", folder});
+  round_trips(kOverLink, 200, milliseconds(40));
+  stop_link();
+  const netem::Recording seen = netem::load_recording(folder + "/forward.csv");
+  ASSERT_GE(seen.size(), 200U);
+  netem::Emulator expected(netem::load_profile(file).forward, {11}, {1U << 16, 0, 0});
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const netem::Fate fate = expected.push(0, 100U, i);
+    ASSERT_EQ(seen[i].lost, fate.lost()) << i;
+    if (fate.lost()) continue;
+    EXPECT_EQ(seen[i].delay_ns, fate.due_ns) << i;
+    EXPECT_EQ(seen[i].duplicated, fate.duplicated) << i;
+    EXPECT_EQ(seen[i].corrupted, fate.corrupted) << i;
+  }
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(NetemLink, AddsLittleToAVethPair) {
