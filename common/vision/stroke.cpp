@@ -36,6 +36,18 @@ Ink ink_of(const Outlines& outlines) {
   return ink;
 }
 
+/// Draws the inside of a contour and its rim.
+void fill(cv::Mat& picture, const PixelContour& contour, const cv::Point& origin) {
+  std::vector<cv::Point> polygon;
+  polygon.reserve(contour.points_px.size());
+  for (const Vec2& p : contour.points_px) {
+    polygon.emplace_back(static_cast<int>(std::lround(p.x())) - origin.x,
+                         static_cast<int>(std::lround(p.y())) - origin.y);
+  }
+  const std::vector<std::vector<cv::Point>> polygons{polygon};
+  cv::fillPoly(picture, polygons, cv::Scalar(255));
+}
+
 /// A drawn line whose ends nearly meet was meant to be closed.
 void close_small_gap(PixelContour& contour) {
   if (contour.closed || contour.points_px.size() < 8) return;
@@ -58,8 +70,6 @@ double drawing_size_of(const Outlines& outlines) { return ink_of(outlines).box.s
 
 Contours strokes_of(const Field& field, const Outlines& outlines) {
   const double width = std::max(1.0, stroke_width_of(outlines));
-  // Only whole shapes of some size: repaint them, pinholes closed, into a picture of their own.
-  cv::Mat ink(field.drawn.size(), CV_8U, cv::Scalar(0));
   geometry::Box box;
   bool any = false;
   std::vector<std::pair<double, const PixelContour*>> shapes;
@@ -78,31 +88,19 @@ Contours strokes_of(const Field& field, const Outlines& outlines) {
   if (!any) return {};
   const cv::Rect roi = cv::Rect(cv::Point(int(box.min.x()) - 2, int(box.min.y()) - 2),
                                 cv::Point(int(box.max.x()) + 4, int(box.max.y()) + 4)) &
-                       cv::Rect(0, 0, ink.cols, ink.rows);
-  const auto fill = [&](const PixelContour& contour, double value) {
-    // Whole pixels inside the sub-pixel border are drawn ones; scan conversion at 1/16 pixel keeps to that.
-    std::vector<cv::Point> polygon;
-    polygon.reserve(contour.points_px.size());
-    for (const Vec2& p : contour.points_px)
-      polygon.emplace_back(std::lround(p.x() * 16), std::lround(p.y() * 16));
-    const std::vector<std::vector<cv::Point>> polygons{polygon};
-    cv::fillPoly(ink, polygons, cv::Scalar(value), cv::LINE_8, 4);
-  };
-  for (const auto& [area, contour] : shapes) {
-    if (area > 0.0 && area >= 0.002 * largest) fill(*contour, 255);
+                       cv::Rect(0, 0, field.drawn.cols, field.drawn.rows);
+  cv::Mat drawn = field.drawn(roi).clone();
+  if (outlines.cut_off > 0) {
+    // Whole shapes only: what runs over the border stays out. Holes are as the picture has them.
+    cv::Mat whole(roi.size(), CV_8U, cv::Scalar(0));
+    for (const auto& [area, contour] : shapes) {
+      if (area > 0.0 && area >= 0.002 * largest) fill(whole, *contour, roi.tl());
+    }
+    cv::bitwise_and(drawn, whole, drawn);
   }
-  // Holes come back as the picture has them, except pinholes.
   const double pinhole = 0.15 * width * width + 2.0;
-  cv::Mat drawn;
-  cv::bitwise_and(ink(roi), field.drawn(roi), drawn);
-  ink.release();
   for (const auto& [area, contour] : shapes) {
-    if (area > 0.0 || -area > pinhole) continue;
-    std::vector<cv::Point> polygon;
-    for (const Vec2& p : contour->points_px)
-      polygon.emplace_back(int(std::lround(p.x())) - roi.x, int(std::lround(p.y())) - roi.y);
-    const std::vector<std::vector<cv::Point>> polygons{polygon};
-    cv::fillPoly(drawn, polygons, cv::Scalar(255));
+    if (area <= 0.0 && -area <= pinhole) fill(drawn, *contour, roi.tl());
   }
 
   cv::Mat padded;
