@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/bus/rounded.h"
-
 namespace telekerf::master {
 
 MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch)
@@ -16,13 +14,9 @@ MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& set
           model, {.period_s = 1.0 / settings.control_hz,
                   .bandwidth_rad_per_s = settings.observer_rad_s,
                   .velocity_bandwidth_rad_per_s = 3.0 * settings.observer_rad_s})),
-      epoch_(epoch),
       dt_s_(1.0 / settings.control_hz),
-      period_ns_(std::llround(1e9 / settings.control_hz)),
       generator_(settings.constraint),
-      encoder_(settings.command),
-      samples_(static_cast<std::size_t>(settings.command.block), Vec3::Zero()),
-      ticks_per_sample_(static_cast<int>(std::lround(settings.control_hz / settings.stream_hz))) {}
+      stream_(settings.command, epoch) {}
 
 void MasterNode::choose_mode(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool) noexcept {
   const auto hold_here = [&](MasterMode mode) {
@@ -112,6 +106,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
     slave_ = received.value;
     slave_heard_ns_ = received.received_ns;
     link_.received(received.value, received.received_ns);
+    stream_.received(received.value);
   }
   choose_mode(now_ns, inputs, tool);
 
@@ -142,46 +137,18 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   out.mode = mode_;
   out.tool_m = tool.position_m;
   out.velocity_m_per_s = tool.velocity_m_per_s;
-  if (guide_ != nullptr && state) stream(now_ns, inputs, tool, out);
+  if (guide_ != nullptr && state) {
+    out.command = stream_.step(now_ns, tick_,
+                               {.tool = {tool.position_m, tool.velocity_m_per_s, wanted},
+                                .beta = guide_->beta,
+                                .contour_id = guide_->contour_id,
+                                .button = inputs.button,
+                                .engaged = mode_ == MasterMode::kEngaged});
+    if (out.command) link_.sent(*out.command);
+  }
+  out.observed = stream_.observed();
   ++tick_;
   return out;
-}
-
-void MasterNode::stream(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool,
-                        MasterOutputs& out) noexcept {
-  if (tick_ % static_cast<Tick>(ticks_per_sample_) != 0) return;
-  const double beta = guide_->beta;
-  if (filled_ == 0) {
-    block_tick_ = tick_;
-    block_anchor_ = rounded(Anchor{beta * tool.position_m, beta * tool.velocity_m_per_s});
-    buttons_ = 0;
-  }
-  if (inputs.button && mode_ == MasterMode::kEngaged) buttons_ |= std::uint64_t{1} << filled_;
-  samples_[filled_++] = beta * tool.position_m;
-  if (filled_ < samples_.size()) return;
-  filled_ = 0;
-
-  CommandBlock& block = out.command.emplace();
-  block.sequence = ++number_;
-  block.epoch = epoch_;
-  block.first_tick = block_tick_;
-  block.sample_period_ns = static_cast<std::uint32_t>(period_ns_ * ticks_per_sample_);
-  block.ticks_per_sample = static_cast<std::uint16_t>(ticks_per_sample_);
-  block.contour_id = guide_->contour_id;
-  block.beta = rounded(beta);
-  block.law = Law::kLocal;
-  block.engaged = mode_ == MasterMode::kEngaged;
-  block.anchor = block_anchor_;
-  block.sent_ns = now_ns;
-  const codec::Trend trend{block.anchor.position_m,
-                           block.anchor.velocity_m_per_s * (block.sample_period_ns * 1e-9)};
-  const auto bytes = encoder_.encode(samples_, buttons_, trend, block.payload.room());
-  if (!bytes) {
-    out.command.reset();
-    return;
-  }
-  block.payload.size = static_cast<std::uint16_t>(*bytes);
-  link_.sent(block);
 }
 
 }  // namespace telekerf::master

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "common/bus/messages.h"
-#include "common/codec/encoder.h"
 #include "common/control/acceleration_control.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
+#include "master/command_stream.h"
 #include "master/constraint.h"
 #include "master/link_meter.h"
 
@@ -23,7 +23,7 @@ struct MasterSettings {
   double observer_rad_s = 300.0;   ///< of the disturbance observer
   double approach_m_per_s = 0.05;  ///< mean speed at which the tool is brought to the curve
   double stale_s = 0.5;            ///< no state of the slave for this long: disengage
-  codec::StreamSettings command;   ///< of the command stream
+  CommandStreamSettings command;   ///< law, observer and codec of the command stream
   ConstraintSettings constraint;
 };
 
@@ -52,6 +52,7 @@ struct MasterOutputs {
   Vec3 velocity_m_per_s = Vec3::Zero();
   Vec3 hand_n = Vec3::Zero();  ///< estimated force of the hand
   double constraint_n = 0.0;   ///< how hard the constraint answers, across the curve
+  Observed observed;           ///< the slave, as the network observer predicts it
 };
 
 class MasterNode {
@@ -62,6 +63,7 @@ class MasterNode {
 
   const LinkMeter& link() const noexcept { return link_; }
   Tick tick() const noexcept { return tick_; }
+  const Observed& observed() const noexcept { return stream_.observed(); }
   /// The slave's newest state block; meaningful once link().states() > 0.
   const StateBlock& slave() const noexcept { return slave_; }
 
@@ -74,16 +76,13 @@ class MasterNode {
   Vec3 held(const Tool& tool, const Vec3& goal_m, const Vec3& goal_velocity,
             const Vec3& goal_acceleration) const noexcept;
   Vec3 approach(const Tool& tool) noexcept;
-  void stream(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool, MasterOutputs& out) noexcept;
 
   robot::RobotModel model_;
   robot::DeltaKinematics kinematics_;
   MasterSettings settings_;
   control::AccelerationControl acceleration_;
   robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
-  std::uint32_t epoch_;
   double dt_s_;
-  std::int64_t period_ns_;
   Tick tick_ = 0;
   bool started_ = false;
 
@@ -96,16 +95,7 @@ class MasterNode {
   double approach_s_ = 0.0;
   double approach_duration_s_ = 0.0;
 
-  // Command stream.
-  codec::BlockEncoder encoder_;
-  std::vector<Vec3> samples_;
-  std::size_t filled_ = 0;
-  std::uint64_t buttons_ = 0;
-  Anchor block_anchor_;
-  Tick block_tick_ = 0;
-  std::uint32_t number_ = 0;
-  int ticks_per_sample_ = 1;
-
+  CommandStream stream_;
   LinkMeter link_;
   StateBlock slave_;
   std::int64_t slave_heard_ns_ = 0;

@@ -10,6 +10,9 @@
 namespace telekerf::master {
 namespace {
 
+/// Finest step of coded accelerations, m/s^2.
+constexpr double kAccelerationQuantum = 1e-3;
+
 Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
@@ -24,9 +27,17 @@ void StationSettings::declare(Settings& settings) {
                "control rate, a multiple of stream_hz");
   settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000},
                "samples a second in the command stream");
-  settings.add("block", node.command.block, {.min = 4, .max = 64}, "samples a block of the command stream");
-  settings.add("keep", node.command.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
-  settings.add("redundancy", node.command.redundancy, {.min = 0, .max = 7},
+  settings.add("law", law, "who computes the slave's acceleration",
+               {"anchored", "remote-acceleration", "local"});
+  settings.add("estimator", estimator, "how the slave's state is predicted",
+               {"predictor", "delayed-innovation", "thesis", "none"});
+  settings.add("codec", codec, "of the command stream", codec::codec_names());
+  settings.add("tracking_rad_s", node.command.tracking_rad_s, {.min = 1, .max = 400},
+               "bandwidth of the law that makes the commands");
+  settings.add("block", node.command.codec.block, {.min = 4, .max = 64},
+               "samples a block of the command stream");
+  settings.add("keep", node.command.codec.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
+  settings.add("redundancy", node.command.codec.redundancy, {.min = 0, .max = 7},
                "previous blocks repeated in a packet");
   settings.add("half_window", node.constraint.half_window, {.min = 1, .max = 32},
                "points to either side of the circle fit");
@@ -52,8 +63,15 @@ StationSettings StationSettings::validated() const {
     throw Refusal(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
                               node.control_hz, node.stream_hz));
   }
-  settings.node.command.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
-  settings.node.command = settings.node.command.validated();
+  auto& command = settings.node.command;
+  command.law = law_named(law);
+  command.observer.estimator = estimator_named(estimator);
+  command.ticks_per_sample = static_cast<int>(std::lround(ratio));
+  command.codec.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
+  command.codec.anchored = command.law == Law::kLocal;
+  // A step of acceleration is worth this step of position over a block of 16: 0.1 um.
+  if (command.law != Law::kLocal) command.codec.quantum = kAccelerationQuantum;
+  command.codec = codec::with_codec(command.codec, codec).validated();
   return settings;
 }
 
@@ -103,7 +121,8 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
   robot_.write(out.currents_a);
   robot_.set_tool_force(hand.force_n);
   recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(tool_m), triple(hand.force_n),
-                  out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button});
+                  out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
+                  triple(out.observed.slave.position_m), out.observed.joined});
   robot_.advance(control_period_s());
   return out;
 }
@@ -111,7 +130,7 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
 void Station::report(RunRecord& record) const {
   record.master = recorder_.rows();
   const LinkMeter& link = node_.link();
-  const auto& command = settings_.node.command;
+  const auto& command = settings_.node.command.codec;
   const double run_s = static_cast<double>(node_.tick()) * control_period_s();
   const auto packets = static_cast<double>(link.packets());
   Figures& f = record.master_figures;
@@ -131,9 +150,10 @@ void Station::report(RunRecord& record) const {
   f["bits_per_sample"] =
       packets > 0.0 ? 8.0 * static_cast<double>(link.payload_bytes()) / (packets * 3.0 * command.block) : 0.0;
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
-  record.words["law"] = "local";
-  record.words["estimator"] = "none";
-  record.words["codec"] = codec::to_string(command.kind);
+  f["observer_delay_ms"] = node_.observed().delay_s * 1e3;
+  record.words["law"] = settings_.law;
+  record.words["estimator"] = settings_.estimator;
+  record.words["codec"] = settings_.codec;
 }
 
 }  // namespace telekerf::master

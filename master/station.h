@@ -23,6 +23,9 @@ struct StationSettings {
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   HandSettings hand;
   double hand_speed_mm_s = 20.0;  ///< what a user sets of it
+  std::string law = "anchored";   ///< as a user names it
+  std::string estimator = "predictor";
+  std::string codec = "sdct";
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
   double record_s = 120.0;  ///< length of the record kept

@@ -1,42 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// No jump, ever: whatever source the reference comes from, a change of source becomes an offset that fades
-// out.
+// The slave's names for motions and how they are joined.
 #pragma once
 
 #include "common/bus/messages.h"
+#include "common/control/joiner.h"
 
 namespace telekerf::slave {
 
-/// Position, velocity, acceleration of the tool, workpiece frame.
-struct Motion {
-  Vec3 position_m = Vec3::Zero();
-  Vec3 velocity_m_per_s = Vec3::Zero();
-  Vec3 acceleration_m_per_s2 = Vec3::Zero();
-};
-
-struct JoinerSettings {
-  double rate_rad_s = 30.0;                ///< of the critically damped fade
-  double max_acceleration_m_per_s2 = 1.0;  ///< far sources are approached more slowly
-};
-
-/// Adds to the source an offset o with o'' + 2 w o' + w^2 o = 0, seated at each change of source so that
-/// position and velocity of the output go on unbroken.
-class ReferenceJoiner {
- public:
-  explicit ReferenceJoiner(const JoinerSettings& settings) noexcept : settings_(settings) {}
-
-  /// The output goes on from `from` (position and velocity) although the source now says `source`.
-  void rejoin(const Motion& from, const Motion& source) noexcept;
-  /// One step of `dt_s`: the source's motion plus what is left of the offset.
-  Motion join(const Motion& source, double dt_s) noexcept;
-  /// What is left of the offset.
-  double offset_m() const noexcept { return offset_.norm(); }
-
- private:
-  JoinerSettings settings_;
-  double rate_ = 30.0;
-  Vec3 offset_ = Vec3::Zero();
-  Vec3 offset_rate_ = Vec3::Zero();
-};
+using control::advanced;
+using control::JoinerSettings;
+using control::Motion;
+using control::ReferenceJoiner;
 
 }  // namespace telekerf::slave

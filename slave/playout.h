@@ -13,11 +13,15 @@ namespace telekerf::slave {
 
 /// What the master said about one stream sample.
 struct StreamSample {
-  Vec3 value = Vec3::Zero();  ///< position (m) or acceleration (m/s^2), by the block's law
+  Vec3 value = Vec3::Zero();  ///< position (m); of a bare acceleration stream nothing
   bool button = false;
   bool engaged = false;
-  std::uint32_t generation =
-      0;  ///< changes with epoch and beta: samples of two generations are not comparable
+  /// Changes with epoch, law and beta: samples of two generations are not comparable.
+  std::uint32_t generation = 0;
+  std::uint32_t block = 0;  ///< an anchored stream goes from one anchor to the next
+  Law law = Law::kLocal;
+  Vec3 velocity_m_per_s = Vec3::Zero();       ///< of an anchored stream
+  Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< held from this sample to the next; not of a local stream
 };
 
 /// The newest stream samples by their index (master tick / ticks per sample); older ones are overwritten.

@@ -81,7 +81,9 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
       return;
     }
   }
-  const codec::Trend trend{block.anchor.position_m, block.anchor.velocity_m_per_s * period_s};
+  // Accelerations have no straight line through them; their anchor is for the reference.
+  codec::Trend trend;
+  if (block.law == Law::kLocal) trend = {block.anchor.position_m, block.anchor.velocity_m_per_s * period_s};
   const auto decoded = decoder_.decode(block.payload.view(), trend);
   if (!decoded) {
     ++counters_.refused;
@@ -93,8 +95,12 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
     ring_->clear();
     clock_.reset();
     newest_index_ = -1;
+    applied_index_ = -1;
+    applied_bitmap_ = 0;
+    cursor_.reset();
     ++generation_;
-  } else if (block.beta != header_.beta || block.sample_period_ns != header_.sample_period_ns) {
+  } else if (block.beta != header_.beta || block.sample_period_ns != header_.sample_period_ns ||
+             block.law != header_.law) {
     ++generation_;
   }
   const std::uint32_t missing = heard_ ? block.sequence - number_ - 1 : 0;
@@ -106,51 +112,110 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
   last_arrival_ns_ = received.received_ns;
 
   const codec::DecodedPacket& packet = **decoded;
-  for (int age = 0; age < packet.blocks; ++age) {
-    const codec::DecodedBlock& part = packet.blocks_newest_first[static_cast<std::size_t>(age)];
-    const std::int64_t start = first - static_cast<std::int64_t>(age) * packet.block_size;
-    for (int n = 0; n < packet.block_size; ++n) {
-      const std::int64_t index = start + n;
-      if (age > 0 && ring_->find(index) != nullptr) continue;  // the copy says nothing new
-      const bool button = ((part.button >> n) & 1U) != 0;
-      ring_->store(index, {part.samples[static_cast<std::size_t>(n)], button, block.engaged, generation_});
-    }
-  }
+  store(packet, block);
   newest_index_ = std::max(newest_index_, first + packet.block_size - 1);
   clock_.arrived(received.received_ns, first + packet.block_size - 1, packet.block_size,
                  block.sample_period_ns, missing > 0);
 }
 
-Motion SlaveNode::choose_source(std::int64_t now_ns, SlaveOutputs& out) noexcept {
+void SlaveNode::store(const codec::DecodedPacket& packet, const CommandBlock& block) noexcept {
+  const auto newest = static_cast<std::int64_t>(block.first_tick / block.ticks_per_sample);
+  const double period_s = block.sample_period_ns * 1e-9;
+  const auto sample_of = [&](int age, int n) {
+    const codec::DecodedBlock& part = packet.blocks_newest_first[static_cast<std::size_t>(age)];
+    StreamSample sample;
+    sample.law = block.law;
+    sample.block = block.sequence - static_cast<std::uint32_t>(age);
+    sample.button = ((part.button >> n) & 1U) != 0;
+    sample.engaged = block.engaged;
+    sample.generation = generation_;
+    (block.law == Law::kLocal ? sample.value : sample.acceleration_m_per_s2) =
+        part.samples[static_cast<std::size_t>(n)];
+    return sample;
+  };
+  const auto at_state = [](StreamSample sample, const Motion& state) {
+    sample.value = state.position_m;
+    sample.velocity_m_per_s = state.velocity_m_per_s;
+    return sample;
+  };
+  // The newest block: the accelerations integrated from the anchor are the master's model, bit for bit.
+  const Motion anchor{block.anchor.position_m, block.anchor.velocity_m_per_s, Vec3::Zero()};
+  Motion state = anchor;
+  for (int n = 0; n < packet.block_size; ++n) {
+    StreamSample sample = sample_of(0, n);
+    if (block.law == Law::kAnchored) {
+      sample = at_state(sample, state);
+      state.acceleration_m_per_s2 = sample.acceleration_m_per_s2;
+      state = advanced(state, period_s);
+    }
+    ring_->store(newest + n, sample);
+  }
+  // Copies of older blocks come without their anchors: integrated backwards from the newest one.
+  state = anchor;
+  std::int64_t index = newest;
+  for (int age = 1; age < packet.blocks; ++age) {
+    for (int n = packet.block_size - 1; n >= 0; --n) {
+      StreamSample sample = sample_of(age, n);
+      if (block.law == Law::kAnchored) {
+        state = control::preceding(state, sample.acceleration_m_per_s2, period_s);
+        sample = at_state(sample, state);
+      }
+      if (ring_->find(--index) == nullptr) ring_->store(index, sample);  // else the copy says nothing new
+    }
+  }
+}
+
+std::optional<Motion> SlaveNode::sample_at(double cursor, const Motion& tool) const noexcept {
+  const double period_s = header_.sample_period_ns * 1e-9;
+  if (header_.law == Law::kLocal) return reference_at(*ring_, cursor, period_s);
+  // Commands are held from their sample to the next.
+  const double whole = std::floor(cursor + 1e-6);
+  const StreamSample* sample = ring_->find(static_cast<std::int64_t>(whole));
+  if (sample == nullptr || sample->law != header_.law) return std::nullopt;
+  if (header_.law == Law::kRemoteAcceleration) {
+    return Motion{tool.position_m, tool.velocity_m_per_s, sample->acceleration_m_per_s2};
+  }
+  const Motion state{sample->value, sample->velocity_m_per_s, sample->acceleration_m_per_s2};
+  return advanced(state, (cursor - whole) * period_s);
+}
+
+void SlaveNode::rejoin(const Motion& source) noexcept {
+  // What the reference would be now, had its source gone on.
+  joiner_.rejoin(advanced(reference_, dt_s_), source);
+  rejoined_ = true;
+}
+
+Motion SlaveNode::choose_source(std::int64_t now_ns, const Motion& tool, SlaveOutputs& out) noexcept {
   const bool fresh = heard_ && static_cast<double>(now_ns - last_arrival_ns_) * 1e-9 < settings_.stale_s;
   std::optional<Motion> found;
   const StreamSample* sample = nullptr;
-  const double period_s = header_.sample_period_ns * 1e-9;
+  std::int64_t index = -1;
+  bool seam = true;  // the stream's time did not go on by one step, as it should
   if (fresh) {
     if (const auto cursor = clock_.advance(now_ns, period_ns_, starving_)) {
-      const auto index = static_cast<std::int64_t>(std::llround(*cursor));
-      found = reference_at(*ring_, *cursor, period_s);
+      index = header_.law == Law::kLocal ? std::llround(*cursor)
+                                         : static_cast<std::int64_t>(std::floor(*cursor + 1e-6));
+      found = sample_at(*cursor, tool);
       if (found) {
         sample = ring_->find(index);
         out.applied_tick = *cursor * header_.ticks_per_sample;
       }
-      if (index > applied_index_) {
-        const auto shift = index - applied_index_;
-        applied_bitmap_ = shift < 64 ? applied_bitmap_ << shift : 0;
-        if (found) applied_bitmap_ |= 1;
-        applied_index_ = index;
-      }
       starving_ = !found;
       if (starving_ && mode_ == SlaveMode::kFollowing) ++counters_.missed_ticks;
+      const double step = dt_s_ * 1e9 / header_.sample_period_ns;
+      seam = !cursor_ || std::abs(*cursor - *cursor_ - step) > 1e-3;
+      cursor_ = *cursor;
     }
   }
   button_ = sample != nullptr && sample->button;
-  applied_age_ = found ? 0 : applied_age_ + 1;
+  if (sample != nullptr && !sample->engaged) tripped_ = false;
 
   if (mode_ == SlaveMode::kStopped) {
     found.reset();
   } else if (found && sample->engaged) {
     mode_ = SlaveMode::kFollowing;
+    if (sample->law == Law::kRemoteAcceleration) tripped_ = tripped_ || !obeys_limits(*found);
+    if (tripped_) found.reset();
   } else if (!fresh && mode_ == SlaveMode::kFollowing) {
     mode_ = SlaveMode::kHolding;
   } else if (found) {
@@ -159,26 +224,63 @@ Motion SlaveNode::choose_source(std::int64_t now_ns, SlaveOutputs& out) noexcept
   }
 
   if (mode_ == SlaveMode::kFollowing && found) {
-    // A new source, or the same one after a gap that was bridged: go on from where the reference is.
-    if (source_generation_ != sample->generation) joiner_.rejoin(reference_, *found);
-    source_generation_ = sample->generation;
-    return *found;
+    acknowledge(index);
+    if (seam) source_block_ = 0;
+    return follow(*sample, *found);
   }
+  ++applied_age_;
   out.applied_tick = -1.0;
-  if (mode_ == SlaveMode::kFollowing && applied_age_ * dt_s_ < kBridgeS) {
+  return hold_on();
+}
+
+bool SlaveNode::obeys_limits(const Motion& motion) const noexcept {
+  return motion.position_m.head<2>().norm() < model_.workspace.radius_m &&
+         std::abs(motion.position_m.z()) < 0.5 * model_.workspace.height_m &&
+         motion.velocity_m_per_s.norm() < model_.limits.velocity_m_per_s;
+}
+
+void SlaveNode::acknowledge(std::int64_t index) noexcept {
+  applied_age_ = 0;
+  if (index <= applied_index_) return;  // the clock waited: the same sample twice
+  const auto shift = index - applied_index_;
+  applied_bitmap_ = (shift < 64 ? applied_bitmap_ << shift : 0) | 1U;
+  applied_index_ = index;
+}
+
+Motion SlaveNode::follow(const StreamSample& sample, const Motion& found) noexcept {
+  const bool new_source = source_generation_ != sample.generation || source_law_ != sample.law;
+  source_generation_ = sample.generation;
+  source_law_ = sample.law;
+  if (sample.law == Law::kRemoteAcceleration) {
+    // The tool itself is the reference: nothing is pulled anywhere, the acceleration is all there is.
+    joiner_.rejoin(found, found);
+    return found;
+  }
+  // From one anchor to the next, over a corrected clock, after a gap: go on from where the reference is.
+  if (new_source || source_block_ == 0 || (sample.law == Law::kAnchored && source_block_ != sample.block)) {
+    rejoin(found);
+  }
+  source_block_ = sample.block;
+  return found;
+}
+
+Motion SlaveNode::hold_on() noexcept {
+  if (mode_ == SlaveMode::kFollowing && !tripped_ && applied_age_ * dt_s_ < kBridgeS) {
     if (source_generation_ != 0) {
       hold_ = reference_;
       hold_.acceleration_m_per_s2.setZero();
-      joiner_.rejoin(reference_, hold_);
       source_generation_ = 0;
+      hold_ = advanced(hold_, dt_s_);
+      rejoin(hold_);
+      return hold_;
     }
-    hold_.position_m += hold_.velocity_m_per_s * dt_s_;
+    hold_ = advanced(hold_, dt_s_);
     return hold_;
   }
   if (source_generation_ != 0 || !hold_.velocity_m_per_s.isZero()) {
     hold_ = Motion{.position_m = reference_.position_m};
-    joiner_.rejoin(reference_, hold_);
     source_generation_ = 0;
+    rejoin(hold_);
   }
   return hold_;
 }
@@ -221,7 +323,9 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   for (const auto& event : inputs.events) obey(event);
   for (const auto& command : inputs.commands) receive(command, inputs.corridor);
 
-  reference_ = joiner_.join(choose_source(now_ns, out), dt_s_);
+  rejoined_ = false;
+  const Motion source = choose_source(now_ns, tool, out);
+  reference_ = joiner_.join(source, rejoined_ ? 0.0 : dt_s_);
   keep_inside(reference_);
 
   // Eq. 87 in operational space: error dynamics e'' + 2 w e' + w^2 e = 0, within the robot's acceleration.

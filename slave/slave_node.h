@@ -85,8 +85,15 @@ class SlaveNode {
 
  private:
   void receive(const Received<CommandBlock>& received, const Corridor* corridor) noexcept;
+  void store(const codec::DecodedPacket& packet, const CommandBlock& block) noexcept;
   void obey(const EventMessage& event) noexcept;
-  Motion choose_source(std::int64_t now_ns, SlaveOutputs& out) noexcept;
+  Motion choose_source(std::int64_t now_ns, const Motion& tool, SlaveOutputs& out) noexcept;
+  std::optional<Motion> sample_at(double cursor, const Motion& tool) const noexcept;
+  Motion follow(const StreamSample& sample, const Motion& found) noexcept;
+  Motion hold_on() noexcept;
+  void rejoin(const Motion& source) noexcept;
+  void acknowledge(std::int64_t index) noexcept;
+  bool obeys_limits(const Motion& motion) const noexcept;
   void keep_inside(Motion& motion) const noexcept;
   void report(std::int64_t now_ns, const Corridor* corridor, SlaveOutputs& out) noexcept;
 
@@ -120,9 +127,14 @@ class SlaveNode {
   Motion hold_;  ///< source while not following
   bool reference_known_ = false;
   std::uint32_t source_generation_ = 0;  ///< 0: holding
+  std::uint32_t source_block_ = 0;
+  Law source_law_ = Law::kLocal;
+  bool rejoined_ = false;         ///< the reference was joined to a new source at this very step
+  bool tripped_ = false;          ///< bare accelerations led out of bounds: held until disengaged
+  std::optional<double> cursor_;  ///< stream time of the last step
   bool button_ = false;
   std::uint64_t applied_bitmap_ = 0;
-  std::int64_t applied_index_ = -1;
+  std::int64_t applied_index_ = -1;  ///< newest index that was followed
   std::uint32_t applied_age_ = 0;
 
   // Feedback stream.

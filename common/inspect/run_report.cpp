@@ -58,16 +58,23 @@ std::string word(const RunRecord& record, const std::string& name) {
   return found == record.words.end() ? "" : found->second;
 }
 
-/// The master's tool at a tick that may lie between two of its rows.
-std::optional<Vec3> master_at(const RunRecord& record, double tick) {
+/// One of the master's positions at a tick that may lie between two of its rows.
+std::optional<Vec3> master_at(const RunRecord& record, double tick, Triple MasterRow::*position) {
   if (record.master.empty()) return std::nullopt;
   const double place = tick - static_cast<double>(record.master.front().tick);
   if (!(place >= 0.0) || place > static_cast<double>(record.master.size() - 1)) return std::nullopt;
   const auto index = static_cast<std::size_t>(place);
   const double part = place - static_cast<double>(index);
-  const auto& a = record.master[index].tool_m;
-  const auto& b = record.master[std::min(index + 1, record.master.size() - 1)].tool_m;
+  const auto& a = record.master[index].*position;
+  const auto& b = record.master[std::min(index + 1, record.master.size() - 1)].*position;
   return Vec3(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]), a[2] + part * (b[2] - a[2]));
+}
+
+/// Whether the slave had been brought to the master's motion by that tick.
+bool joined_at(const RunRecord& record, double tick) {
+  if (!master_at(record, tick, &MasterRow::tool_m)) return false;
+  return record.master[static_cast<std::size_t>(tick - static_cast<double>(record.master.front().tick))]
+      .joined;
 }
 
 /// Which stretches of the contour the laser reached, in bins of arc length.
@@ -126,6 +133,7 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   }
 
   Spread tracking;
+  Spread prediction;
   Spread cut;
   Coverage coverage(contour);
   double laser_on_s = 0.0;
@@ -133,10 +141,10 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   double outside_j = 0.0;
   std::optional<geometry::Nearest> previous;
   for (const auto& row : record.slave) {
-    if (row.settled && row.applied >= 0.0) {
-      if (const auto master = master_at(record, row.applied)) {
-        tracking.add((Vec3(row.tool_m[0], row.tool_m[1], row.tool_m[2]) - beta * *master).norm());
-      }
+    if (row.settled && row.applied >= 0.0 && joined_at(record, row.applied)) {
+      const Vec3 tool(row.tool_m[0], row.tool_m[1], row.tool_m[2]);
+      tracking.add((tool - beta * *master_at(record, row.applied, &MasterRow::tool_m)).norm());
+      prediction.add((tool - *master_at(record, row.applied, &MasterRow::predicted_m)).norm());
     }
     if (row.laser_w <= 0.0) {
       previous.reset();
@@ -173,6 +181,7 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   report["estimator"] = word(record, "estimator");
   report["constraint"] = constraint.json();
   report["tracking"] = tracking.json();
+  report["prediction"] = prediction.json();
   report["cut"] = cut_json;
   report["link"] = {{"rtt_ms",
                      {{"p50", figure(m, "rtt_p50_ms")},
@@ -185,7 +194,8 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
                     {"refused", static_cast<std::int64_t>(figure(s, "refused") + figure(m, "refused"))},
                     {"payload_bytes_per_s", figure(m, "payload_bytes_per_s")},
                     {"packets_per_s", figure(m, "packets_per_s")}};
-  report["codec"] = {{"block", static_cast<std::int64_t>(figure(m, "block"))},
+  report["codec"] = {{"name", word(record, "codec")},
+                     {"block", static_cast<std::int64_t>(figure(m, "block"))},
                      {"kept", static_cast<std::int64_t>(figure(m, "keep"))},
                      {"bits_per_sample", figure(m, "bits_per_sample")}};
   report["loop"] = {{"master", loop_json(m)}, {"slave", loop_json(s)}};
@@ -202,7 +212,8 @@ void write_trace(const std::filesystem::path& file, const RunRecord& record) {
   out << "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w\n";
   for (const auto& row : record.slave) {
     // The master's tool at the tick that the slave applies; before the first one there is nothing to show.
-    const auto master = row.applied >= 0.0 ? master_at(record, row.applied) : std::nullopt;
+    const auto master =
+        row.applied >= 0.0 ? master_at(record, row.applied, &MasterRow::tool_m) : std::nullopt;
     if (!master) continue;
     out << fmt::format("{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{}\n", row.t_s,
                        master->x(), master->y(), master->z(), row.ref_m[0], row.ref_m[1], row.tool_m[0],

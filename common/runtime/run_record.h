@@ -25,6 +25,8 @@ struct MasterRow {
   bool guided = false;        ///< on the constraint, the hand moves it
   bool engaged = false;       ///< the slave follows
   bool button = false;
+  Triple predicted_m{};  ///< slave's tool when it applies this tick, as predicted; slave's workpiece frame
+  bool joined = false;   ///< engaged, and nothing is left of the approach of the slave to the master
 };
 
 struct SlaveRow {

@@ -26,7 +26,9 @@ RunRecord circle_run(double out, double off) {
     row.tick = 500 + static_cast<std::uint64_t>(i);
     row.t_s = i * 1e-3;
     row.tool_m = {(0.02 + out) * std::cos(angle), (0.02 + out) * std::sin(angle), 0.0};
-    row.guided = row.engaged = true;
+    row.guided = row.engaged = row.joined = true;
+    const double predicted = 0.5 * (0.02 + out) + off - 7e-6;
+    row.predicted_m = {predicted * std::cos(angle), predicted * std::sin(angle), 0.0};
     record.master.push_back(row);
   }
   for (int i = 0; i < 1000; ++i) {
@@ -51,6 +53,7 @@ TEST(RunReport, MeasuresConstraintTrackingAndCutWithoutAnyFittedShift) {
   EXPECT_NEAR(report["constraint"]["rms_um"].get<double>(), 100.0, 0.1);
   EXPECT_NEAR(report["constraint"]["max_um"].get<double>(), 100.0, 0.1);
   EXPECT_NEAR(report["tracking"]["rms_um"].get<double>(), 30.0, 0.01);
+  EXPECT_NEAR(report["prediction"]["rms_um"].get<double>(), 7.0, 0.01) << "slave to what was predicted of it";
   EXPECT_NEAR(report["cut"]["rms_um"].get<double>(), 80.0, 0.1);
   EXPECT_NEAR(report["cut"]["coverage"].get<double>(), 0.5, 0.005);
   EXPECT_NEAR(report["cut"]["laser_on_s"].get<double>(), 0.5, 1e-6);

@@ -32,6 +32,11 @@ class MasterStation : public testing::Test {
         state.sequence = ++number_;
         state.contour_id = slave_contour_;
         state.interlock = Interlock::kReady;
+        state.sample_period_ns = 1'000'000;
+        state.first_tick = static_cast<Tick>(16 * number_);
+        const std::vector<Vec3> resting(16, Vec3::Zero());
+        state.payload.size =
+            static_cast<std::uint16_t>(encoder_.encode(resting, 0, {}, state.payload.room()).value_or(0));
         states.push_back({state, now_ns_});
       }
       out_ = station_.step(now_ns_, task_.get(), engage, states, events);
@@ -49,6 +54,7 @@ class MasterStation : public testing::Test {
   MasterOutputs out_;
   CommandBlock last_;
   int blocks_ = 0;
+  codec::BlockEncoder encoder_{codec::StreamSettings{}};
   std::uint32_t number_ = 0;
   std::uint32_t slave_contour_ = 4;
   std::int64_t now_ns_ = 0;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/joiner.h"
+#include "common/control/joiner.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace telekerf::slave {
+namespace telekerf::control {
 
 void ReferenceJoiner::rejoin(const Motion& from, const Motion& source) noexcept {
   offset_ = from.position_m - source.position_m;
@@ -16,7 +16,7 @@ void ReferenceJoiner::rejoin(const Motion& from, const Motion& source) noexcept 
 Motion ReferenceJoiner::join(const Motion& source, double dt_s) noexcept {
   // Exact solution of the critically damped fade over one step: (o + (o' + w o) t) e^(-w t).
   const double fade = std::exp(-rate_ * dt_s);
-  const Vec3 slope = offset_rate_ + rate_ * offset_;
+  const Eigen::Vector3d slope = offset_rate_ + rate_ * offset_;
   offset_ = fade * (offset_ + slope * dt_s);
   offset_rate_ = fade * slope - rate_ * offset_;
   Motion out = source;
@@ -26,4 +26,4 @@ Motion ReferenceJoiner::join(const Motion& source, double dt_s) noexcept {
   return out;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::control

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// No jump, ever: whatever source the reference comes from, a change of source becomes an offset that fades
+// out.
+#pragma once
+
+#include "common/control/motion.h"
+
+namespace telekerf::control {
+
+struct JoinerSettings {
+  double rate_rad_s = 30.0;                ///< of the critically damped fade
+  double max_acceleration_m_per_s2 = 1.0;  ///< far sources are approached more slowly
+};
+
+/// Adds to the source an offset o with o'' + 2 w o' + w^2 o = 0, seated at each change of source so that
+/// position and velocity of the output go on unbroken.
+class ReferenceJoiner {
+ public:
+  explicit ReferenceJoiner(const JoinerSettings& settings) noexcept : settings_(settings) {}
+
+  /// The output goes on from `from` (position and velocity) although the source now says `source`; both
+  /// belong to the same instant.
+  void rejoin(const Motion& from, const Motion& source) noexcept;
+  /// One step of `dt_s` (0: the instant of a rejoin): the source's motion plus what is left of the offset.
+  Motion join(const Motion& source, double dt_s) noexcept;
+  /// What is left of the offset.
+  double offset_m() const noexcept { return offset_.norm(); }
+
+ private:
+  JoinerSettings settings_;
+  double rate_ = 30.0;
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d offset_rate_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace telekerf::control

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What was sent and not forgotten yet: the commands of the last seconds by their stream index, after clipping
+// and after decoding, each with the state that the model held when it was made.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "common/bus/messages.h"
+#include "common/control/motion.h"
+
+namespace telekerf::master {
+
+using control::advanced;
+using control::Motion;
+
+/// One stream sample's command. `model`: the state at this index on which `model.acceleration` acts next.
+struct SentCommand {
+  std::int64_t index = -1;
+  Motion model;
+};
+
+/// Stream index = master tick / ticks per sample. Fixed memory; older commands are overwritten.
+class CommandRing {
+ public:
+  static constexpr std::size_t kSize = 8192;  ///< 8 s at 1 kHz
+
+  CommandRing() : slots_(std::make_unique<std::array<SentCommand, kSize>>()) {}
+  void store(std::int64_t index, const Motion& model) noexcept { slot(index) = {index, model}; }
+  const SentCommand* find(std::int64_t index) const noexcept {
+    const SentCommand& found = slot(index);
+    return index >= 0 && found.index == index ? &found : nullptr;
+  }
+  /// m/s^2; zero for an index that was never sent.
+  Vec3 acceleration(std::int64_t index) const noexcept {
+    const SentCommand* found = find(index);
+    return found == nullptr ? Vec3::Zero() : found->model.acceleration_m_per_s2;
+  }
+
+ private:
+  SentCommand& slot(std::int64_t index) const noexcept {
+    return (*slots_)[static_cast<std::size_t>(index) % kSize];
+  }
+  std::unique_ptr<std::array<SentCommand, kSize>> slots_;
+};
+
+/// One measured state of the slave with the command that it was applying when it was measured.
+struct SlaveSample {
+  std::int64_t index = -1;
+  bool applied = false;  ///< false: nothing was applied; the slave coasted, slowed down or held its pose
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_m_per_s = Vec3::Zero();
+};
+
+}  // namespace telekerf::master

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Estimator `delayed-innovation`: x' = A x + B u + l (y - x(t-D)), the natural reading of the thesis'
+// "convergence term". Stable iff 0 < l D < pi/2, fastest without oscillation at l = 1/(e D); a constant
+// disturbance leaves a bias.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <numbers>
+
+#include "master/observer/command_ring.h"
+
+namespace telekerf::master {
+
+class DelayedInnovation {
+ public:
+  /// `gain_per_s`: l; 0: 1/(e D) of the delay that the acknowledgements show.
+  DelayedInnovation(double gain_per_s, double period_s)
+      : gain_per_s_(gain_per_s), period_s_(period_s), past_(std::make_unique<Past>()) {}
+
+  void begin(std::int64_t index, const Motion& state) noexcept {
+    state_ = state;
+    begun_ = index;
+  }
+  void sent(const CommandRing& ring, std::int64_t index) noexcept {
+    (*past_)[static_cast<std::size_t>(index) % CommandRing::kSize] = state_;
+    state_.acceleration_m_per_s2 = ring.acceleration(index);
+    state_ = advanced(state_, period_s_);
+  }
+  void replaced(const CommandRing& /*ring*/, std::int64_t /*next*/, const Motion& change) noexcept {
+    state_.position_m += change.position_m;
+    state_.velocity_m_per_s += change.velocity_m_per_s;
+  }
+  void measured(const CommandRing& ring, const SlaveSample& sample, std::int64_t next) noexcept {
+    if (!sample.applied || sample.index < begun_ || ring.find(sample.index) == nullptr) return;
+    const Motion& then = (*past_)[static_cast<std::size_t>(sample.index) % CommandRing::kSize];
+    innovation_ = sample.position_m - then.position_m;
+    const double delay_s = static_cast<double>(next - sample.index) * period_s_;
+    const double gain =
+        gain_per_s_ > 0.0 ? gain_per_s_ : 1.0 / (std::numbers::e * std::max(delay_s, kShortestS));
+    state_.position_m += gain * period_s_ * innovation_;
+    state_.velocity_m_per_s += gain * period_s_ * (sample.velocity_m_per_s - then.velocity_m_per_s);
+  }
+  Motion prediction(const CommandRing& /*ring*/, std::int64_t /*next*/) const noexcept { return state_; }
+  Vec3 disturbance() const noexcept { return Vec3::Zero(); }
+  Vec3 innovation() const noexcept { return innovation_; }
+  Vec3 take_correction() noexcept { return Vec3::Zero(); }
+
+ private:
+  using Past = std::array<Motion, CommandRing::kSize>;
+  static constexpr double kShortestS = 0.02;
+  double gain_per_s_;
+  double period_s_;
+  Motion state_;
+  Vec3 innovation_ = Vec3::Zero();
+  std::int64_t begun_ = 0;
+  std::unique_ptr<Past> past_;  ///< what was thought at each index
+};
+
+}  // namespace telekerf::master

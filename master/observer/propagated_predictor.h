@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Estimator `predictor` for a slave that obeys bare accelerations: observe in the slave's own sample time,
+// then replay the commands that are still on their way,
+//   z_{i+1} = Phi z_i + Gamma (u_i + d) + L (y - z),  x = Phi^n z + sum of what is not acknowledged yet.
+// One step of it is x_{k+1} = Phi x + Gamma u + Phi^n L (y - z): the innovation is propagated through the
+// delay, which is this project's convergence term. The error of (z, d) decays at the chosen rate for every
+// delay, initial state and constant disturbance.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "master/observer/command_ring.h"
+
+namespace telekerf::master {
+
+class PropagatedPredictor {
+ public:
+  /// Poles z = exp(-p h), two at `motion_rad_s` and one at `disturbance_rad_s`, in the closed form of
+  /// common/control/disturbance_observer.h. An error e_d of the disturbance is worth D^2/2 e_d of prediction,
+  /// so that pole is slow; a kick (friction at a reversal) is forgotten at the other rate.
+  PropagatedPredictor(double motion_rad_s, double disturbance_rad_s, double period_s) noexcept
+      : period_s_(period_s) {
+    const double r1 = 1.0 - std::exp(-disturbance_rad_s * period_s);
+    const double r2 = 1.0 - std::exp(-motion_rad_s * period_s);
+    const double c1 = r1 + 2.0 * r2;
+    const double c2 = 2.0 * r1 * r2 + r2 * r2;
+    const double c3 = r1 * r2 * r2;
+    alpha_ = c1 - c2 + c3;
+    beta_ = (c2 - 1.5 * c3) / period_s;
+    gamma_ = c3 / (period_s * period_s);
+  }
+
+  void begin(std::int64_t index, const Motion& state) noexcept {
+    observed_ = predicted_ = state;
+    begun_ = at_ = index;
+    started_ = false;
+  }
+  void sent(const CommandRing& ring, std::int64_t index) noexcept {
+    predicted_.acceleration_m_per_s2 = ring.acceleration(index) + disturbance_;
+    predicted_ = advanced(predicted_, period_s_);
+  }
+  void replaced(const CommandRing& ring, std::int64_t next, const Motion& /*change*/) noexcept {
+    replay(ring, next);
+  }
+  /// In the order of the slave's clock; call replay() (or replaced()) after the last of a batch.
+  void measured(const CommandRing& ring, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
+    if (sample.index < begun_) return;
+    if (!started_ || !sample.applied || !applied_) {
+      // Nothing is known of what moves the slave then: take it as it is.
+      observed_ = {.position_m = sample.position_m, .velocity_m_per_s = sample.velocity_m_per_s};
+      started_ = sample.applied;
+    } else {
+      observed_.acceleration_m_per_s2 = ring.acceleration(at_) + disturbance_;
+      observed_ = advanced(observed_, period_s_);
+      innovation_ = sample.position_m - observed_.position_m;
+      observed_.position_m += alpha_ * innovation_;
+      observed_.velocity_m_per_s += beta_ * innovation_;
+      disturbance_ += gamma_ * innovation_;
+      const double size = disturbance_.norm();
+      if (size > kLargest) disturbance_ *= kLargest / size;
+    }
+    applied_ = sample.applied;
+    at_ = sample.index;
+  }
+  void replay(const CommandRing& ring, std::int64_t next) noexcept {
+    predicted_ = observed_;
+    const auto from = std::max(at_, next - static_cast<std::int64_t>(CommandRing::kSize));
+    for (std::int64_t i = from; i < next; ++i) {
+      predicted_.acceleration_m_per_s2 = ring.acceleration(i) + disturbance_;
+      predicted_ = advanced(predicted_, period_s_);
+    }
+  }
+  Motion prediction(const CommandRing& /*ring*/, std::int64_t /*next*/) const noexcept { return predicted_; }
+  Vec3 disturbance() const noexcept { return disturbance_; }
+  Vec3 innovation() const noexcept { return innovation_; }
+  Vec3 take_correction() noexcept { return Vec3::Zero(); }
+
+ private:
+  static constexpr double kLargest = 2.0;  ///< m/s^2, of what a disturbance observer leaves
+  double period_s_;
+  double alpha_ = 0.0;
+  double beta_ = 0.0;
+  double gamma_ = 0.0;
+  Motion observed_;   ///< z, at index at_ of the slave's time
+  Motion predicted_;  ///< x, where the next command will act
+  Vec3 disturbance_ = Vec3::Zero();
+  Vec3 innovation_ = Vec3::Zero();
+  std::int64_t begun_ = 0;
+  std::int64_t at_ = 0;
+  bool started_ = false;
+  bool applied_ = false;
+};
+
+}  // namespace telekerf::master
