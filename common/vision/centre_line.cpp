@@ -26,10 +26,10 @@ double field_at(const Field& field, const Vec2& p) {
 
 /// Distance from `p` along `direction` to where the ink ends, if that is within `most`.
 std::optional<double> ink_ends(const Field& field, const Vec2& p, const Vec2& direction, double most) {
-  constexpr double kStep = 0.5;
+  constexpr double kStep = 1.0;
   double before = field_at(field, p);
   if (before <= 0.0) return std::nullopt;
-  for (double t = kStep; t <= most; t += kStep) {
+  for (double t = kStep; t < most + kStep; t += kStep) {
     const double here = field_at(field, p + t * direction);
     if (here <= 0.0) return t - kStep * here / (here - before);
     before = here;

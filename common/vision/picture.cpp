@@ -224,7 +224,7 @@ bool border_is_dark(const cv::Mat& smooth, double level) {
 /// fitted again and again without the blocks that lie off it. False when the background is not the larger
 /// part of the picture.
 bool light_of(const cv::Mat& grey, double noise, Eigen::Matrix<double, 6, 1>& light) {
-  constexpr int kBlocks = 48;
+  constexpr int kBlocks = 32;
   cv::Mat small;
   // Every few pixels are enough for a mean.
   const int skip = std::max(1, std::min(grey.cols, grey.rows) / 240);

@@ -56,9 +56,10 @@ class Router {
       if (graph_.nodes[line.from].degree < 3 || graph_.nodes[line.to].degree < 3) continue;
       const auto length = static_cast<double>(line.pixels.size());
       double least = std::numeric_limits<double>::infinity();
+      if (length > 5.0 * width_) continue;
       for (const cv::Point& p : line.pixels) least = std::min(least, double(half_width_.at<float>(p)));
       const bool thick = line.pixels.empty() || least > 0.58 * width_;
-      if (length <= 1.2 * width_ + 1.0 || (thick && length <= 5.0 * width_)) {
+      if (length <= 1.2 * width_ + 1.0 || thick) {
         cluster_[root(line.from)] = root(line.to);
         used_[i] = true;
       }

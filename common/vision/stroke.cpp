@@ -48,6 +48,27 @@ void fill(cv::Mat& picture, const PixelContour& contour, const cv::Point& origin
   cv::fillPoly(picture, polygons, cv::Scalar(255));
 }
 
+/// Distance to the background, where it will be asked for: around junctions, as far as a crossing may reach.
+cv::Mat half_width_at_junctions(const cv::Mat& drawn, const SkeletonGraph& graph, double width_px) {
+  const int reach = static_cast<int>(std::ceil(7.0 * width_px)) + 4;
+  const auto patch_area = 4.0 * reach * reach;
+  cv::Mat out(drawn.size(), CV_32F, cv::Scalar(0));
+  if (patch_area * static_cast<double>(graph.nodes.size()) > 0.5 * static_cast<double>(drawn.total())) {
+    cv::distanceTransform(drawn, out, cv::DIST_L2, cv::DIST_MASK_3);
+    return out;
+  }
+  for (const SkeletonGraph::Node& node : graph.nodes) {
+    if (node.degree < 3) continue;
+    const cv::Point middle = node.pixels.front();
+    const cv::Rect patch = cv::Rect(middle.x - reach, middle.y - reach, 2 * reach, 2 * reach) &
+                           cv::Rect(0, 0, drawn.cols, drawn.rows);
+    cv::Mat distance;
+    cv::distanceTransform(drawn(patch), distance, cv::DIST_L2, cv::DIST_MASK_3);
+    distance.copyTo(out(patch));
+  }
+  return out;
+}
+
 /// A drawn line whose ends nearly meet was meant to be closed.
 void close_small_gap(PixelContour& contour) {
   if (contour.closed || contour.points_px.size() < 8) return;
@@ -105,11 +126,11 @@ Contours strokes_of(const Field& field, const Outlines& outlines) {
 
   cv::Mat padded;
   cv::copyMakeBorder(drawn, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::Mat half_width;
-  cv::distanceTransform(padded, half_width, cv::DIST_L2, cv::DIST_MASK_3);
-  thin(padded);
-  prune_spurs(padded, half_width);
-  const SkeletonGraph graph = graph_of(padded);
+  cv::Mat skeleton = padded.clone();
+  thin(skeleton);
+  const cv::Mat half_width = half_width_at_junctions(padded, graph_of(skeleton), width);
+  prune_spurs(skeleton, half_width);
+  const SkeletonGraph graph = graph_of(skeleton);
 
   Contours out;
   for (Route& route : routes_through(graph, half_width, width)) {
