@@ -162,7 +162,8 @@ void set_end(const Field& field, std::vector<Vec2>& p, double width_px) {
     if (here <= 0.0) on -= kStep * here / (here - before);  // back to where it crosses zero
     before = here;
   }
-  const double wanted = on - pen_inset(field, width_px);
+  if (beyond.empty()) return;
+  const double wanted = std::min(on, kStep * static_cast<double>(beyond.size())) - pen_inset(field, width_px);
   for (double t = 1.0; t < wanted; t += 1.0) p.push_back(beyond[static_cast<std::size_t>(t / kStep) - 1]);
   if (wanted > 0.25)
     p.push_back(beyond[std::min(beyond.size() - 1, static_cast<std::size_t>(wanted / kStep) - 1)]);
