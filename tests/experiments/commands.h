@@ -6,8 +6,11 @@
 
 namespace telekerf::experiments {
 
+void add_closed_contour_command(CLI::App& app, Action& action);
 void add_codec_command(CLI::App& app, Action& action);
 void add_kinematics_command(CLI::App& app, Action& action);
 void add_lap_command(CLI::App& app, Action& action);
+void add_open_contour_command(CLI::App& app, Action& action);
+void add_space_contour_command(CLI::App& app, Action& action);
 
 }  // namespace telekerf::experiments

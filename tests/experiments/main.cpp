@@ -6,8 +6,11 @@ int main(int argc, char** argv) {
   CLI::App app("Experiments in virtual time", "telekerf-experiment");
   app.require_subcommand(1);
   telekerf::Action action;
+  telekerf::experiments::add_closed_contour_command(app, action);
   telekerf::experiments::add_codec_command(app, action);
   telekerf::experiments::add_kinematics_command(app, action);
   telekerf::experiments::add_lap_command(app, action);
+  telekerf::experiments::add_open_contour_command(app, action);
+  telekerf::experiments::add_space_contour_command(app, action);
   return telekerf::run_program(app, argc, argv, action);
 }

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/automatic/follower.h"
+
+#include <algorithm>
+
+namespace telekerf::slave {
+namespace {
+
+ControllerKind resolved(ControllerKind kind, bool closed) noexcept {
+  if (kind != ControllerKind::kAuto) return kind;
+  return closed ? ControllerKind::kContouring : ControllerKind::kPreview;
+}
+
+}  // namespace
+
+void FollowerSettings::quiet_for(double speed_m_per_s) noexcept {
+  observer_rad_s = std::clamp(37.5e3 * speed_m_per_s, 60.0, 400.0);
+  velocity_rad_s = std::clamp(112.5e3 * speed_m_per_s, 220.0, 900.0);
+  along_rad_s = std::clamp(20.0 + 17.5e3 * speed_m_per_s, 50.0, 70.0);
+}
+
+Controller make_controller(ControllerKind kind, bool closed, const FollowerSettings& s) noexcept {
+  switch (resolved(kind, closed)) {
+    case ControllerKind::kPreview: {
+      auto control = PreviewControl::matched(s.loop_delay, s.along_rad_s);
+      if (!s.preview) control.acceleration_ahead = 0.0;
+      return control;
+    }
+    case ControllerKind::kContouring: {
+      auto control = ContouringControl::matched(s.loop_delay, s.along_rad_s, s.across_rad_s);
+      if (!s.preview) control.acceleration_ahead = 0.0;
+      return control;
+    }
+    case ControllerKind::kAuto:
+    case ControllerKind::kIndependent:
+      break;
+  }
+  return IndependentControl{.bandwidth_rad_s = s.along_rad_s};
+}
+
+DriveSettings drive_settings(ControllerKind kind, bool closed, const FollowerSettings& s) noexcept {
+  DriveSettings drive;
+  drive.observer = {.period_s = 1.0 / s.control_hz,
+                    .bandwidth_rad_per_s = s.observer_rad_s,
+                    .velocity_bandwidth_rad_per_s = s.velocity_rad_s};
+  drive.loop_delay = s.loop_delay;
+  // Independent joints know nothing of each other.
+  drive.inertia = resolved(kind, closed) == ControllerKind::kIndependent ? NominalInertia::kDiagonal
+                                                                         : NominalInertia::kModel;
+  return drive;
+}
+
+/// Weight, Coriolis force and friction of the robot's file at the reference, where the currents will act.
+Vec3 Follower::expected_force(const Tracking& now) const noexcept {
+  const JointReference q = joint_reference(now, now.track.at(now.tick + ahead_));
+  if (!q.good) return Vec3::Zero();
+  const auto state = kinematics_.state(q.position_m, q.velocity_m_per_s);
+  if (!state) return Vec3::Zero();
+  return robot::gravity_force(model_, kinematics_, *state) + robot::coriolis_force(model_, *state) +
+         robot::friction_force(model_.friction, q.velocity_m_per_s);
+}
+
+Vec3 Follower::step(const robot::JointReading& reading, const Track& track, double tick) noexcept {
+  drive_.observe(reading);
+  const Tracking now{kinematics_, drive_.state(), track, tick, origin_in_base_m_};
+  const Vec3 desired = desired_acceleration(controller_, now);
+  return drive_.currents(desired.allFinite() ? desired : Vec3(Vec3::Zero()),
+                         model_ahead_ ? expected_force(now) : Vec3(Vec3::Zero()));
+}
+
+}  // namespace telekerf::slave

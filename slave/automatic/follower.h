@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// A controller on its drive: readings and references in, currents out, one step at a time.
+#pragma once
+
+#include "slave/automatic/controller.h"
+
+namespace telekerf::slave {
+
+enum class ControllerKind : std::uint8_t {
+  kAuto,  ///< contouring on closed contours, preview on open ones
+  kIndependent,
+  kPreview,
+  kContouring,
+};
+
+struct FollowerSettings {
+  double control_hz = 2400.0;
+  int loop_delay = 0;             ///< samples from a reading to the effect of its currents
+  bool preview = true;            ///< false: accelerations of the same tick, as if the loop had no delay
+  double along_rad_s = 70.0;      ///< bandwidth of all joints, or along the path
+  double across_rad_s = 240.0;    ///< contouring: across the path
+  double observer_rad_s = 400.0;  ///< of the disturbance
+  double velocity_rad_s = 900.0;  ///< of the velocity estimate
+  /// Weight, Coriolis force and friction by the robot's file are sent ahead; independent joints never do.
+  bool model_ahead = true;
+
+  /// Bandwidths of the observer that fit a speed: sensor noise makes the same ripple in m/s at any speed, so
+  /// slow paths get a quieter loop; there friction changes its direction more slowly, too.
+  void quiet_for(double speed_m_per_s) noexcept;
+};
+
+/// The controller of a kind with gains and preview that match the loop.
+Controller make_controller(ControllerKind kind, bool closed, const FollowerSettings& settings) noexcept;
+DriveSettings drive_settings(ControllerKind kind, bool closed, const FollowerSettings& settings) noexcept;
+
+class Follower {
+ public:
+  Follower(const robot::RobotModel& nominal, const DriveSettings& drive, const Controller& controller,
+           bool model_ahead = true) noexcept
+      : model_(nominal),
+        kinematics_(nominal.geometry),
+        origin_in_base_m_(nominal.in_base(Vec3::Zero())),
+        ahead_(drive.loop_delay + 0.5),
+        model_ahead_(model_ahead && !std::holds_alternative<IndependentControl>(controller)),
+        drive_(nominal, drive),
+        controller_(controller) {}
+
+  void reset(const Vec3& joints_m) noexcept { drive_.reset(joints_m); }
+  /// Currents in A. A reference that is no pose of the robot gives the currents that hold it where it is.
+  Vec3 step(const robot::JointReading& reading, const Track& track, double tick) noexcept;
+  /// Observed tool, workpiece frame.
+  Vec3 tool_m() const noexcept { return drive_.state().tool_m - origin_in_base_m_; }
+  const Drive& drive() const noexcept { return drive_; }
+
+ private:
+  Vec3 expected_force(const Tracking& now) const noexcept;
+
+  robot::RobotModel model_;
+  robot::DeltaKinematics kinematics_;
+  Vec3 origin_in_base_m_;
+  double ahead_;  ///< samples until the currents act, on average
+  bool model_ahead_;
+  Drive drive_;
+  Controller controller_;
+};
+
+}  // namespace telekerf::slave

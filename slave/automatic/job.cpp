@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/automatic/job.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/cutting_order.h"
+#include "slave/laser/kerf.h"
+
+namespace telekerf::slave {
+namespace {
+
+/// References under construction; moves are straight, at rest at both ends, of least jerk.
+class Writer {
+ public:
+  Writer(const JobSettings& settings, const Vec3& home_m)
+      : settings_(settings), period_s_(1.0 / settings.plan.control_hz), here_m_(home_m) {
+    wait(period_s_, JobPhase::kApproach);
+  }
+
+  void wait(double time_s, JobPhase phase) {
+    Reference rest;
+    rest.position_m = here_m_;
+    const auto ticks = static_cast<std::size_t>(std::ceil(time_s / period_s_));
+    for (std::size_t i = 0; i < ticks; ++i) push(rest, phase);
+  }
+
+  void move(const Vec3& to_m, JobPhase phase) {
+    const Vec3 way = to_m - here_m_;
+    const double length = way.norm();
+    if (!(length > 1e-9)) return;
+    // s = 10 u^3 - 15 u^4 + 6 u^5: at most 15/8 of the mean speed and 5.78 length / time^2.
+    const double time_s = std::max(1.875 * length / settings_.travel_m_per_s,
+                                   std::sqrt(5.78 * length / settings_.travel_m_per_s2));
+    const auto ticks = static_cast<std::size_t>(std::ceil(time_s / period_s_));
+    const double whole_s = static_cast<double>(ticks) * period_s_;
+    for (std::size_t i = 1; i <= ticks; ++i) {
+      const double u = static_cast<double>(i) / static_cast<double>(ticks);
+      Reference r;
+      r.position_m = here_m_ + u * u * u * (10.0 + u * (6.0 * u - 15.0)) * way;
+      r.tangent = way / length;
+      r.speed_m_per_s = 30.0 * u * u * (1.0 - u) * (1.0 - u) * length / whole_s;
+      r.speed_rate_m_per_s2 = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) * length / (whole_s * whole_s);
+      r.velocity_m_per_s = r.speed_m_per_s * r.tangent;
+      r.acceleration_m_per_s2 = r.speed_rate_m_per_s2 * r.tangent;
+      push(r, phase);
+    }
+    here_m_ = to_m;
+  }
+
+  void follow(const Track& track) {
+    for (std::size_t i = 0; i < track.size(); ++i) push(track[i], JobPhase::kCut);
+    here_m_ = track[track.size() - 1].position_m;
+  }
+
+  std::vector<Reference> points;
+  std::vector<JobPhase> phases;
+
+ private:
+  void push(const Reference& reference, JobPhase phase) {
+    points.push_back(reference);
+    phases.push_back(phase);
+  }
+
+  JobSettings settings_;
+  double period_s_;
+  Vec3 here_m_;
+};
+
+/// True if an odd number of the other closed contours lies around this one.
+bool is_hole(const std::vector<geometry::Polyline>& contours, std::size_t which) {
+  int around = 0;
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    if (i != which && contours[i].closed && geometry::encloses(contours[i], contours[which])) ++around;
+  }
+  return around % 2 == 1;
+}
+
+}  // namespace
+
+tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& contours,
+                                        const JobSettings& settings, const Vec3& home_m) {
+  if (contours.empty()) return tl::unexpected<std::string>("there is no contour to machine");
+  std::vector<std::size_t> order = geometry::cutting_order(contours, Vec2(home_m.head<2>())).order;
+  std::vector<Plan> plans;
+  std::vector<Vec2> all;
+  double length_m = 0.0;
+  for (const std::size_t which : order) {
+    const auto line = compensated(contours[which], settings.kerf_m, is_hole(contours, which));
+    auto plan = make_plan(line, settings.plan);
+    if (!plan) return tl::unexpected(plan.error());
+    length_m += plan->path.length_m();
+    plans.push_back(std::move(*plan));
+    all.insert(all.end(), line.points_m.begin(), line.points_m.end());
+  }
+
+  Writer writer(settings, home_m);
+  if (settings.framing) {
+    const geometry::Box box = geometry::bounding_box(all);
+    const auto corner = [&](double x, double y) { return Vec3(x, y, home_m.z()); };
+    writer.move(corner(box.min.x(), box.min.y()), JobPhase::kApproach);
+    writer.move(corner(box.max.x(), box.min.y()), JobPhase::kFraming);
+    writer.move(corner(box.max.x(), box.max.y()), JobPhase::kFraming);
+    writer.move(corner(box.min.x(), box.max.y()), JobPhase::kFraming);
+    writer.move(corner(box.min.x(), box.min.y()), JobPhase::kFraming);
+  }
+  bool first = !settings.framing;
+  for (const Plan& plan : plans) {
+    writer.move(plan.track[0].position_m, first ? JobPhase::kApproach : JobPhase::kTravel);
+    writer.wait(settings.settle_s, JobPhase::kTravel);
+    writer.follow(plan.track);
+    first = false;
+  }
+  writer.move(home_m, JobPhase::kReturn);
+  return Job{Track(std::move(writer.points)),
+             std::move(writer.phases),
+             std::move(order),
+             std::move(plans),
+             1.0 / settings.plan.control_hz,
+             length_m};
+}
+
+}  // namespace telekerf::slave

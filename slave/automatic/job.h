@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole piece of work as one track: approach, framing by the pilot beam, contours from the inside out,
+// return.
+#pragma once
+
+#include <vector>
+
+#include "slave/automatic/plan.h"
+
+namespace telekerf::slave {
+
+struct JobSettings {
+  PlanSettings plan;
+  bool framing = true;            ///< run round the bounding box first, beam off
+  double travel_m_per_s = 30e-3;  ///< between contours
+  double travel_m_per_s2 = 1.0;
+  double kerf_m = 0.0;    ///< closed contours are moved by half of it, holes inwards
+  double settle_s = 0.3;  ///< at rest before each contour
+};
+
+enum class JobPhase : std::uint8_t { kApproach, kFraming, kTravel, kCut, kReturn };
+
+struct Job {
+  Track track;
+  std::vector<JobPhase> phases;    ///< one a tick
+  std::vector<std::size_t> order;  ///< contours as they are cut
+  std::vector<Plan> plans;         ///< in that order
+  double period_s = 0.0;
+  double cut_length_m = 0.0;
+  double time_s() const noexcept { return period_s * static_cast<double>(track.size()); }
+};
+
+/// Starts and ends at rest at `home_m`. What lies inside another contour is cut first. The error is one
+/// sentence.
+tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& contours,
+                                        const JobSettings& settings, const Vec3& home_m = Vec3::Zero());
+
+}  // namespace telekerf::slave

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Works a job off without bus and clock: follower, interlock and beam, one step at a time.
+#pragma once
+
+#include "common/geometry/nearest.h"
+#include "slave/automatic/follower.h"
+#include "slave/automatic/job.h"
+#include "slave/laser/interlock.h"
+
+namespace telekerf::slave {
+
+struct MachinistSettings {
+  FollowerSettings follower;
+  ControllerKind controller = ControllerKind::kAuto;
+  double laser_w = 10.0;
+  InterlockSettings interlock;
+};
+
+struct MachinistOutputs {
+  Vec3 currents_a = Vec3::Zero();
+  double laser_w = 0.0;
+  JobPhase phase = JobPhase::kApproach;
+  Interlock interlock = Interlock::kNoContour;
+  double progress = 0.0;  ///< share of the job's time
+  bool done = false;
+  Vec3 reference_m = Vec3::Zero();
+  Vec3 tool_m = Vec3::Zero();  ///< measured
+};
+
+class Machinist {
+ public:
+  Machinist(const robot::RobotModel& nominal, const Job& job, const geometry::NearestIndex& corridor,
+            bool closed, const MachinistSettings& settings) noexcept;
+
+  /// At rest at the job's start.
+  void reset(const Vec3& joints_m) noexcept { follower_.reset(joints_m); }
+  /// `stop` latches: beam off, the tool is held where it is.
+  MachinistOutputs step(const robot::JointReading& reading, bool stop) noexcept;
+
+ private:
+  const Job& job_;
+  const geometry::NearestIndex& corridor_;
+  MachinistSettings settings_;
+  double workspace_radius_m_;
+  Follower follower_;
+  Track hold_;  ///< one point: where the tool is held after a stop
+  std::size_t tick_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace telekerf::slave

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment closed-contour: thesis 8.2, outlines by contouring control beside independent joints.
+#include "tests/experiments/contour_experiment.h"
+
+namespace telekerf::experiments {
+
+void add_closed_contour_command(CLI::App& app, Action& action) {
+  add_contour_experiment(
+      app, action,
+      {.name = "closed-contour",
+       .help = "Thesis 8.2: outlines by contouring control; result.json, trace.csv, figures",
+       .pictures = {"cam", "gear", "octagon", "outline-1", "outline-2", "outline-3"},
+       .speed_mm_s = 8.0,
+       .closed = true});
+}
+
+}  // namespace telekerf::experiments

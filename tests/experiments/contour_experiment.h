@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// What open-contour and closed-contour share: options, runs, result.json, trace.csv and the panels of figures
+// 8.1 to 8.5.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/experiments/commands.h"
+
+namespace telekerf::experiments {
+
+struct ContourExperiment {
+  std::string name;  ///< of the subcommand
+  std::string help;
+  std::vector<std::string> pictures;  ///< without --image
+  double speed_mm_s = 8.0;
+  bool closed = true;  ///< what kind of contour is expected
+};
+
+void add_contour_experiment(CLI::App& app, Action& action, const ContourExperiment& experiment);
+
+}  // namespace telekerf::experiments

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment open-contour: thesis 8.1, letters by preview control.
+#include "tests/experiments/contour_experiment.h"
+
+namespace telekerf::experiments {
+
+void add_open_contour_command(CLI::App& app, Action& action) {
+  add_contour_experiment(
+      app, action,
+      {.name = "open-contour",
+       .help = "Thesis 8.1: drawn strokes by preview control; result.json, trace.csv, figures",
+       .pictures = {"letter-e", "letter-s"},
+       .speed_mm_s = 2.0,
+       .closed = false});
+}
+
+}  // namespace telekerf::experiments

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment space-contour: contouring in space (thesis 9.2), a flat contour laid onto curved
+// workpieces.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <numbers>
+
+#include "common/runtime/refusal.h"
+#include "common/runtime/settings.h"
+#include "tests/experiments/commands.h"
+#include "tests/experiments/contour_run.h"
+#include "tests/experiments/plot.h"
+
+namespace telekerf::experiments {
+namespace {
+
+struct Options {
+  double speed_mm_s = 8.0;
+  double radius_mm = 8.0;
+  double curvature_mm = 30.0;
+  std::uint64_t seed = 1;
+  std::string out = "out/space-contour";
+  Settings settings;
+};
+
+slave::Surface sphere_cap(const Vec2& p, double radius_m) {
+  const double z = std::sqrt(radius_m * radius_m - p.squaredNorm());
+  slave::Surface s;
+  s.height_m = z - radius_m;
+  s.slope = -p / z;
+  s.curvature = -Eigen::Matrix2d::Identity() / z - p * p.transpose() / (z * z * z);
+  return s;
+}
+
+slave::Surface saddle(const Vec2& p, double radius_m) {
+  slave::Surface s;
+  s.height_m = (p.x() * p.x() - p.y() * p.y()) / (2.0 * radius_m);
+  s.slope = Vec2(p.x(), -p.y()) / radius_m;
+  s.curvature = Eigen::Vector2d(1.0, -1.0).asDiagonal();
+  s.curvature /= radius_m;
+  return s;
+}
+
+/// A rounded clover: it turns left and right.
+geometry::Polyline clover(double radius_m) {
+  geometry::Polyline line{{}, true};
+  for (int i = 0; i < 1200; ++i) {
+    const double t = 2.0 * std::numbers::pi * i / 1200;
+    const double r = radius_m * (0.8 + 0.2 * std::cos(4.0 * t));
+    line.points_m.emplace_back(r * std::cos(t), r * std::sin(t));
+  }
+  return line;
+}
+
+nlohmann::ordered_json spread(const ContourRun& run, int axis) {
+  double squares = 0.0, max = 0.0;
+  for (const auto& row : run.rows) {
+    squares += row.error_in_frame_m[axis] * row.error_in_frame_m[axis];
+    max = std::max(max, std::abs(row.error_in_frame_m[axis]));
+  }
+  return {{"rms", 1e6 * std::sqrt(squares / static_cast<double>(run.rows.size()))}, {"max", 1e6 * max}};
+}
+
+int run(Options& options) {
+  options.settings.fill();
+  const std::filesystem::path out = options.out;
+  std::error_code failed;
+  std::filesystem::create_directories(out, failed);
+  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
+  ContourRunSettings settings;
+  settings.plan.speed_m_per_s = options.speed_mm_s * 1e-3;
+  settings.follower.loop_delay = 1;
+  settings.follower.quiet_for(settings.plan.speed_m_per_s);
+  settings.seed = options.seed;
+  const auto flat =
+      slave::Path::through(clover(options.radius_mm * 1e-3), slave::path_settings(settings.plan));
+  if (!flat) throw Refusal(flat.error());
+
+  nlohmann::ordered_json result{{"experiment", "space-contour"}, {"speed_mm_s", options.speed_mm_s}};
+  Figure figure{.title = fmt::format("contours on curved workpieces at {:g} mm/s", options.speed_mm_s),
+                .columns = 2};
+  constexpr double kBar_um = 8.0;
+  bool good = true;
+  for (const std::string name : {"sphere-cap", "saddle"}) {
+    const double radius_m = options.curvature_mm * 1e-3;
+    auto path = slave::wrapped(*flat, [&](const Vec2& p) {
+      return name == "saddle" ? saddle(p, radius_m) : sphere_cap(p, radius_m);
+    });
+    if (!path) throw Refusal(path.error());
+    const auto plan = slave::make_plan(std::move(*path), settings.plan);
+    if (!plan) throw Refusal(plan.error());
+    const ContourRun pass = run_contour(*plan, settings);
+    double low = 0.0, high = 0.0;
+    Line across{"normal", {}, {}}, up{"binormal", {}, {}}, height{"", {}, {}};
+    for (std::size_t i = 0; i < pass.rows.size(); ++i) {
+      const auto& row = pass.rows[i];
+      low = std::min(low, row.reference.position_m.z());
+      high = std::max(high, row.reference.position_m.z());
+      if (i % 8 != 0) continue;
+      for (Line* line : {&across, &up, &height}) line->x.push_back(row.t_s);
+      across.y.push_back(1e6 * row.error_in_frame_m[1]);
+      up.y.push_back(1e6 * row.error_in_frame_m[2]);
+      height.y.push_back(1e3 * row.tool_m.z());
+    }
+    result[name] = {{"normal_error_um", spread(pass, 1)},        {"binormal_error_um", spread(pass, 2)},
+                    {"tangential_error_um", spread(pass, 0)},    {"height_mm", {1e3 * low, 1e3 * high}},
+                    {"limit_violations", pass.limit_violations}, {"time_s", pass.time_s}};
+    good = good && result[name]["normal_error_um"]["rms"].get<double>() <= kBar_um &&
+           result[name]["binormal_error_um"]["rms"].get<double>() <= kBar_um;
+    write_contour_trace(pass, out / (name + ".csv"));
+    figure.panels.push_back(
+        {.title = name + ": height", .x_label = "time [s]", .y_label = "z [mm]", .lines = {height}});
+    figure.panels.push_back(
+        {.title = name + ": errors", .x_label = "time [s]", .y_label = "[um]", .lines = {across, up}});
+  }
+  result["bar_um"] = kBar_um;
+  result["good"] = good;
+  draw_figure(figure, out / "space-contour.png");
+  std::ofstream stream(out / "result.json");
+  stream << result.dump(2) << "\n";
+  if (!stream.flush()) throw Refusal(fmt::format("{}: cannot be written", (out / "result.json").string()));
+  fmt::print("{}\n", result.dump(2));
+  return good ? 0 : 1;
+}
+
+}  // namespace
+
+void add_space_contour_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand(
+      "space-contour", "Thesis 9.2: contouring on a sphere cap and on a saddle; result.json, traces, figure");
+  auto o = std::make_shared<Options>();
+  auto& s = o->settings;
+  s.add("speed_mm_s", o->speed_mm_s, {.min = 0.1, .max = 100}, "tangential speed");
+  s.add("radius_mm", o->radius_mm, {.min = 1, .max = 20}, "of the contour");
+  s.add("curvature_mm", o->curvature_mm, {.min = 10, .max = 1000}, "radius of curvature of the workpiece");
+  s.add("seed", o->seed, {.min = 0, .max = 1e15}, "of everything random");
+  s.add("out", o->out, "folder for the results");
+  s.attach(*command);
+  command->callback([o, &action] { action = [o] { return run(*o); }; });
+}
+
+}  // namespace telekerf::experiments

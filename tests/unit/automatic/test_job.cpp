@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/robot/simulated_robot.h"
+#include "slave/automatic/machinist.h"
+
+namespace telekerf::slave {
+namespace {
+
+geometry::Polyline square(double side_m) {
+  const double h = side_m / 2;
+  return {{{-h, -h}, {h, -h}, {h, h}, {-h, h}}, true};
+}
+
+TEST(Job, WhatLiesInsideIsCutFirstAndEverythingIsOneSteadyMotion) {
+  const auto job = make_job({square(10e-3), square(4e-3)}, JobSettings{});
+  ASSERT_TRUE(job) << job.error();
+  EXPECT_EQ(job->order, (std::vector<std::size_t>{1, 0}));
+  ASSERT_EQ(job->phases.size(), job->track.size());
+  for (std::size_t i = 1; i < job->track.size(); ++i) {
+    const Reference& a = job->track[i - 1];
+    const Reference& b = job->track[i];
+    ASSERT_LT((b.position_m - a.position_m).norm(), 31e-3 * job->period_s) << i;
+    ASSERT_LT((b.velocity_m_per_s - a.velocity_m_per_s).norm(), 10.0 * job->period_s) << i;
+    if (b.beam) {
+      EXPECT_EQ(job->phases[i], JobPhase::kCut);
+    }
+  }
+  EXPECT_LT(job->track[job->track.size() - 1].position_m.norm(), 1e-9);
+}
+
+TEST(Job, KerfIsTakenOffTheHoleAndAddedToThePiece) {
+  JobSettings settings;
+  settings.kerf_m = 0.2e-3;
+  const auto job = make_job({square(10e-3), square(4e-3)}, settings);
+  ASSERT_TRUE(job) << job.error();
+  EXPECT_NEAR(job->plans[0].path.length_m(), 4 * 3.8e-3, 0.2e-3);
+  EXPECT_NEAR(job->plans[1].path.length_m(), 4 * 10.2e-3, 0.3e-3);
+}
+
+TEST(Job, RefusesAnEmptyOne) { EXPECT_FALSE(make_job({}, JobSettings{})); }
+
+class AtWork : public testing::Test {
+ protected:
+  robot::RobotModel model = robot::load_robot("slave-keops");
+  robot::SimulatedRobot plant{robot::mismatched(model, 0.1, 7), 7, model.in_base(Vec3::Zero())};
+  tl::expected<Job, std::string> job = make_job({square(2e-3)}, JobSettings{});
+  geometry::NearestIndex corridor{square(2e-3)};
+};
+
+TEST_F(AtWork, TheBeamIsOnAlongTheContourOnly) {
+  Machinist machinist(model, *job, corridor, true, {});
+  machinist.reset(plant.read().joints_m);
+  double lit_m = 0.0;
+  bool done = false;
+  for (std::size_t i = 0; i < job->track.size() && !done; ++i) {
+    const Vec3 before = model.in_workpiece(plant.true_tool_in_base_m());
+    const auto out = machinist.step(plant.read(), false);
+    plant.write(out.currents_a);
+    plant.advance(job->period_s);
+    if (out.laser_w > 0.0) {
+      lit_m += (model.in_workpiece(plant.true_tool_in_base_m()) - before).norm();
+      EXPECT_LT(corridor.find(before.head<2>()).distance_m, 40e-6);
+      EXPECT_EQ(out.phase, JobPhase::kCut);
+    }
+    done = out.done;
+  }
+  EXPECT_TRUE(done);
+  EXPECT_NEAR(lit_m, 8e-3, 0.3e-3);
+}
+
+TEST_F(AtWork, AStopPutsTheBeamOutAtOnceAndHoldsTheToolForGood) {
+  Machinist machinist(model, *job, corridor, true, {});
+  machinist.reset(plant.read().joints_m);
+  bool lit = false;
+  int after = 0;
+  Vec3 held = Vec3::Zero();
+  for (std::size_t i = 0; i < job->track.size() && after < 2400; ++i) {
+    const auto out = machinist.step(plant.read(), lit);
+    if (lit) {
+      EXPECT_EQ(out.laser_w, 0.0);
+      EXPECT_EQ(out.interlock, Interlock::kStopped);
+      if (after++ == 0) held = out.reference_m;
+      if (after > 1200) {
+        EXPECT_LT((out.tool_m - held).norm(), 10e-6);
+      }
+    }
+    lit = lit || out.laser_w > 5.0;
+    plant.write(out.currents_a);
+    plant.advance(job->period_s);
+  }
+  EXPECT_EQ(after, 2400);
+}
+
+}  // namespace
+}  // namespace telekerf::slave

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/runtime/refusal.h"
+#include "slave/laser/kerf.h"
+
+namespace telekerf::slave {
+namespace {
+
+/// A straight mark along x.
+HeightMap marked(double speed_m_per_s, const std::string& name, double power_w = 10.0) {
+  HeightMap map({.half_width_m = 1e-3, .pixel_m = 5e-6}, material(name), PulsedSourceSettings{});
+  const double dt = 1.0 / 2400.0;
+  for (double x = -0.8e-3; x < 0.8e-3; x += speed_m_per_s * dt) {
+    map.expose({x, 0}, {x + speed_m_per_s * dt, 0}, power_w, dt);
+  }
+  return map;
+}
+
+const geometry::Polyline kLine{{{-0.6e-3, 0}, {0.6e-3, 0}}, false};
+
+TEST(PulsedSource, GivesTheEnergyThatIsAskedForInWholePulses) {
+  PulsedSource source({.max_power_w = 20, .repetition_hz = 20e3});
+  double energy = 0.0;
+  for (int i = 0; i < 2400; ++i) energy += source.fire(7.3, 1.0 / 2400.0) * source.pulse_energy_j();
+  EXPECT_NEAR(energy, 7.3, 2e-3);
+  EXPECT_EQ(source.fire(0.0, 1.0), 0);
+  EXPECT_EQ(source.fire(NAN, 1.0), 0);
+  EXPECT_NEAR(source.fire(1e6, 1.0), 20000, 1);
+}
+
+TEST(PulsedSource, TheSpotWidensAwayFromTheFocus) {
+  const PulsedSource source(PulsedSourceSettings{});
+  EXPECT_NEAR(source.spot_radius_m(1.8e-3) / source.spot_radius_m(0.0), std::sqrt(2.0), 1e-12);
+}
+
+TEST(HeightMap, DepthIsInverselyProportionalToSpeed) {
+  const double slow = measure_mark(marked(4e-3, "wood"), kLine, 30e-6).depth_m;
+  const double fast = measure_mark(marked(16e-3, "wood"), kLine, 30e-6).depth_m;
+  EXPECT_GT(fast, 10e-6);
+  EXPECT_NEAR(slow / fast, 4.0, 0.08);
+}
+
+TEST(HeightMap, PowerThatFollowsTheSpeedLeavesTheDepth) {
+  const double full = measure_mark(marked(16e-3, "wood", 16.0), kLine, 30e-6).depth_m;
+  const double slow = measure_mark(marked(4e-3, "wood", 4.0), kLine, 30e-6).depth_m;
+  EXPECT_NEAR(slow / full, 1.0, 0.02);
+}
+
+TEST(HeightMap, JoulesAreAllBookedInsideOrOutsideTheCorridor) {
+  HeightMap map({.half_width_m = 2e-3, .pixel_m = 10e-6}, material("wood"), PulsedSourceSettings{});
+  const geometry::NearestIndex contour(kLine);
+  map.expose({0, 0.1e-3}, {0, 0.1e-3}, 10.0, 0.1, 0.0, &contour, 0.5e-3);
+  map.expose({0, 0.7e-3}, {0, 0.7e-3}, 10.0, 0.05, 0.0, &contour, 0.5e-3);
+  EXPECT_NEAR(map.energy().inside_j, 1.0, 2e-3);
+  EXPECT_NEAR(map.energy().outside_j, 0.5, 2e-3);
+  EXPECT_NEAR(map.energy().absorbed_j, 0.7 * 1.5, 3e-3);
+}
+
+TEST(HeightMap, NothingIsDeeperThanTheWorkpieceIsThick) {
+  HeightMap map({.half_width_m = 1e-3, .pixel_m = 10e-6}, material("fibreglass"), PulsedSourceSettings{});
+  map.expose({0, 0}, {0, 0}, 20.0, 5.0);
+  EXPECT_LE(map.depth_at({0, 0}), material("fibreglass").thickness_m * (1 + 1e-6));
+}
+
+TEST(Kerf, IsAboutAsWideAsTheSpotAndEven) {
+  const MarkAlongPath mark = measure_mark(marked(8e-3, "wood"), kLine, 30e-6);
+  EXPECT_GT(mark.kerf_m, 25e-6);
+  EXPECT_LT(mark.kerf_m, 70e-6);
+  EXPECT_LT(mark.depth_variation, 0.05);
+}
+
+TEST(Kerf, CompensationMovesTheOutlineOutAndTheHoleIn) {
+  geometry::Polyline square{{{0, 0}, {10e-3, 0}, {10e-3, 10e-3}, {0, 10e-3}}, true};
+  for (const bool reversed : {false, true}) {
+    if (reversed) std::reverse(square.points_m.begin(), square.points_m.end());
+    const double out = std::abs(geometry::signed_area_m2(compensated(square, 0.1e-3, false)));
+    const double in = std::abs(geometry::signed_area_m2(compensated(square, 0.1e-3, true)));
+    EXPECT_NEAR(out, 10.1e-3 * 10.1e-3, 5e-9);
+    EXPECT_NEAR(in, 9.9e-3 * 9.9e-3, 5e-9);
+  }
+}
+
+TEST(Material, UnknownOnesAreRefusedByName) {
+  EXPECT_THROW(material("cheese"), Refusal);
+  for (const auto& name : material_names()) EXPECT_EQ(material(name).name, name);
+}
+
+}  // namespace
+}  // namespace telekerf::slave

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "common/geometry/nearest.h"
+#include "slave/automatic/path.h"
+
+namespace telekerf::slave {
+namespace {
+
+using geometry::Polyline;
+
+Polyline circle(double radius_m, int points) {
+  Polyline line{{}, true};
+  for (int i = 0; i < points; ++i) {
+    const double t = 2.0 * std::numbers::pi * i / points;
+    line.points_m.emplace_back(radius_m * std::cos(t), radius_m * std::sin(t));
+  }
+  return line;
+}
+
+Polyline square(double side_m) { return {{{0, 0}, {side_m, 0}, {side_m, side_m}, {0, side_m}}, true}; }
+
+TEST(Path, CircleKeepsItsRadiusCurvatureAndLength) {
+  const auto path = Path::through(circle(5e-3, 400), {});
+  ASSERT_TRUE(path) << path.error();
+  EXPECT_NEAR(path->length_m(), 2.0 * std::numbers::pi * 5e-3, 20e-6);
+  for (double s = 0.0; s < path->length_m(); s += 1e-3) {
+    const PathPoint p = path->at(s);
+    EXPECT_NEAR(p.position_m.norm(), 5e-3, 1e-6);
+    EXPECT_NEAR(p.first.norm(), 1.0, 1e-9);
+    EXPECT_NEAR(p.second.norm(), 200.0, 2.0);
+    EXPECT_NEAR(p.first.dot(p.second), 0.0, 0.05);
+  }
+}
+
+TEST(Path, DerivativesAreThoseOfThePosition) {
+  for (const bool closed : {true, false}) {
+    Polyline line = square(8e-3);
+    line.closed = closed;
+    const auto path = Path::through(line, {.tolerance_m = 20e-6});
+    ASSERT_TRUE(path) << path.error();
+    const double h = 0.2e-6;
+    for (double s = 0.5e-3; s < path->length_m() - 0.5e-3; s += 0.137e-3) {
+      const PathPoint a = path->at(s - h), b = path->at(s), c = path->at(s + h);
+      EXPECT_LT(((c.position_m - a.position_m) / (2 * h) - b.first).norm(), 1e-4) << s;
+      EXPECT_LT(((c.first - a.first) / (2 * h) - b.second).norm(), 1e-3 * (100.0 + b.second.norm())) << s;
+    }
+  }
+}
+
+TEST(Path, CornersStayWithinTheToleranceAndStraightsAreStraight) {
+  const Polyline line = square(10e-3);
+  for (const double tolerance_m : {10e-6, 20e-6}) {
+    const auto path = Path::through(line, {.tolerance_m = tolerance_m});
+    ASSERT_TRUE(path);
+    const geometry::NearestIndex contour(line);
+    double worst = 0.0;
+    for (double s = 0.0; s < path->length_m(); s += 5e-6) {
+      const Vec2 p = path->at(s).position_m.head<2>();
+      const double off = contour.find(p).distance_m;
+      worst = std::max(worst, off);
+      const Vec2 to_corner = (p - 5e-3 * Vec2::Ones()).cwiseAbs() - 5e-3 * Vec2::Ones();
+      if (to_corner.norm() > 0.4e-3 && to_corner.minCoeff() < -0.4e-3) {
+        EXPECT_LT(off, 0.5e-6);
+      }
+    }
+    EXPECT_LT(worst, tolerance_m);
+    EXPECT_GT(worst, 0.4 * tolerance_m);
+  }
+}
+
+TEST(Path, OpenEndsStayAndGoOnStraight) {
+  const Polyline line{{{0, 0}, {2e-3, 0}, {4e-3, 1e-3}}, false};
+  const auto path = Path::through(line, {});
+  ASSERT_TRUE(path);
+  EXPECT_LT(path->at(0).position_m.norm(), 1e-9);
+  EXPECT_LT((path->at(path->length_m()).position_m.head<2>() - line.points_m.back()).norm(), 1e-9);
+  EXPECT_LT((path->at(-1e-3).position_m - Vec3(-1e-3, 0, 0)).norm(), 2e-6);
+}
+
+TEST(Path, WrappedOnASphereStaysOnIt) {
+  const double radius_m = 40e-3;
+  const auto flat = Path::through(circle(8e-3, 2000), {});
+  const auto path = wrapped(*flat, [&](const Vec2& p) {
+    const double z = std::sqrt(radius_m * radius_m - p.squaredNorm());
+    Surface s;
+    s.height_m = z - radius_m;
+    s.slope = -p / z;
+    s.curvature = -Eigen::Matrix2d::Identity() / z - p * p.transpose() / (z * z * z);
+    return s;
+  });
+  ASSERT_TRUE(path) << path.error();
+  for (double s = 0.0; s < path->length_m(); s += 0.3e-3) {
+    const PathPoint p = path->at(s);
+    EXPECT_NEAR((p.position_m + Vec3(0, 0, radius_m)).norm(), radius_m, 1e-9);
+    EXPECT_NEAR(p.second.norm(), 1.0 / 8e-3, 2.0);
+  }
+}
+
+TEST(Path, RefusesWhatHasNoDirection) {
+  EXPECT_FALSE(Path::through(Polyline{{{0, 0}, {0, 0}}, false}, PathSettings{}));
+  EXPECT_FALSE(Path::through(Polyline{{{0, 0}, {NAN, 1}, {1, 0}}, true}, PathSettings{}));
+}
+
+}  // namespace
+}  // namespace telekerf::slave

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "slave/automatic/plan.h"
+
+namespace telekerf::slave {
+namespace {
+
+const geometry::Polyline kSquare{{{0, 0}, {10e-3, 0}, {10e-3, 10e-3}, {0, 10e-3}}, true};
+
+TEST(Plan, ConstantSpeedWithTheBeamOnAndRestAtBothEnds) {
+  const auto plan = make_plan(kSquare, PlanSettings{});
+  ASSERT_TRUE(plan) << plan.error();
+  EXPECT_NEAR(plan->mean_speed_m_per_s, 8e-3, 8e-6);
+  EXPECT_NEAR(plan->cut_s, plan->path.length_m() / 8e-3, 0.05);
+  const Track& track = plan->track;
+  EXPECT_EQ(track[0].speed_m_per_s, 0.0);
+  EXPECT_NEAR(track[track.size() - 1].speed_m_per_s, 0.0, 1e-6);
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    if (track[i].beam) {
+      EXPECT_NEAR(track[i].speed_m_per_s, 8e-3, 8e-6) << i;
+    }
+    if (!track[i].beam) {
+      EXPECT_EQ(track[i].power, 0.0);
+    }
+  }
+}
+
+TEST(Plan, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
+  for (const CornerPolicy corner : {CornerPolicy::kRounded, CornerPolicy::kSlow}) {
+    PlanSettings settings;
+    settings.corner = corner;
+    const auto plan = make_plan(kSquare, settings);
+    ASSERT_TRUE(plan);
+    const Track& t = plan->track;
+    const double dt = plan->period_s;
+    for (std::size_t i = 1; i + 1 < t.size(); i += 7) {
+      EXPECT_LT(((t[i + 1].position_m - t[i - 1].position_m) / (2 * dt) - t[i].velocity_m_per_s).norm(),
+                2e-4);
+      EXPECT_LT(
+          ((t[i + 1].velocity_m_per_s - t[i - 1].velocity_m_per_s) / (2 * dt) - t[i].acceleration_m_per_s2)
+              .norm(),
+          0.1)
+          << i;
+    }
+  }
+}
+
+TEST(Plan, SlowCornersKeepTheAccelerationAndThePowerFollowsTheSpeed) {
+  PlanSettings settings;
+  settings.corner = CornerPolicy::kSlow;
+  const auto plan = make_plan(kSquare, settings);
+  ASSERT_TRUE(plan);
+  EXPECT_LT(plan->slowest_m_per_s, 0.8 * settings.speed_m_per_s);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < plan->track.size(); ++i) {
+    const Reference& r = plan->track[i];
+    if (!r.beam || r.arc_length_m < 1e-3 || r.arc_length_m > plan->path.length_m() - 1e-3) continue;
+    worst = std::max(worst, r.acceleration_m_per_s2.norm());
+    EXPECT_NEAR(r.power, r.speed_m_per_s / settings.speed_m_per_s, 1e-9);
+  }
+  EXPECT_LT(worst, 1.5 * settings.slow_acceleration_m_per_s2);
+}
+
+TEST(Plan, TheMachinesAccelerationIsNeverPassedHoweverFast) {
+  for (const CornerPolicy corner : {CornerPolicy::kExact, CornerPolicy::kRounded, CornerPolicy::kSlow}) {
+    PlanSettings settings;
+    settings.corner = corner;
+    settings.speed_m_per_s = 0.1;
+    const auto plan = make_plan(kSquare, settings);
+    ASSERT_TRUE(plan);
+    for (std::size_t i = 0; i < plan->track.size(); ++i) {
+      ASSERT_LT(plan->track[i].acceleration_m_per_s2.norm(), 1.25 * settings.max_acceleration_m_per_s2) << i;
+    }
+  }
+}
+
+TEST(Plan, TheSeamOfAClosedContourGetsAsMuchEnergyAsTheRest) {
+  const auto plan = make_plan(kSquare, PlanSettings{});
+  ASSERT_TRUE(plan);
+  const double length = plan->path.length_m();
+  std::vector<double> energy(20, 0.0);  // bins of 10 um from the start
+  for (std::size_t i = 0; i < plan->track.size(); ++i) {
+    const Reference& r = plan->track[i];
+    const double place = std::fmod(r.arc_length_m + length, length);
+    if (r.beam && place < 0.2e-3) energy[static_cast<std::size_t>(place / 10e-6)] += r.power;
+  }
+  for (const double e : energy) EXPECT_NEAR(e, energy.back(), 0.5);  // ticks of 3.3 um in bins of 10
+}
+
+TEST(Plan, RefusesASpeedOfZero) {
+  PlanSettings settings;
+  settings.speed_m_per_s = 0.0;
+  EXPECT_FALSE(make_plan(kSquare, settings));
+}
+
+TEST(Track, ReadAheadStopsAtTheEnd) {
+  const auto plan = make_plan(kSquare, PlanSettings{});
+  const Reference end = plan->track.at(1e9);
+  EXPECT_EQ(end.velocity_m_per_s.norm(), 0.0);
+  EXPECT_EQ(end.position_m, plan->track[plan->track.size() - 1].position_m);
+}
+
+}  // namespace
+}  // namespace telekerf::slave
