@@ -11,6 +11,7 @@
 #include "common/bus/bus_flags.h"
 #include "common/bus/contour_watch.h"
 #include "common/bus/endpoints.h"
+#include "common/bus/netem_switch.h"
 #include "common/runtime/loop.h"
 #include "master/station.h"
 
@@ -96,6 +97,7 @@ int run(Flags& flags) {
   Reader<StateBlock> states(bus);
   Reader<EventMessage> events(bus);
   Writer<CommandBlock> commands(bus);
+  const NetemSwitch netem_switch(bus);
   ContourWatch<Task> contour(bus, [&](const ContourMessage& message) { return station.prepare(message); });
   fmt::print("master: ready in {}\n", bus_settings.cell);
   std::fflush(stdout);

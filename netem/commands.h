@@ -20,5 +20,6 @@ void add_verify_command(CLI::App& app, Action& action);
 void add_trace_command(CLI::App& app, Action& action);
 void add_list_command(CLI::App& app, Action& action);
 void add_replay_command(CLI::App& app, Action& action);
+void add_switch_command(CLI::App& app, Action& action);
 
 }  // namespace telekerf::netem

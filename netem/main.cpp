@@ -12,5 +12,6 @@ int main(int argc, char** argv) {
   telekerf::netem::add_trace_command(app, action);
   telekerf::netem::add_replay_command(app, action);
   telekerf::netem::add_list_command(app, action);
+  telekerf::netem::add_switch_command(app, action);
   return telekerf::run_program(app, argc, argv, action);
 }

@@ -10,6 +10,7 @@
 #include "common/bus/bus_flags.h"
 #include "common/bus/contour_watch.h"
 #include "common/bus/endpoints.h"
+#include "common/bus/netem_switch.h"
 #include "common/runtime/loop.h"
 #include "slave/station.h"
 
@@ -45,6 +46,7 @@ int run(Flags& flags) {
   Reader<CommandBlock> commands(bus);
   Reader<EventMessage> events(bus);
   Writer<StateBlock> states(bus);
+  const NetemSwitch netem_switch(bus);
   ContourWatch<Corridor> contour(bus,
                                  [&](const ContourMessage& message) { return station.prepare(message); });
   fmt::print("slave: ready in {}\n", bus_settings.cell);

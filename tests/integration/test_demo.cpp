@@ -74,6 +74,17 @@ TEST(Demo, AMasterStartedLateStillGetsTheContour) {
   EXPECT_TRUE(master.says("moving to the contour", seconds(20))) << master.output();
 }
 
+TEST(Demo, TheNetworkIsSwitchedInMidRun) {
+  Program slave("telekerf-slave", bus("ideal", {}));
+  Program master("telekerf-master", bus("ideal", {}));
+  ASSERT_TRUE(slave.says("ready", seconds(20)));
+  ASSERT_TRUE(master.says("ready", seconds(20)));
+  Program change("telekerf-netem", {"switch", "geo", "--domain", own_domain(), "--cell", "test"});
+  EXPECT_EQ(change.wait(seconds(20)), 0) << change.output();
+  EXPECT_TRUE(slave.says("the network is now 'geo'", seconds(10))) << slave.output();
+  EXPECT_TRUE(master.says("the network is now 'geo'", seconds(10))) << master.output();
+}
+
 TEST(Demo, AMasterAloneGivesUpWithAHint) {
   Program master("telekerf-master", {"--domain", own_domain(), "--cell", "empty", "--engage", "--duration-s",
                                      "1", "--wait-s", "1"});

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tests/lap/virtual_lap.h"
-#include "tests/unit/robot/allocations.h"
+#include "tests/unit/allocations.h"
 
 namespace telekerf::lap {
 namespace {

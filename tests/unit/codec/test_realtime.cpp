@@ -3,24 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
-
-namespace {
-std::size_t allocations = 0;
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "tests/unit/allocations.h"
 
 namespace telekerf::codec {
 namespace {
@@ -33,7 +20,7 @@ TEST(RealTime, EncodeDecodeAndConcealTakeNoMemory) {
       BlockDecoder decoder;
       std::vector<Vec3> samples(static_cast<std::size_t>(encoder.settings().block));
       std::vector<std::uint8_t> packet(4096);
-      const auto before = allocations;
+      const auto before = telekerf::testing::allocations();
       for (int b = 0; b < 50; ++b) {
         for (std::size_t n = 0; n < samples.size(); ++n) {
           samples[n] =
@@ -46,7 +33,7 @@ TEST(RealTime, EncodeDecodeAndConcealTakeNoMemory) {
         (void)decoder.decode(std::span(packet).first(*size), {});
         (void)decoder.conceal();
       }
-      EXPECT_EQ(allocations, before) << name;
+      EXPECT_EQ(telekerf::testing::allocations(), before) << name;
     }
   }
 }

@@ -5,7 +5,7 @@
 
 #include "common/control/acceleration_control.h"
 #include "common/robot/simulated_robot.h"
-#include "tests/unit/robot/allocations.h"
+#include "tests/unit/allocations.h"
 
 namespace telekerf::control {
 namespace {

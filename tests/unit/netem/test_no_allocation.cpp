@@ -2,24 +2,10 @@
 // After construction the packet path never touches the heap, whatever the network does to the packets.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "netem/emulator.h"
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "tests/unit/allocations.h"
 
 namespace telekerf::netem {
 namespace {
@@ -29,7 +15,7 @@ TEST(Emulator, AllocatesNothingAfterConstruction) {
     Emulator emulator(load_profile(name).forward, {3}, {64, 64 * 512, 4096});
     Plan other(load_profile("wifi").forward);
     const std::vector<std::byte> packet(3000);
-    const long before = allocations;
+    const auto before = telekerf::testing::allocations();
     for (int i = 0; i < 20'000; ++i) {
       const std::int64_t now_ns = i * std::int64_t{1'000'000};
       while (emulator.pop(now_ns)) {
@@ -37,7 +23,7 @@ TEST(Emulator, AllocatesNothingAfterConstruction) {
       emulator.push(now_ns, std::span(packet).first(1 + i % 3000), i);
       if (i % 5000 == 0) emulator.switch_to(other, now_ns);
     }
-    EXPECT_EQ(allocations - before, 0) << name;
+    EXPECT_EQ(telekerf::testing::allocations() - before, 0U) << name;
     EXPECT_GT(emulator.counters().overflowed, 0U);  // the full store was met as well
   }
 }

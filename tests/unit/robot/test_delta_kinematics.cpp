@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "common/robot/delta_kinematics.h"
-#include "tests/unit/robot/allocations.h"
+#include "tests/unit/allocations.h"
 #include "tests/unit/robot/machines.h"
 
 namespace telekerf::robot {

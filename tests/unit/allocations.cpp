@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/unit/robot/allocations.h"
+#include "tests/unit/allocations.h"
 
 #include <atomic>
 #include <cstddef>
