@@ -103,7 +103,9 @@ Vec3 CommandStream::command(const Motion& goal) const noexcept {
 void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) noexcept {
   block_index_ = index;
   buttons_ = 0;
-  const Motion source = scaled(master.tool, master.beta);
+  const bool rescaled = master.beta != beta_;
+  beta_ = master.beta;
+  const Motion source = scaled(master.tool, beta_);
   if (settings_.law == Law::kLocal) {
     if (master.engaged && !engaged_) observer_.begin(index, source);
     engaged_ = master.engaged;
@@ -116,9 +118,13 @@ void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) 
     model_ = Motion{.position_m = slave_at_m_.value_or(source.position_m)};
     observer_.begin(index, model_);
   } else if (!engaged_) {
-    model_ = Motion{.position_m = *slave_at_m_};
+    model_ = Motion{.position_m = *slave_at_m_ + settings_.wrong_position_m,
+                    .velocity_m_per_s = settings_.wrong_velocity_m_per_s};
     observer_.begin(index, model_);
     approach_.rejoin(model_, source);
+    seated_ = true;
+  } else if (rescaled) {
+    approach_.rejoin(observer_.prediction(model_), source);
     seated_ = true;
   }
   engaged_ = follow;
@@ -142,7 +148,7 @@ std::optional<CommandBlock> CommandStream::step(std::int64_t now_ns, Tick tick,
   const auto index = static_cast<std::int64_t>(tick / static_cast<Tick>(settings_.ticks_per_sample));
   if (filled_ == 0) begin_block(index, master);
 
-  const Motion source = scaled(master.tool, master.beta);
+  const Motion source = scaled(master.tool, beta_);
   Vec3 u = Vec3::Zero();
   if (settings_.law == Law::kLocal) {
     model_ = source;
@@ -190,7 +196,7 @@ std::optional<CommandBlock> CommandStream::finish_block(std::int64_t now_ns,
   block.sample_period_ns = settings_.codec.sample_period_ns;
   block.ticks_per_sample = static_cast<std::uint16_t>(settings_.ticks_per_sample);
   block.contour_id = master.contour_id;
-  block.beta = rounded(master.beta);
+  block.beta = rounded(beta_);
   block.law = settings_.law;
   block.engaged = engaged_ && master.engaged;
   block.button = buttons_;

@@ -21,6 +21,8 @@ struct CommandStreamSettings {
   int ticks_per_sample = 1;
   double tracking_rad_s = 150.0;            ///< w of the law, critically damped: K_v = 2 w, K_p = w^2
   double max_acceleration_m_per_s2 = 10.0;  ///< of a command; what is stored is what was clipped
+  Vec3 wrong_position_m = Vec3::Zero();     ///< by which the first idea of the slave is wrong, for trials
+  Vec3 wrong_velocity_m_per_s = Vec3::Zero();
   control::JoinerSettings approach{.rate_rad_s = 20.0, .max_acceleration_m_per_s2 = 1.0};
 };
 
@@ -72,7 +74,8 @@ class CommandStream {
   std::uint64_t buttons_ = 0;
   Anchor anchor_;
   std::uint32_t number_ = 0;
-  bool engaged_ = false;  ///< changes where blocks begin only
+  bool engaged_ = false;  ///< changes where blocks begin only, as beta does
+  double beta_ = 1.0;
 
   Motion model_;        ///< the commands' integral: the reference of a slave that follows the anchors
   Motion block_model_;  ///< where the block began

@@ -20,6 +20,8 @@ void LinkMeter::received(const StateBlock& state, std::int64_t received_ns) noex
   // One round trip a command: a later state that echoes the same command says nothing new.
   if (state.echo_sequence == 0 || state.echo_sequence == last_echo_) return;
   last_echo_ = state.echo_sequence;
+  clocks_.add({state.echo_sent_ns, state.echo_received_ns, state.sent_ns, received_ns});
+  last_received_ns_ = received_ns;
   const std::int64_t held_ns = state.sent_ns - state.echo_received_ns;
   const double rtt_ms = static_cast<double>(received_ns - state.echo_sent_ns - held_ns) * 1e-6;
   const double bin = std::clamp(rtt_ms / kBinMs, 0.0, static_cast<double>(kBins - 1));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/bus/messages.h"
+#include "master/clock_comparison.h"
 
 namespace telekerf::master {
 
@@ -21,6 +22,8 @@ class LinkMeter {
   void received(const StateBlock& state, std::int64_t received_ns) noexcept;
 
   double rtt_quantile_ms(double share) const;
+  /// The slave's clock against ours, as of the newest state.
+  ClockEstimate clocks() const noexcept { return clocks_.estimate(last_received_ns_); }
   std::uint64_t lost() const noexcept { return lost_; }
   std::uint64_t states() const noexcept { return states_; }
   std::uint64_t packets() const noexcept { return packets_; }
@@ -31,6 +34,8 @@ class LinkMeter {
   static constexpr std::size_t kBins = 150'000;  ///< 3 s; longer ones fall into the last
   std::vector<std::uint32_t> histogram_;
   std::uint64_t round_trips_ = 0;
+  ClockComparison clocks_;
+  std::int64_t last_received_ns_ = 0;
   std::uint32_t last_echo_ = 0;
   std::uint32_t last_number_ = 0;
   std::uint64_t lost_ = 0;

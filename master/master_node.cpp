@@ -137,6 +137,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   out.mode = mode_;
   out.tool_m = tool.position_m;
   out.velocity_m_per_s = tool.velocity_m_per_s;
+  out.acceleration_m_per_s2 = wanted;
   if (guide_ != nullptr && state) {
     out.command = stream_.step(now_ns, tick_,
                                {.tool = {tool.position_m, tool.velocity_m_per_s, wanted},

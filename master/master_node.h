@@ -50,9 +50,10 @@ struct MasterOutputs {
   MasterMode mode = MasterMode::kIdle;
   Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
   Vec3 velocity_m_per_s = Vec3::Zero();
-  Vec3 hand_n = Vec3::Zero();  ///< estimated force of the hand
-  double constraint_n = 0.0;   ///< how hard the constraint answers, across the curve
-  Observed observed;           ///< the slave, as the network observer predicts it
+  Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< commanded to the tool
+  Vec3 hand_n = Vec3::Zero();                 ///< estimated force of the hand
+  double constraint_n = 0.0;                  ///< how hard the constraint answers, across the curve
+  Observed observed;                          ///< the slave, as the network observer predicts it
 };
 
 class MasterNode {

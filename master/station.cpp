@@ -150,6 +150,10 @@ void Station::report(RunRecord& record) const {
   f["bits_per_sample"] =
       packets > 0.0 ? 8.0 * static_cast<double>(link.payload_bytes()) / (packets * 3.0 * command.block) : 0.0;
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
+  const ClockEstimate clocks = link.clocks();
+  f["clock_offset_us"] = clocks.offset_s * 1e6;
+  f["clock_skew_ppm"] = clocks.skew * 1e6;
+  f["clock_uncertainty_us"] = clocks.uncertainty_s * 1e6;
   f["observer_delay_ms"] = node_.observed().delay_s * 1e3;
   record.words["law"] = settings_.law;
   record.words["estimator"] = settings_.estimator;

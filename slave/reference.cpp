@@ -17,6 +17,7 @@ std::optional<Motion> reference_at(const SampleRing& ring, double cursor, double
   const auto include = [&](std::int64_t index) {
     const StreamSample* sample = ring.find(index);
     if (sample == nullptr || sample->generation != middle->generation) return false;
+    if (sample->engaged != middle->engaged) return false;  // the master may have been moved elsewhere
     const double n = static_cast<double>(index - centre);
     const Eigen::Vector3d powers(1.0, n, n * n);
     normal += powers * powers.transpose();

@@ -107,6 +107,7 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
   counters_.lost += missing;
   ++counters_.blocks;
   number_ = block.sequence;
+  engaged_before_ = heard_ && header_.engaged && missing < static_cast<std::uint32_t>((*decoded)->blocks);
   header_ = block;
   heard_ = true;
   last_arrival_ns_ = received.received_ns;
@@ -127,7 +128,8 @@ void SlaveNode::store(const codec::DecodedPacket& packet, const CommandBlock& bl
     sample.law = block.law;
     sample.block = block.sequence - static_cast<std::uint32_t>(age);
     sample.button = ((part.button >> n) & 1U) != 0;
-    sample.engaged = block.engaged;
+    // What a lost block said of it is unknown: its copy counts as engaged only between neighbours that were.
+    sample.engaged = block.engaged && (age == 0 || engaged_before_);
     sample.generation = generation_;
     (block.law == Law::kLocal ? sample.value : sample.acceleration_m_per_s2) =
         part.samples[static_cast<std::size_t>(n)];
@@ -252,8 +254,8 @@ Motion SlaveNode::follow(const StreamSample& sample, const Motion& found) noexce
   source_generation_ = sample.generation;
   source_law_ = sample.law;
   if (sample.law == Law::kRemoteAcceleration) {
-    // The tool itself is the reference: nothing is pulled anywhere, the acceleration is all there is.
-    joiner_.rejoin(found, found);
+    // The tool itself is the reference; step() pulls it nowhere, the acceleration is all there is.
+    if (new_source) rejoin(found);
     return found;
   }
   // From one anchor to the next, over a corrected clock, after a gap: go on from where the reference is.
@@ -334,6 +336,8 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
                 2.0 * w * (reference_.velocity_m_per_s - tool.velocity_m_per_s) +
                 w * w * (reference_.position_m - tool.position_m);
   const double limit = model_.limits.acceleration_m_per_s2;
+  if (source_generation_ != 0 && source_law_ == Law::kRemoteAcceleration)
+    wanted = source.acceleration_m_per_s2;
   if (wanted.norm() > limit) wanted *= limit / wanted.norm();
   // A pose without kinematics (it cannot be reached by following): the joints are braked where they are.
   const Vec3 joint_acceleration =

@@ -114,7 +114,8 @@ class SlaveNode {
   std::optional<std::uint32_t> master_epoch_;
   std::uint32_t number_ = 0;  ///< newest block's
   std::int64_t newest_index_ = -1;
-  CommandBlock header_;  ///< newest block's, without payload
+  CommandBlock header_;          ///< newest block's, without payload
+  bool engaged_before_ = false;  ///< the block received before it was engaged
   std::int64_t last_arrival_ns_ = 0;
   bool heard_ = false;
   std::uint32_t generation_ = 0;

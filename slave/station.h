@@ -38,6 +38,11 @@ class Station {
                     std::span<const Received<CommandBlock>> commands,
                     std::span<const EventMessage> events) noexcept;
 
+  /// Of the world on the simulated tool, for trials.
+  void set_tool_force(const Vec3& force_n) noexcept { robot_.set_tool_force(force_n); }
+  /// Of the simulated robot, workpiece frame, for judges.
+  Vec3 true_tool_m() const noexcept { return model_.in_workpiece(robot_.true_tool_in_base_m()); }
+
   const SlaveNode& node() const { return node_; }
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
   void report(RunRecord& record) const;

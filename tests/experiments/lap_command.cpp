@@ -47,6 +47,11 @@ void add_lap_command(CLI::App& app, Action& action) {
   s.add("netem", options->netem, "network profile: a shipped name or a file");
   s.add("seed", lap.seed, {.min = 0, .max = 1e15}, "of everything random");
   s.add("beta", lap.master.beta, {.min = 0.01, .max = 10}, "slave motion = beta x master motion");
+  s.add("law", lap.master.law, "who computes the slave's acceleration",
+        {"anchored", "remote-acceleration", "local"});
+  s.add("estimator", lap.master.estimator, "how the slave's state is predicted",
+        {"predictor", "delayed-innovation", "thesis", "none"});
+  s.add("codec", lap.master.codec, "of the command stream");
   s.add("duration_s", lap.duration_s, {.min = 1, .max = 600}, "length of the run");
   s.add("out", options->out, "folder for the results");
   s.attach(*command);

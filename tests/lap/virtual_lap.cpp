@@ -2,48 +2,12 @@
 #include "tests/lap/virtual_lap.h"
 
 #include <cmath>
-#include <unordered_map>
 #include <vector>
 
 #include "common/robot/robot_model.h"
-#include "netem/emulator.h"
+#include "tests/lap/virtual_link.h"
 
 namespace telekerf::lap {
-namespace {
-
-/// What a block costs beside its payload: RTPS, UDP, IP and Ethernet (89) and the block's own head.
-constexpr std::uint32_t kBesidePayload = 89 + 76;
-
-/// The virtual-time driver of the emulator for one kind of message.
-template <class T>
-class VirtualLink {
- public:
-  VirtualLink(const netem::DirectionProfile& profile, std::uint64_t seed, netem::Direction direction)
-      : emulator_(profile, netem::StreamKey{seed, 0, direction}) {}
-
-  void push(std::int64_t now_ns, const T& message, std::uint32_t bytes) {
-    const std::uint64_t tag = next_++;
-    waiting_.emplace(tag, message);
-    if (emulator_.push(now_ns, bytes, tag).lost()) waiting_.erase(tag);
-  }
-  void deliver(std::int64_t now_ns, std::vector<Received<T>>& out) {
-    while (const auto delivery = emulator_.pop(now_ns)) {
-      const auto found = waiting_.find(delivery->tag);
-      // Damaged datagrams fail their checksum at the receiver.
-      if (found != waiting_.end() && !delivery->corrupted) out.push_back({found->second, delivery->due_ns});
-    }
-    // Copies of a message share its tag, so it is kept until nothing older than it can still arrive.
-    if (!emulator_.next_deadline()) waiting_.clear();
-  }
-
- private:
-  netem::Emulator emulator_;
-  std::unordered_map<std::uint64_t, T> waiting_;
-  std::uint64_t next_ = 0;
-};
-
-}  // namespace
-
 ContourMessage find_contour(const LapSettings& settings) {
   vision::ContourRequest request;
   request.image = settings.image;

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/experiments/delay_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "slave/station.h"
+#include "tests/lap/virtual_lap.h"
+#include "tests/lap/virtual_link.h"
+
+namespace telekerf::experiments {
+namespace {
+
+constexpr std::int64_t kTickNs = 1'000'000;
+constexpr std::uint32_t kEpoch = 1;
+
+struct Spread {
+  double squares = 0.0;
+  double largest = 0.0;
+  int count = 0;
+  void add(double error) {
+    squares += error * error;
+    largest = std::max(largest, error);
+    ++count;
+  }
+  double rms() const {
+    return count == 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(squares / count);
+  }
+};
+
+Spread between(const std::vector<double>& errors, double from, double to) {
+  Spread spread;
+  const auto size = static_cast<double>(errors.size());
+  for (auto i = static_cast<std::size_t>(from * size); i < static_cast<std::size_t>(to * size); ++i) {
+    if (std::isfinite(errors[i])) spread.add(errors[i]);
+  }
+  return spread;
+}
+
+/// Bounded and not growing: in the last quarter no more than 10 mm, and not 1.5 x the quarter before (or less
+/// than half a millimetre).
+bool is_stable(const std::vector<double>& errors) {
+  const Spread before = between(errors, 0.5, 0.75);
+  const Spread last = between(errors, 0.75, 1.0);
+  if (before.count == 0 || last.count < 100) return false;
+  return last.largest < 10e-3 && (last.rms() < 0.5e-3 || last.rms() < 1.5 * before.rms());
+}
+
+}  // namespace
+
+HandRecord record_hand(const std::string& image, double duration_s, std::uint64_t seed) {
+  lap::LapSettings settings;
+  settings.image = image;
+  HandRecord record;
+  record.contour = lap::find_contour(settings);
+  master::StationSettings station_settings;
+  station_settings.seed = seed;
+  master::Station station(station_settings);
+  const auto task = station.prepare(record.contour);
+  record.beta = station_settings.beta;
+  const auto ticks = static_cast<std::size_t>(duration_s * 1e3);
+  std::int64_t now_ns = 0;
+  while (record.tool.size() < ticks) {
+    const auto out = station.step(now_ns, task.get(), false, {}, {});
+    now_ns += kTickNs;
+    if (out.mode != master::MasterMode::kGuiding) continue;
+    record.tool.push_back({out.tool_m, out.velocity_m_per_s, out.acceleration_m_per_s2});
+  }
+  RunRecord rows;
+  station.report(rows);
+  for (std::size_t i = rows.master.size() - ticks; i < rows.master.size(); ++i) {
+    const auto& at = rows.master[i].tool_m;
+    record.true_tool_m.emplace_back(at[0], at[1], at[2]);
+  }
+  return record;
+}
+
+DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
+  master::StationSettings master_settings;
+  master_settings.law = trial.law;
+  master_settings.estimator = trial.estimator;
+  master_settings.codec = trial.codec;
+  auto stream_settings = master_settings.validated().node.command;
+  if (trial.wrong_start) {
+    stream_settings.wrong_position_m = Vec3(0.01, 0.0, 0.0);
+    stream_settings.wrong_velocity_m_per_s = Vec3(0.05, 0.0, 0.0);
+  }
+  master::CommandStream stream(stream_settings, kEpoch);
+  slave::StationSettings slave_settings;
+  slave_settings.seed = trial.seed;
+  slave_settings.record_s = 1.0;
+  slave::Station slave(slave_settings);
+  const auto corridor = slave.prepare(hand.contour);
+
+  lap::VirtualLink<CommandBlock> forward(trial.network.forward, trial.seed, netem::Direction::kForward);
+  lap::VirtualLink<StateBlock> backward(trial.network.backward, trial.seed, netem::Direction::kBackward);
+  std::vector<Received<CommandBlock>> commands;
+  std::vector<Received<StateBlock>> states;
+  std::vector<Vec3> predicted(hand.tool.size());
+  DelayResult result;
+  result.error_m.assign(hand.tool.size(), std::numeric_limits<double>::quiet_NaN());
+  result.prediction_error_m = result.error_m;
+  bool heard = false;
+  std::uint64_t bytes = 0;
+  for (std::size_t tick = 0; tick < hand.tool.size(); ++tick) {
+    const auto now_ns = static_cast<std::int64_t>(tick) * kTickNs;
+    states.clear();
+    backward.deliver(now_ns, states);
+    for (const auto& state : states) stream.received(state.value);
+    heard = heard || !states.empty();
+    const auto block = stream.step(
+        now_ns, tick,
+        {.tool = hand.tool[tick], .beta = hand.beta, .contour_id = hand.contour.id, .engaged = heard});
+    predicted[tick] = stream.observed().slave.position_m;
+    if (block) {
+      bytes += block->payload.size;
+      forward.push(now_ns, *block, block->payload.size + lap::kBesidePayload);
+    }
+
+    commands.clear();
+    forward.deliver(now_ns, commands);
+    if (tick == hand.tool.size() / 2) slave.set_tool_force(Vec3(trial.push_n, 0.0, 0.0));
+    const Vec3 tool_m = slave.true_tool_m();
+    const auto out = slave.step(now_ns, corridor.get(), commands, {});
+    if (out.state) backward.push(now_ns, *out.state, out.state->payload.size + lap::kBesidePayload);
+    if (out.applied_tick < 0.0) continue;
+    const auto applied = static_cast<std::size_t>(std::llround(out.applied_tick));
+    result.error_m[applied] = (tool_m - hand.beta * hand.true_tool_m[applied]).norm();
+    result.prediction_error_m[applied] = (tool_m - predicted[applied]).norm();
+  }
+
+  // Only what was followed counts; the first half is the approach and what comes of a wrong start.
+  std::size_t first = 0;
+  while (first < result.error_m.size() && !std::isfinite(result.error_m[first])) ++first;
+  std::vector<double> error(result.error_m.begin() + static_cast<std::ptrdiff_t>(first),
+                            result.error_m.end());
+  std::vector<double> prediction(result.prediction_error_m.begin() + static_cast<std::ptrdiff_t>(first),
+                                 result.prediction_error_m.end());
+  while (!error.empty() && !std::isfinite(error.back())) {
+    error.pop_back();
+    prediction.pop_back();
+  }
+  const Spread tracking = between(error, 0.5, 1.0);
+  const Spread predictions = between(prediction, 0.5, 1.0);
+  result.tracking_rmse_um = tracking.rms() * 1e6;
+  result.tracking_max_um = tracking.largest * 1e6;
+  result.prediction_rmse_um = predictions.rms() * 1e6;
+  result.prediction_max_um = predictions.largest * 1e6;
+  for (std::size_t i = 0; i < error.size(); ++i) {
+    if (error[i] > 1e-3) result.settle_s = static_cast<double>(i + 1) * 1e-3;
+  }
+  result.stable = is_stable(error);
+  result.wire_bytes_per_s = static_cast<double>(bytes) / (static_cast<double>(hand.tool.size()) * 1e-3);
+  result.total_ms = stream.observed().delay_s * 1e3;
+  return result;
+}
+
+}  // namespace telekerf::experiments

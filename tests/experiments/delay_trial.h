@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// One run across a delayed network: a recorded hand at the master, the command stream, the emulated link, the
+// simulated slave. The hand feels nothing of the slave, so one recording serves every condition.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/bus/messages.h"
+#include "master/command_stream.h"
+#include "netem/profile.h"
+
+namespace telekerf::experiments {
+
+/// The master's motion tick by tick from the moment when the hand is guided.
+struct HandRecord {
+  double beta = 0.5;
+  ContourMessage contour;
+  std::vector<master::Motion> tool;  ///< as measured, with the acceleration commanded
+  std::vector<Vec3> true_tool_m;
+};
+
+/// Guides the simulated hand round `image` for `duration_s`. Throws Refusal.
+HandRecord record_hand(const std::string& image, double duration_s, std::uint64_t seed);
+
+struct DelayTrial {
+  std::string law = "anchored";
+  std::string estimator = "predictor";
+  std::string codec = "sdct";
+  netem::Profile network;
+  std::uint64_t seed = 1;
+  bool wrong_start = false;  ///< the first idea of the slave is 10 mm and 50 mm/s off
+  double push_n = 0.0;       ///< on the slave's tool from half-time on
+};
+
+/// Measures of contract.md over the second half of the ticks that were applied while engaged.
+struct DelayResult {
+  double tracking_rmse_um = 0.0;
+  double tracking_max_um = 0.0;
+  double prediction_rmse_um = 0.0;
+  double prediction_max_um = 0.0;
+  double settle_s = 0.0;          ///< from the first tick followed to the last one more than 1 mm off
+  bool stable = false;            ///< see docs/delay.md
+  double wire_bytes_per_s = 0.0;  ///< command stream, payload
+  double total_ms = 0.0;          ///< from making a command to knowing what it did, observer's measure
+  std::vector<double> error_m;    ///< tracking by applied tick, NaN where none was applied
+  std::vector<double> prediction_error_m;
+};
+
+DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial);
+
+}  // namespace telekerf::experiments

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Delay costs time, not accuracy: the default law and its rivals across the emulated network, virtual time.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/experiments/delay_trial.h"
+
+namespace telekerf::experiments {
+namespace {
+
+const HandRecord& hand() {
+  static const HandRecord record = record_hand("heart", 12.0, 1);
+  return record;
+}
+
+DelayResult across(double rtt_s, double jitter_s, double loss, DelayTrial trial = {}) {
+  trial.network = netem::simple_profile(rtt_s, jitter_s, loss);
+  return run_trial(hand(), trial);
+}
+
+TEST(Delay, CostsTimeNotAccuracy) {
+  const DelayResult near = across(0.0, 0.0, 0.0);
+  const DelayResult far = across(0.2, 0.02, 0.01);
+  const DelayResult moon = across(0.8, 0.08, 0.05);
+  EXPECT_LE(near.tracking_rmse_um, 40.0);
+  EXPECT_LE(far.tracking_rmse_um, 40.0);
+  EXPECT_LE(far.tracking_rmse_um, 1.15 * near.tracking_rmse_um);
+  EXPECT_LE(moon.tracking_rmse_um, 1.3 * near.tracking_rmse_um);
+  EXPECT_GT(moon.total_ms, 800.0) << "the time that it does cost";
+}
+
+TEST(Delay, ThePredictionIsAFifthOfNoneAtMost) {
+  DelayTrial naive;
+  naive.law = "local";
+  naive.estimator = "none";
+  const double none_um = across(0.05, 0.005, 0.01, naive).prediction_rmse_um;
+  EXPECT_LE(across(0.05, 0.005, 0.01).prediction_rmse_um, 0.2 * none_um);
+}
+
+TEST(Delay, RemoteAccelerationWithThePredictorIsStable) {
+  DelayTrial thesis;
+  thesis.law = "remote-acceleration";
+  EXPECT_TRUE(across(0.2, 0.02, 0.01, thesis).stable);
+  thesis.push_n = 1.0;
+  EXPECT_TRUE(across(0.1, 0.0, 0.0, thesis).stable) << "under a constant push";
+  thesis.push_n = 0.0;
+  thesis.estimator = "none";
+  EXPECT_FALSE(across(0.2, 0.02, 0.01, thesis).stable) << "the bar can be missed";
+}
+
+TEST(Delay, AWrongStartIsForgotten) {
+  DelayTrial wrong;
+  wrong.wrong_start = true;
+  const DelayResult result = across(0.1, 0.0, 0.0, wrong);
+  EXPECT_TRUE(result.stable);
+  EXPECT_LE(result.tracking_rmse_um, 40.0);
+  wrong.law = "remote-acceleration";
+  EXPECT_TRUE(across(0.1, 0.0, 0.0, wrong).stable);
+}
+
+}  // namespace
+}  // namespace telekerf::experiments

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// The estimators against their analytic limits, on exact double integrators: docs/delay.md, "Limits".
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "common/bus/rounded.h"
+#include "master/command_stream.h"
+
+namespace telekerf::master {
+namespace {
+
+constexpr double kH = 1e-3;
+const double kPi = std::numbers::pi;
+
+ObserverSettings with(Estimator estimator) {
+  ObserverSettings settings;
+  settings.estimator = estimator;
+  settings.period_s = kH;
+  return settings;
+}
+
+/// q'' = u + d, exactly: the slave behind a constant delay of `delay` samples, there and back together.
+struct Loop {
+  NetworkObserver observer;
+  int delay = 100;
+  int misjudged = 0;  ///< samples by which the acknowledgement is wrong: a predictor that guesses its delay
+  double disturbance = 0.0;
+  std::vector<Motion> truth{Motion{}};
+  Motion model;
+
+  Loop(const ObserverSettings& settings, int samples)
+      : observer(Law::kRemoteAcceleration, settings), delay(samples) {
+    observer.begin(0, Motion{});
+  }
+  Motion predicted() {
+    const auto k = static_cast<std::int64_t>(truth.size()) - 1;
+    if (k >= delay) {
+      const Motion& then = truth[static_cast<std::size_t>(k - delay)];
+      const SlaveSample sample{k - delay + misjudged, true, then.position_m, then.velocity_m_per_s};
+      observer.measured(std::span(&sample, 1));
+    }
+    return observer.prediction(model);
+  }
+  void apply(double u) {
+    const auto k = static_cast<std::int64_t>(truth.size()) - 1;
+    observer.sent(k, model, Vec3(u, 0, 0));
+    Motion now = truth.back();
+    now.acceleration_m_per_s2 = Vec3(u + disturbance, 0, 0);
+    truth.push_back(advanced(now, kH));
+  }
+  double error(const Motion& predicted) const {
+    return std::abs(predicted.position_m.x() - truth.back().position_m.x());
+  }
+};
+
+/// Largest value of `signal` over the first and the last fifth of a run, as a ratio: below 1 it decays.
+double growth(int steps, const std::function<double()>& signal) {
+  double early = 0.0;
+  double late = 0.0;
+  for (int i = 0; i < steps; ++i) {
+    const double size = std::abs(signal());
+    if (i > steps / 5 && i <= 2 * steps / 5) early = std::max(early, size);
+    if (i > 4 * steps / 5) late = std::max(late, size);
+  }
+  return late / early;
+}
+
+double delayed_innovation_growth(double gain_times_delay) {
+  ObserverSettings settings = with(Estimator::kDelayedInnovation);
+  settings.innovation_gain_per_s = gain_times_delay / 0.1;
+  Loop loop(settings, 100);
+  loop.truth.back().position_m.x() = 0.01;
+  return growth(60'000, [&] {
+    const double error = loop.error(loop.predicted());
+    loop.apply(0.0);
+    return error;
+  });
+}
+
+TEST(NetworkObserver, DelayedInnovationIsStableBelowHalfPiOnly) {
+  EXPECT_LT(delayed_innovation_growth(0.98 * kPi / 2), 0.5);
+  EXPECT_GT(delayed_innovation_growth(1.02 * kPi / 2), 2.0);
+}
+
+double tracking_growth(Loop& loop, double w, int steps) {
+  loop.truth.back().position_m.x() = 0.01;
+  return growth(steps, [&] {
+    const Motion seen = loop.predicted();
+    loop.apply(-2.0 * w * seen.velocity_m_per_s.x() - w * w * seen.position_m.x());
+    return loop.truth.back().position_m.x();
+  });
+}
+
+TEST(NetworkObserver, WithoutPredictionTheLawIsStableBelow06475Only) {
+  Loop below(with(Estimator::kNone), 100);
+  EXPECT_LT(tracking_growth(below, 0.98 * 0.6475 / 0.1, 60'000), 0.5);
+  Loop above(with(Estimator::kNone), 100);
+  EXPECT_GT(tracking_growth(above, 1.02 * 0.6475 / 0.1, 60'000), 2.0);
+}
+
+TEST(NetworkObserver, ThePredictorIsExactFromAnyInitialStateUnderAnyConstantDisturbance) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (const int delay : {1, 20, 137, 800}) {
+    Loop loop(with(Estimator::kPredictor), delay);
+    loop.disturbance = 0.05 * uniform(random);
+    loop.truth.back().position_m.x() = 0.01 * uniform(random);
+    loop.truth.back().velocity_m_per_s.x() = 0.05 * uniform(random);
+    double worst = 0.0;
+    for (int k = 0; k < 50'000; ++k) {
+      const double error = loop.error(loop.predicted());
+      if (k > 45'000) worst = std::max(worst, error);
+      loop.apply(0.2 * std::sin(0.02 * k) - loop.disturbance);
+    }
+    EXPECT_LT(worst, 1e-9) << "delay of " << delay << " samples";
+  }
+}
+
+TEST(NetworkObserver, AMisjudgedDelayIsStableWithinTheRule) {
+  // |delta| (2 w + w^2 D) < 1 is sufficient for a predictor that guesses its delay.
+  ObserverSettings settings = with(Estimator::kPredictor);
+  settings.predictor_rad_s = 1e6;  // takes each measurement as it is: the plain predictor of the rule
+  settings.disturbance_rad_s = 0.0;
+  for (const double w : {5.0, 10.0, 20.0}) {
+    const double bound_s = 1.0 / (2.0 * w + w * w * 0.1);
+    for (const double sign : {-1.0, 1.0}) {
+      Loop loop(settings, 100);
+      loop.misjudged = static_cast<int>(sign * 0.95 * bound_s / kH);
+      EXPECT_LT(tracking_growth(loop, w, 20'000), 0.5) << "w " << w << ", " << loop.misjudged << " samples";
+    }
+    Loop far(settings, 100);
+    far.misjudged = -std::min(99, static_cast<int>(3.0 * bound_s / kH));
+    if (far.misjudged > -99) {
+      EXPECT_GT(tracking_growth(far, w, 20'000), 2.0) << "w " << w << ", " << far.misjudged << " samples";
+    }
+  }
+}
+
+TEST(NetworkObserver, TheThesisEstimatorNeedsItsInitialStateThePredictorDoesNot) {
+  const auto largest_late_error = [](Estimator estimator, bool wrong) {
+    Loop loop(with(estimator), 100);
+    if (wrong) {
+      loop.truth.back().position_m.x() = 0.01;
+      loop.truth.back().velocity_m_per_s.x() = 0.05;
+    }
+    double worst = 0.0;
+    for (int k = 0; k < 20'000; ++k) {
+      const double error = loop.error(loop.predicted());
+      if (k > 15'000) worst = std::max(worst, error);
+      loop.apply(0.2 * std::sin(0.02 * k));
+    }
+    return worst;
+  };
+  EXPECT_LT(largest_late_error(Estimator::kThesis, false), 1e-3);
+  EXPECT_GT(largest_late_error(Estimator::kThesis, true), 0.5) << "0.05 m/s for twenty seconds";
+  EXPECT_LT(largest_late_error(Estimator::kPredictor, true), 1e-6);
+}
+
+/// A resting slave that this master may engage.
+StateBlock resting_state(std::uint32_t master_epoch) {
+  codec::BlockEncoder encoder{codec::StreamSettings{}};
+  StateBlock state;
+  state.sequence = 1;
+  state.master_epoch = master_epoch;
+  state.sample_period_ns = 1'000'000;
+  const std::vector<Vec3> samples(16, Vec3::Zero());
+  state.payload.size =
+      static_cast<std::uint16_t>(encoder.encode(samples, 0, {}, state.payload.room()).value_or(0));
+  return state;
+}
+
+class CodecAndPrediction : public testing::TestWithParam<Law> {};
+
+TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
+  CommandStreamSettings settings;
+  settings.law = GetParam();
+  settings.codec.anchored = false;
+  settings.codec.quantum = 1e-3;
+  settings.codec.keep = 2;  // coarse on purpose
+  CommandStream stream(settings, 3);
+  stream.received(resting_state(3));
+  codec::BlockDecoder decoder;
+  std::mt19937 random(9);
+  std::normal_distribution<double> noise(0.0, 0.5);
+  Motion slave;
+  double coded_away = 0.0;
+  std::vector<double> made;
+  for (Tick tick = 0; tick < 16 * 300; ++tick) {
+    const double t = static_cast<double>(tick) * kH;
+    MasterMotion master;
+    master.engaged = true;
+    master.tool.position_m = Vec3(0.01 * std::sin(3 * t), 0.01 * std::cos(2 * t), 0.0);
+    master.tool.velocity_m_per_s = Vec3(0.03 * std::cos(3 * t), -0.02 * std::sin(2 * t), 0.0);
+    master.tool.acceleration_m_per_s2 = Vec3(noise(random), noise(random), 0.0);
+    const auto block = stream.step(0, tick, master);
+    if (tick % 16 == 0) {
+      // What the model says where a block begins is where the decoded commands have brought the slave.
+      EXPECT_EQ(stream.observed().slave.position_m, slave.position_m) << "tick " << tick;
+      EXPECT_EQ(stream.observed().slave.velocity_m_per_s, slave.velocity_m_per_s) << "tick " << tick;
+    }
+    if (!block) continue;
+    const auto packet = decoder.decode(block->payload.view(), {});
+    ASSERT_TRUE(packet.has_value());
+    if (GetParam() == Law::kAnchored) {
+      EXPECT_LT((block->anchor.position_m - slave.position_m).norm(), 4e-9);
+      slave = Motion{block->anchor.position_m, block->anchor.velocity_m_per_s, Vec3::Zero()};
+    }
+    for (const Vec3& command : (*packet)->blocks_newest_first[0].samples) {
+      slave.acceleration_m_per_s2 = command;
+      slave = advanced(slave, kH);
+    }
+    if (GetParam() == Law::kAnchored) {
+      const Anchor next = rounded(Anchor{slave.position_m, slave.velocity_m_per_s});
+      slave.position_m = next.position_m;
+      slave.velocity_m_per_s = next.velocity_m_per_s;
+    }
+    coded_away = std::max(coded_away, slave.velocity_m_per_s.norm());
+  }
+  EXPECT_GT(coded_away, 0.01) << "it did move";
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, CodecAndPrediction, testing::Values(Law::kAnchored, Law::kRemoteAcceleration));
+
+}  // namespace
+}  // namespace telekerf::master
