@@ -163,10 +163,13 @@ void set_end(const Field& field, std::vector<Vec2>& p, double width_px) {
     before = here;
   }
   if (beyond.empty()) return;
-  const double wanted = std::min(on, kStep * static_cast<double>(beyond.size())) - pen_inset(field, width_px);
-  for (double t = 1.0; t < wanted; t += 1.0) p.push_back(beyond[static_cast<std::size_t>(t / kStep) - 1]);
-  if (wanted > 0.25)
-    p.push_back(beyond[std::min(beyond.size() - 1, static_cast<std::size_t>(wanted / kStep) - 1)]);
+  const double wanted = on - pen_inset(field, width_px);
+  const auto push = [&](double t) {  // the inset of a hairline is negative: never past what was walked
+    const auto i = static_cast<std::size_t>(std::max(1L, std::lround(t / kStep))) - 1;
+    p.push_back(beyond[std::min(beyond.size() - 1, i)]);
+  };
+  for (double t = 1.0; t < wanted; t += 1.0) push(t);
+  if (wanted > 0.25) push(wanted);
 }
 
 }  // namespace
