@@ -13,9 +13,9 @@ ControllerKind resolved(ControllerKind kind, bool closed) noexcept {
 
 }  // namespace
 
-void FollowerSettings::quiet_for(double speed_m_per_s) noexcept {
-  observer_rad_s = std::clamp(37.5e3 * speed_m_per_s, 60.0, 400.0);
-  velocity_rad_s = std::clamp(112.5e3 * speed_m_per_s, 220.0, 900.0);
+void FollowerSettings::quiet_for(double speed_m_per_s, bool brisk) noexcept {
+  observer_rad_s = std::clamp(37.5e3 * speed_m_per_s, brisk ? 200.0 : 60.0, 400.0);
+  velocity_rad_s = std::clamp(112.5e3 * speed_m_per_s, brisk ? 600.0 : 220.0, 900.0);
   along_rad_s = std::clamp(20.0 + 17.5e3 * speed_m_per_s, 50.0, 70.0);
 }
 
@@ -58,6 +58,12 @@ Vec3 Follower::expected_force(const Tracking& now) const noexcept {
   if (!state) return Vec3::Zero();
   return robot::gravity_force(model_, kinematics_, *state) + robot::coriolis_force(model_, *state) +
          robot::friction_force(model_.friction, q.velocity_m_per_s);
+}
+
+double Follower::beam_power(const Reference& reference) const noexcept {
+  if (!(reference.speed_m_per_s > 0.0)) return 0.0;
+  const double speed = drive_.state().tool_velocity_m_per_s.dot(reference.tangent);
+  return reference.power * std::clamp(speed / reference.speed_m_per_s, 0.0, 1.5);
 }
 
 Vec3 Follower::step(const robot::JointReading& reading, const Track& track, double tick) noexcept {

@@ -25,8 +25,10 @@ struct FollowerSettings {
   bool model_ahead = true;
 
   /// Bandwidths of the observer that fit a speed: sensor noise makes the same ripple in m/s at any speed, so
-  /// slow paths get a quieter loop; there friction changes its direction more slowly, too.
-  void quiet_for(double speed_m_per_s) noexcept;
+  /// slow paths get a quieter loop; there friction changes its direction more slowly, too. `brisk` keeps the
+  /// observer faster than that: at corners friction changes at once, and an even burn matters more than
+  /// ripple.
+  void quiet_for(double speed_m_per_s, bool brisk = false) noexcept;
 };
 
 /// The controller of a kind with gains and preview that match the loop.
@@ -50,6 +52,9 @@ class Follower {
   Vec3 step(const robot::JointReading& reading, const Track& track, double tick) noexcept;
   /// Observed tool, workpiece frame.
   Vec3 tool_m() const noexcept { return drive_.state().tool_m - origin_in_base_m_; }
+  /// Share of the beam's power that gives each millimetre the same energy: what was planned, corrected by the
+  /// observed speed along the path (corners, friction), at most half as much again.
+  double beam_power(const Reference& reference) const noexcept;
   const Drive& drive() const noexcept { return drive_; }
 
  private:

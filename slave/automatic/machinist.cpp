@@ -41,7 +41,8 @@ MachinistOutputs Machinist::step(const robot::JointReading& reading, bool stop) 
                          .speed_m_per_s = reference.speed_m_per_s,
                          .tracking_error_m = (out.tool_m - reference.position_m).norm()},
                         settings_.interlock);
-  if (out.interlock == Interlock::kReady && reference.beam) out.laser_w = settings_.laser_w * reference.power;
+  if (out.interlock == Interlock::kReady && reference.beam)
+    out.laser_w = settings_.laser_w * follower_.beam_power(reference);
   out.progress = static_cast<double>(tick_) / static_cast<double>(std::max<std::size_t>(last, 1));
   out.done = tick_ == last;
   if (!stopped_ && tick_ < last) ++tick_;

@@ -235,7 +235,7 @@ ContourRunSettings run_settings(const Options& options) {
   s.follower.loop_delay = options.loop_delay;
   s.follower.preview = !options.no_preview;
   s.follower.model_ahead = !options.no_model_ahead;
-  s.follower.quiet_for(s.plan.speed_m_per_s);
+  s.follower.quiet_for(s.plan.speed_m_per_s, s.plan.corner == slave::CornerPolicy::kSlow);
   if (options.along_rad_s > 0.0) s.follower.along_rad_s = options.along_rad_s;
   if (options.across_rad_s > 0.0) s.follower.across_rad_s = options.across_rad_s;
   s.controller = kind_of(options.controller);

@@ -94,7 +94,6 @@ ContourRun run_contour(const slave::Plan& plan, const ContourRunSettings& settin
       row.reference = reference;
       row.tool_m = nominal.in_workpiece(robot.true_tool_in_base_m());
       row.tool_velocity_m_per_s = robot.true_tool_velocity_m_per_s();
-      row.laser_w = settings.laser_w * reference.power;
       row.error_in_frame_m = slave::moving_frame(reference).rows * (reference.position_m - row.tool_m);
       run.rows.push_back(row);
       const auto& q = robot.true_state().joints_m;
@@ -107,6 +106,8 @@ ContourRun run_contour(const slave::Plan& plan, const ContourRunSettings& settin
     }
     Vec3 currents = follower.step(robot.read(), track, static_cast<double>(tick));
     if (i >= hold && follower.drive().saturated()) ++run.limit_violations;
+    if (i >= hold && reference.beam)
+      run.rows.back().laser_w = settings.laser_w * follower.beam_power(reference);
     if (!on_the_way.empty()) {
       std::swap(currents, on_the_way[next]);
       next = (next + 1) % on_the_way.size();
