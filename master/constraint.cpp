@@ -20,12 +20,12 @@ ActiveConstraint ConstraintGenerator::at(const Guide& guide, const Vec2& tool_m)
   const geometry::Polyline& line = guide.curve.line();
   const auto half = static_cast<std::size_t>(settings_.half_window);
   active.shape = geometry::fit_circle(geometry::window(line, active.nearest.vertex(line), half).view());
-  if (!line.closed) {
-    const double past = active.nearest.tangent.dot(tool_m - active.nearest.point_m);
-    const bool at_start = active.nearest.arc_length_m <= 0.0;
-    const bool at_end = active.nearest.arc_length_m >= guide.curve.length_m();
-    if ((at_start && past < 0.0) || (at_end && past > 0.0)) active.beyond_end_m = past;
-  }
+  // Along the tangent the true nearest point lies abreast of the tool, but for the ends of an open curve and
+  // for corners that the tool has overshot.
+  const double past = active.shape.tangent(tool_m).dot(tool_m - active.nearest.point_m);
+  const bool at_end = !line.closed && (active.nearest.arc_length_m <= 0.0 ||
+                                       active.nearest.arc_length_m >= guide.curve.length_m());
+  if (at_end || std::abs(past) > settings_.corner_m) active.beyond_end_m = past;
   return active;
 }
 
@@ -46,11 +46,12 @@ Vec3 constrained_acceleration(const ActiveConstraint& active, const ConstraintSe
   const double speed = along.dot(v);
   double pull = along.dot(hand_n.head<2>());
   pull -= std::clamp(pull, -settings.dead_force_n, settings.dead_force_n);
+  const double past = active.beyond_end_m;
+  if (pull * past > 0.0) pull = 0.0;  // what pushes further out meets a wall, what pulls back moves the pen
   double a_along = (pull - settings.drag_ns_per_m * speed) / settings.mass_kg;
-  if (active.beyond_end_m != 0.0) {
-    // Beyond an end the hand meets a wall: critically damped, and it never pulls back harder than it must.
+  if (past != 0.0) {
     const double w = settings.end_bandwidth_rad_s;
-    a_along = -w * w * active.beyond_end_m - 2.0 * w * speed;
+    a_along -= w * w * past + (speed * past > 0.0 ? 2.0 * w * speed : 0.0);
   }
 
   Vec3 wanted;

@@ -21,6 +21,7 @@ struct ConstraintSettings {
   double mass_kg = 0.5;               ///< virtual mass that the hand moves along the curve
   double drag_ns_per_m = 2.0;         ///< virtual damping along it
   double dead_force_n = 0.05;         ///< estimated forces below this do not move the tool
+  double corner_m = 50e-6;            ///< overshooting a corner by more meets the same soft stop as an end
   double end_bandwidth_rad_s = 60.0;  ///< soft stops at the ends of an open curve
 };
 
