@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-slave --automatic: machines the contour that vision publishes, then reports.
+#pragma once
+
+#include <string>
+
+#include "common/bus/bus_flags.h"
+#include "common/runtime/settings.h"
+
+namespace telekerf::slave {
+
+struct AutomaticSettings {
+  double speed_mm_s = 8.0;
+  std::string controller = "auto";
+  std::string corner = "rounded";
+  std::string material = "wood";
+  double kerf_um = 0.0;  ///< closed contours are moved by half of it
+  bool no_framing = false;
+  void declare(Settings& settings);
+};
+
+/// Of the robot in the process, as the slave has them anyway.
+struct AutomaticRobot {
+  std::string robot = "slave-keops";
+  double mismatch = 0.1;
+  std::uint64_t seed = 1;
+  double laser_w = 10.0;
+};
+
+/// Waits for a contour, works it off, writes result.json, trace.csv, mark.png and depth.png into `folder`
+/// (empty: none). Returns 0 when the contour was finished, 1 when it was stopped. Throws Refusal.
+int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
+                  const AutomaticRobot& robot, const std::string& folder);
+
+}  // namespace telekerf::slave
