@@ -8,28 +8,22 @@
 
 #include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
-#include "common/vision/extract.h"
-#include "common/vision/scaling.h"
+#include "common/vision/load.h"
 
 namespace telekerf::vision {
 
 ContourMessage find_contour(const ContourRequest& request) {
   const std::string file = find_resource("pictures", request.image, ".png").string();
-  ExtractSettings settings;
   const auto mode = mode_of(request.mode);
   if (!mode) throw Refusal(fmt::format("mode = {}: must be auto, outline, stroke or thesis", request.mode));
-  settings.mode = *mode;
-  const auto picture = read_picture(file);
-  if (!picture) throw Refusal(fmt::format("{}: {}", file, picture.error()));
-  const auto found = extract(picture->image, settings);
-  if (!found) throw Refusal(fmt::format("{}: {}", file, found.error()));
+  LoadRequest load;
+  load.extract.mode = *mode;
+  load.scale.picture_width_m = request.width_m;
+  load.scale.workspace_radius_m = request.workspace_radius_m;
+  const auto loaded = load_contours(file, load);
+  if (!loaded) throw Refusal(loaded.error());
 
-  const PixelContour& contour = found->contours.front();
-  ScaleRequest scaling;
-  scaling.picture_width_m = request.width_m;
-  scaling.workspace_radius_m = request.workspace_radius_m;
-  const Scale scale = scale_for(contour, found->picture_width_px, found->picture_height_px, scaling);
-  const geometry::Polyline line = to_workpiece(contour, scale);
+  const geometry::Polyline& line = loaded->contours[loaded->selected];
   double reach_m = 0.0;
   for (const auto& point : line.points_m) reach_m = std::max(reach_m, point.norm());
   if (reach_m > request.workspace_radius_m) {
@@ -42,9 +36,9 @@ ContourMessage find_contour(const ContourRequest& request) {
   message.id = 1;
   message.closed = line.closed;
   message.source = std::filesystem::path(file).filename().string();
-  message.mode = name_of(found->mode);
-  message.metres_per_pixel = scale.metres_per_pixel;
-  message.deviation_m = contour.noise_px * scale.metres_per_pixel;
+  message.mode = loaded->mode;
+  message.metres_per_pixel = loaded->metres_per_pixel;
+  message.deviation_m = loaded->noise_m[loaded->selected];
   message.points_m = line.points_m;
   return message;
 }

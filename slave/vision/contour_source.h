@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One picture -> one contour in workpiece metres, ready to be published.
+// One picture or drawing -> one contour in workpiece metres, ready to be published.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 namespace telekerf::vision {
 
 struct ContourRequest {
-  std::string image;              ///< a shipped picture's name or a path
+  std::string image;              ///< a shipped picture's name, or a path to a picture, SVG or DXF
   std::string mode = "auto";      ///< auto, outline, stroke, thesis
   std::optional<double> width_m;  ///< of the whole picture; otherwise the contour is fitted to the workspace
   double workspace_radius_m = 0.02;  ///< of the slave
