@@ -8,6 +8,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "common/bus/bus.h"
 #include "common/bus/messages.h"
@@ -67,6 +70,22 @@ class Reader {
  private:
   std::unique_ptr<Impl> impl_;
 };
+
+/// Everything that waits, as far as `out` has room without growing: for the control loop. `Item` is T, or
+/// Received<T> where the time of arrival matters.
+template <class T, class Item>
+void drain(Reader<T>& reader, std::vector<Item>& out) noexcept {
+  out.clear();
+  while (out.size() < out.capacity()) {
+    auto received = reader.take();
+    if (!received) return;
+    if constexpr (std::is_same_v<Item, T>) {
+      out.push_back(std::move(received->value));
+    } else {
+      out.push_back(std::move(*received));
+    }
+  }
+}
 
 extern template class Writer<CommandBlock>;
 extern template class Writer<StateBlock>;

@@ -61,6 +61,34 @@ void from_wire(const std::vector<std::uint8_t>& wire, Payload& payload) {
   std::copy(wire.begin(), wire.end(), payload.bytes.begin());
 }
 
+/// The fields that the blocks of both streams have, payload included.
+template <class Block, class Wire>
+void common_to_wire(const Block& value, Wire& wire) {
+  wire.number(value.sequence);
+  wire.epoch(value.epoch);
+  wire.first_tick(value.first_tick);
+  wire.sent_ns(value.sent_ns);
+  wire.sample_period_ns(value.sample_period_ns);
+  wire.contour_id(value.contour_id);
+  wire.beta(static_cast<float>(value.beta));
+  wire.anchor(to_wire(value.anchor));
+  wire.ticks_per_sample(value.ticks_per_sample);
+  to_wire(value.payload, wire.payload());
+}
+template <class Wire, class Block>
+void common_from_wire(const Wire& wire, Block& value) {
+  value.sequence = wire.number();
+  value.epoch = wire.epoch();
+  value.first_tick = wire.first_tick();
+  value.sent_ns = wire.sent_ns();
+  value.sample_period_ns = wire.sample_period_ns();
+  value.contour_id = wire.contour_id();
+  value.beta = static_cast<double>(wire.beta());
+  value.anchor = from_wire(wire.anchor());
+  value.ticks_per_sample = wire.ticks_per_sample();
+  from_wire(wire.payload(), value.payload);
+}
+
 /// What both streams ask of a block before anything in it is used.
 template <class Block>
 Verdict judged(const Block& wire, std::uint16_t contract) {
@@ -83,16 +111,7 @@ bool to_wire(const CommandBlock& value, std::uint16_t contract, wire::CommandBlo
   wire.contract(contract);
   wire.law(static_cast<std::uint8_t>(value.law));
   wire.engaged(value.engaged ? 1 : 0);
-  wire.number(value.sequence);
-  wire.epoch(value.epoch);
-  wire.first_tick(value.first_tick);
-  wire.sent_ns(value.sent_ns);
-  wire.sample_period_ns(value.sample_period_ns);
-  wire.contour_id(value.contour_id);
-  wire.beta(static_cast<float>(value.beta));
-  wire.anchor(to_wire(value.anchor));
-  wire.ticks_per_sample(value.ticks_per_sample);
-  to_wire(value.payload, wire.payload());
+  common_to_wire(value, wire);
   wire.checksum(stream_checksum(wire));
   return true;
 }
@@ -102,16 +121,7 @@ Verdict from_wire(const wire::CommandBlock& wire, std::uint16_t contract, Comman
   if (wire.law() > static_cast<std::uint8_t>(Law::kRemoteAcceleration)) return Verdict::kDamaged;
   value.law = static_cast<Law>(wire.law());
   value.engaged = wire.engaged() != 0;
-  value.sequence = wire.number();
-  value.epoch = wire.epoch();
-  value.first_tick = wire.first_tick();
-  value.sent_ns = wire.sent_ns();
-  value.sample_period_ns = wire.sample_period_ns();
-  value.contour_id = wire.contour_id();
-  value.beta = static_cast<double>(wire.beta());
-  value.anchor = from_wire(wire.anchor());
-  value.ticks_per_sample = wire.ticks_per_sample();
-  from_wire(wire.payload(), value.payload);
+  common_from_wire(wire, value);
   return Verdict::kGood;
 }
 
@@ -120,15 +130,6 @@ bool to_wire(const StateBlock& value, std::uint16_t contract, wire::StateBlock& 
   wire.contract(contract);
   wire.interlock(static_cast<std::uint8_t>(value.interlock));
   wire.laser_on(value.laser_on ? 1 : 0);
-  wire.number(value.sequence);
-  wire.epoch(value.epoch);
-  wire.first_tick(value.first_tick);
-  wire.sent_ns(value.sent_ns);
-  wire.sample_period_ns(value.sample_period_ns);
-  wire.contour_id(value.contour_id);
-  wire.beta(static_cast<float>(value.beta));
-  wire.anchor(to_wire(value.anchor));
-  wire.ticks_per_sample(value.ticks_per_sample);
   wire.master_epoch(value.master_epoch);
   wire.applied_tick(value.applied_tick);
   wire.applied_bitmap(value.applied_bitmap);
@@ -137,7 +138,7 @@ bool to_wire(const StateBlock& value, std::uint16_t contract, wire::StateBlock& 
   wire.echo_number(value.echo_sequence);
   wire.echo_sent_ns(value.echo_sent_ns);
   wire.echo_received_ns(value.echo_received_ns);
-  to_wire(value.payload, wire.payload());
+  common_to_wire(value, wire);
   wire.checksum(stream_checksum(wire));
   return true;
 }
@@ -147,15 +148,6 @@ Verdict from_wire(const wire::StateBlock& wire, std::uint16_t contract, StateBlo
   if (wire.interlock() > static_cast<std::uint8_t>(Interlock::kStopped)) return Verdict::kDamaged;
   value.interlock = static_cast<Interlock>(wire.interlock());
   value.laser_on = wire.laser_on() != 0;
-  value.sequence = wire.number();
-  value.epoch = wire.epoch();
-  value.first_tick = wire.first_tick();
-  value.sent_ns = wire.sent_ns();
-  value.sample_period_ns = wire.sample_period_ns();
-  value.contour_id = wire.contour_id();
-  value.beta = static_cast<double>(wire.beta());
-  value.anchor = from_wire(wire.anchor());
-  value.ticks_per_sample = wire.ticks_per_sample();
   value.master_epoch = wire.master_epoch();
   value.applied_tick = wire.applied_tick();
   value.applied_bitmap = wire.applied_bitmap();
@@ -164,7 +156,7 @@ Verdict from_wire(const wire::StateBlock& wire, std::uint16_t contract, StateBlo
   value.echo_sequence = wire.echo_number();
   value.echo_sent_ns = wire.echo_sent_ns();
   value.echo_received_ns = wire.echo_received_ns();
-  from_wire(wire.payload(), value.payload);
+  common_from_wire(wire, value);
   return Verdict::kGood;
 }
 
