@@ -12,6 +12,7 @@
 #include "common/bus/endpoints.h"
 #include "common/bus/netem_switch.h"
 #include "common/runtime/loop.h"
+#include "slave/automatic/process.h"
 #include "slave/station.h"
 
 namespace telekerf::slave {
@@ -21,6 +22,8 @@ struct Flags {
   BusFlags bus;
   StationSettings station;
   std::string record;
+  bool automatic = false;
+  AutomaticSettings automatic_settings;
 };
 
 const char* name_of(SlaveMode mode) {
@@ -40,6 +43,12 @@ const char* name_of(SlaveMode mode) {
 int run(Flags& flags) {
   const BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "slave");
   flags.station.epoch = bus_settings.epoch;
+  if (flags.automatic) {
+    return run_automatic(
+        bus_settings, flags.automatic_settings,
+        {flags.station.robot, flags.station.mismatch, flags.station.seed, flags.station.node.laser_w},
+        flags.record);
+  }
   Station station(flags.station);
   catch_stop_signals();
   Bus bus(bus_settings);
@@ -69,16 +78,8 @@ int run(Flags& flags) {
   });
 
   const LoopStatistics loop = run_loop(flags.station.node.control_hz, [&](std::int64_t now_ns) {
-    arrived_commands.clear();
-    arrived_events.clear();
-    while (arrived_commands.size() < arrived_commands.capacity()) {
-      if (auto command = commands.take()) {
-        arrived_commands.push_back(*command);
-      } else {
-        break;
-      }
-    }
-    while (const auto event = events.take()) arrived_events.push_back(event->value);
+    drain(commands, arrived_commands);
+    drain(events, arrived_events);
     const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, arrived_events);
     if (out.state) states.write(*out.state);
     mode.store(out.mode, std::memory_order_relaxed);
@@ -106,6 +107,8 @@ int main(int argc, char** argv) {
   telekerf::Settings settings;
   flags.station.declare(settings);
   settings.add("record", flags.record, "folder to record the run into");
+  settings.add("automatic", flags.automatic, "machines the contour that vision publishes, without a master");
+  flags.automatic_settings.declare(settings);
   flags.bus.declare(settings);
   settings.attach(app);
   telekerf::Action action = [&] {
