@@ -5,58 +5,196 @@
 #include <cmath>
 
 namespace telekerf::master {
+namespace {
 
-Guide make_guide(const ContourMessage& contour, double beta, const ConstraintSettings& settings) {
-  geometry::Polyline line;
-  line.closed = contour.closed;
-  for (const auto& point : contour.points_m) line.points_m.push_back(point / beta);
-  return {contour.id, beta, geometry::NearestIndex(geometry::resampled(line, settings.spacing_m))};
+/// Farther than this from where the last circle says, the foot point is searched along the curve.
+constexpr double kLost_m = 0.5e-3;
+
+double without(double force, double dead) noexcept { return force - std::clamp(force, -dead, dead); }
+
+/// Eq. 65 with a bound on the speed of return: near the curve it is e'' = -K2 e' - K1 e. K1 and K2 are those
+/// of eq. 66-67 for a held acceleration: sampled poles exp(p T) of the poles p that were chosen. (The
+/// continuous gains at 1 kHz decay a tenth too fast.)
+double decaying(const ConstraintSettings& settings, double e, double e_rate) noexcept {
+  const double t = settings.period_s;
+  const double w = settings.bandwidth_rad_s;
+  const double zeta = settings.damping;
+  const double inner = w * t * std::sqrt(std::abs(zeta * zeta - 1.0));
+  const double sum = 2.0 * std::exp(-zeta * w * t) * (zeta >= 1.0 ? std::cosh(inner) : std::cos(inner));
+  const double product = std::exp(-2.0 * zeta * w * t);
+  const double k1 = (1.0 - sum + product) / (t * t);
+  const double k2 = (3.0 - sum - product) / (2.0 * t);
+  return -k2 * (e_rate + std::clamp(k1 / k2 * e, -settings.return_m_per_s, settings.return_m_per_s));
 }
 
-ActiveConstraint ConstraintGenerator::at(const Guide& guide, const Vec2& tool_m) noexcept {
+/// A wall beyond which `depth` > 0: sets in over a skin, critically damped, and does not hold back.
+double walled(double a, double depth, double depth_rate, double skin_m, double w) noexcept {
+  if (depth <= 0.0) return a;
+  const double u = std::min(depth / skin_m, 1.0);
+  const double share = u * u * (3.0 - 2.0 * u);
+  const double wall = -w * w * depth - 2.0 * w * depth_rate;
+  return std::min(a, (1.0 - share) * a + share * wall);
+}
+
+double along_the_curve(const ActiveConstraint& active, const ConstraintSettings& settings, double pull,
+                       double speed, bool hold_in_bends) noexcept {
+  double a = (without(pull, settings.dead_force_n) - settings.drag_ns_per_m * speed) / settings.mass_kg;
+  if (hold_in_bends) {
+    // v' <= (limit - v) / tau on either way along the curve; the slope leads it into the bend.
+    constexpr double kRate = 120.0;
+    const double limit = active.limit.m_per_s;
+    const double lead = active.limit.slope_per_s * speed;
+    if (speed >= 0.0) {
+      a = std::min(a, kRate * (limit - speed) + std::min(lead, 0.0));
+    } else {
+      a = std::max(a, kRate * (-limit - speed) - std::min(lead, 0.0));
+    }
+  }
+  if (active.beyond_end_m != 0.0) {
+    const double side = std::copysign(1.0, active.beyond_end_m);
+    a = side * walled(side * a, side * active.beyond_end_m, side * speed, settings.wall_skin_m,
+                      settings.end_bandwidth_rad_s);
+  }
+  return a;
+}
+
+}  // namespace
+
+ActiveConstraint ConstraintGenerator::at(const Guide& guide, const Vec2& tool_m, double dt_s) noexcept {
   ActiveConstraint active;
-  active.nearest = last_segment_ ? guide.curve.find_near(tool_m, *last_segment_) : guide.curve.find(tool_m);
-  last_segment_ = active.nearest.segment;
-  const geometry::Polyline& line = guide.curve.line();
-  const auto half = static_cast<std::size_t>(settings_.half_window);
-  active.shape = geometry::fit_circle(geometry::window(line, active.nearest.vertex(line), half).view());
-  // Along the tangent the true nearest point lies abreast of the tool, but for the ends of an open curve and
-  // for corners that the tool has overshot.
-  const double past = active.shape.tangent(tool_m).dot(tool_m - active.nearest.point_m);
-  const bool at_end = !line.closed && (active.nearest.arc_length_m <= 0.0 ||
-                                       active.nearest.arc_length_m >= guide.curve.length_m());
-  if (at_end || std::abs(past) > settings_.corner_m) active.beyond_end_m = past;
+  if (!last_) {
+    active.piece = guide.at(guide.find(tool_m));
+  } else {
+    // One Newton step along the last circle: a tick moves the foot by micrometres.
+    const geometry::CircleOrLine& shape = last_->shape;
+    const double bend = 1.0 - shape.curvature() * shape.phi(tool_m);
+    const double step = shape.tangent(tool_m).dot(tool_m - last_->point_m) / std::max(bend, 0.5);
+    active.piece = guide.at(last_->arc_m + std::clamp(step, -kLost_m, kLost_m));
+    const double left = active.piece.shape.tangent(tool_m).dot(tool_m - active.piece.point_m);
+    const bool at_end =
+        !guide.closed() && (active.piece.arc_m <= 0.0 || active.piece.arc_m >= guide.length_m());
+    if (std::abs(left) > kLost_m && !at_end) {
+      active.piece = guide.at(guide.find_near(tool_m, active.piece.arc_m));
+    } else if (dt_s > 0.0) {
+      active.drift_m_per_s = (active.piece.shape.phi(tool_m) - shape.phi(tool_m)) / dt_s;
+    }
+  }
+  last_ = active.piece;
+  active.phi_m = active.piece.shape.phi(tool_m);
+  active.limit = guide.speed_limit(active.piece.arc_m);
+  if (!guide.closed()) {
+    const double past = active.piece.shape.tangent(tool_m).dot(tool_m - active.piece.point_m);
+    const bool at_start = active.piece.arc_m <= 0.0;
+    const bool at_end = active.piece.arc_m >= guide.length_m();
+    if ((at_start && past < 0.0) || (at_end && past > 0.0)) active.beyond_end_m = past;
+  }
   return active;
 }
 
-Vec3 constrained_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
-                              const Vec3& tool_m, const Vec3& velocity_m_per_s, const Vec3& hand_n) noexcept {
-  const double k1 = settings.bandwidth_rad_s * settings.bandwidth_rad_s;
-  const double k2 = 2.0 * settings.damping * settings.bandwidth_rad_s;
-  const Vec2 x = tool_m.head<2>();
-  const Vec2 v = velocity_m_per_s.head<2>();
-
+Vec3 guided_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
+                         const ToolState& tool, const ConstraintReference& reference) noexcept {
+  const Vec2 x = tool.position_m.head<2>();
+  const Vec2 v = tool.velocity_m_per_s.head<2>();
   // Rows of J_phi: the unit gradient in plane, and z. Its right inverse is its transpose.
-  const Vec2 across = active.shape.gradient(x);
-  const double phi = active.shape.phi(x);
-  const double bend = v.dot(active.shape.hessian(x) * v);  // J_phi' x'
-  const double a_across = -bend - k2 * across.dot(v) - k1 * phi;
-
-  const Vec2 along = active.shape.tangent(x);
-  const double speed = along.dot(v);
-  double pull = along.dot(hand_n.head<2>());
-  pull -= std::clamp(pull, -settings.dead_force_n, settings.dead_force_n);
-  const double past = active.beyond_end_m;
-  if (pull * past > 0.0) pull = 0.0;  // what pushes further out meets a wall, what pulls back moves the pen
-  double a_along = (pull - settings.drag_ns_per_m * speed) / settings.mass_kg;
-  if (past != 0.0) {
-    const double w = settings.end_bandwidth_rad_s;
-    a_along -= w * w * past + (speed * past > 0.0 ? 2.0 * w * speed : 0.0);
-  }
-
+  const geometry::CircleOrLine& shape = active.piece.shape;
+  const Vec2 across = shape.gradient(x);
+  const Vec2 along = shape.tangent(x);
+  const double bend = v.dot(shape.hessian(x) * v);  // J_phi' x'
+  const double rate = across.dot(v) + active.drift_m_per_s;
+  const double a_across =
+      reference.acceleration_m_per_s2[0] - bend +
+      decaying(settings, active.phi_m - reference.place_m[0], rate - reference.velocity_m_per_s[0]);
+  const double a_along =
+      along_the_curve(active, settings, along.dot(tool.hand_n.head<2>()), along.dot(v), true);
   Vec3 wanted;
   wanted.head<2>() = a_across * across + a_along * along;
-  wanted.z() = -k2 * velocity_m_per_s.z() - k1 * tool_m.z();
+  wanted.z() = reference.acceleration_m_per_s2[1] +
+               decaying(settings, tool.position_m.z() - reference.place_m[1],
+                        tool.velocity_m_per_s.z() - reference.velocity_m_per_s[1]);
+  return wanted;
+}
+
+Vec3 region_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
+                         const ConstraintForm& form, const ToolState& tool) noexcept {
+  const Vec2 x = tool.position_m.head<2>();
+  const Vec2 v = tool.velocity_m_per_s.head<2>();
+  const Vec2 across = active.piece.shape.gradient(x);
+  const Vec2 along = active.piece.shape.tangent(x);
+  const double phi = active.phi_m;
+  const double rate = across.dot(v) + active.drift_m_per_s;
+
+  const double drag = settings.drag_ns_per_m + 2.0 * std::sqrt(form.stiffness_n_per_m * settings.mass_kg);
+  const double push = without(across.dot(tool.hand_n.head<2>()), settings.dead_force_n);
+  double a_across = (push - drag * across.dot(v) - form.stiffness_n_per_m * phi) / settings.mass_kg;
+  const double side = std::copysign(1.0, phi);
+  a_across = side * walled(side * a_across, side * phi - form.corridor_m, side * rate, settings.wall_skin_m,
+                           settings.bandwidth_rad_s);
+  const double a_along =
+      along_the_curve(active, settings, along.dot(tool.hand_n.head<2>()), along.dot(v), false);
+  Vec3 wanted;
+  wanted.head<2>() = a_across * across + a_along * along;
+  wanted.z() = decaying(settings, tool.position_m.z(), tool.velocity_m_per_s.z());
+  return wanted;
+}
+
+void ConstraintController::enter() noexcept {
+  entering_ = true;
+  generator_.reset();
+}
+
+void ConstraintController::choose(const ConstraintForm& form) noexcept {
+  // From free to held: what the tool is off the curve is taken over and faded.
+  if (form.corridor_m <= 0.0 && form_.corridor_m > 0.0) entering_ = true;
+  form_ = form;
+}
+
+ConstraintReference ConstraintController::reference() const noexcept {
+  ConstraintReference out;
+  if (entered_s_ >= entry_duration_s_) return out;
+  // Minimum jerk from the offset to zero.
+  const double duration = entry_duration_s_;
+  const double u = entered_s_ / duration;
+  out.place_m = (1.0 - u * u * u * (10.0 + u * (-15.0 + 6.0 * u))) * entry_m_;
+  out.velocity_m_per_s = -30.0 * u * u * (1.0 - u) * (1.0 - u) / duration * entry_m_;
+  out.acceleration_m_per_s2 = -60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration) * entry_m_;
+  return out;
+}
+
+// The observer leaves no friction, and between two counts of an encoder there is no speed to damp: a tool
+// that nobody moves would creep. So it is held where it came to rest until a hand is felt.
+Vec2 ConstraintController::parked(const ToolState& tool) noexcept {
+  constexpr double kRest = 1e-3;
+  constexpr double kHold = 40.0;
+  const Vec2 x = tool.position_m.head<2>();
+  const Vec2 along = active_.piece.shape.tangent(x);
+  const double speed = along.dot(tool.velocity_m_per_s.head<2>());
+  if (std::abs(along.dot(tool.hand_n.head<2>())) > settings_.dead_force_n || std::abs(speed) > kRest) {
+    parked_m_.reset();
+    return Vec2::Zero();
+  }
+  if (!parked_m_) parked_m_ = x;
+  return (-kHold * kHold * along.dot(x - *parked_m_) - 2.0 * kHold * speed) * along;
+}
+
+Vec3 ConstraintController::step(const Guide& guide, const ToolState& tool, double dt_s) noexcept {
+  active_ = generator_.at(guide, tool.position_m.head<2>(), dt_s);
+  if (entering_) {
+    entering_ = false;
+    entry_m_ = {active_.phi_m, tool.position_m.z()};
+    entered_s_ = 0.0;
+    // The fade's fastest moment is 15/8 of its mean.
+    entry_duration_s_ =
+        settings_.entry_s > 0.0
+            ? std::max(settings_.entry_s, 1.875 * entry_m_.cwiseAbs().maxCoeff() / settings_.return_m_per_s)
+            : 0.0;
+  }
+  if (form_.corridor_m > 0.0) {
+    parked_m_.reset();
+    return region_acceleration(active_, settings_, form_, tool);
+  }
+  entered_s_ += dt_s;
+  Vec3 wanted = guided_acceleration(active_, settings_, tool, reference());
+  wanted.head<2>() += parked(tool);
   return wanted;
 }
 

@@ -1,64 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
-// The virtual constraint of thesis 3.3 and 5.1-5.2: a circle through the points around the tool (Algorithm
-// 1), and the acceleration that keeps the tool on it (eq. 58-78 with eq. 165 corrected). Master's workpiece
-// frame.
+// The virtual constraint of thesis 3.3 and 5.1-5.2: which circle is in force at the tool (Algorithm 1), and
+// the acceleration that keeps the tool on it (eq. 58-78 with eq. 165 corrected) or inside a corridor around
+// it. Master's workpiece frame.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
-#include "common/bus/messages.h"
-#include "common/geometry/circle_fit.h"
-#include "common/geometry/nearest.h"
+#include "master/constraint_guide.h"
+#include "master/constraint_settings.h"
 
 namespace telekerf::master {
 
-struct ConstraintSettings {
-  int half_window = 4;             ///< k of eq. 15, points to either side
-  double spacing_m = 0.15e-3;      ///< between the points of the guide
-  double bandwidth_rad_s = 110.0;  ///< of the error decay across the curve and in z (eq. 65)
-  double damping = 1.0;
-  double mass_kg = 0.5;               ///< virtual mass that the hand moves along the curve
-  double drag_ns_per_m = 2.0;         ///< virtual damping along it
-  double dead_force_n = 0.05;         ///< estimated forces below this do not move the tool
-  double corner_m = 50e-6;            ///< overshooting a corner by more meets the same soft stop as an end
-  double end_bandwidth_rad_s = 60.0;  ///< soft stops at the ends of an open curve
-};
-
-/// The curve that the operator may trace: contour / beta, evenly spaced points. Built outside the loop.
-struct Guide {
-  std::uint32_t contour_id = 0;
-  double beta = 1.0;
-  geometry::NearestIndex curve;
-};
-
-/// Contour (true size) -> guide for a master whose motion is scaled by `beta`.
-Guide make_guide(const ContourMessage& contour, double beta, const ConstraintSettings& settings);
-
 /// The circle (or line) that is in force for one tick; frozen within it (c' = 0).
 struct ActiveConstraint {
-  geometry::CircleOrLine shape;
-  geometry::Nearest nearest;
-  double beyond_end_m =
-      0.0;  ///< how far the tool is past an end of an open curve, along the tangent (signed)
+  GuidePiece piece;
+  double phi_m = 0.0;          ///< signed distance of the tool, positive to the left of travel
+  double drift_m_per_s = 0.0;  ///< partial time derivative of phi: the circle is not the last tick's
+  double beyond_end_m = 0.0;   ///< how far the tool is past an end of an open curve (signed)
+  Guide::SpeedLimit limit{1.0, 0.0};
 };
 
-/// Algorithm 1 with a local search from the last nearest point, so that a tool at a crossing stays on its
+/// Algorithm 1 with a local search from the last foot point, so that a tool at a crossing stays on its
 /// branch.
 class ConstraintGenerator {
  public:
-  explicit ConstraintGenerator(const ConstraintSettings& settings) noexcept : settings_(settings) {}
-  void reset() noexcept { last_segment_.reset(); }
-  ActiveConstraint at(const Guide& guide, const Vec2& tool_m) noexcept;
+  void reset() noexcept { last_.reset(); }
+  ActiveConstraint at(const Guide& guide, const Vec2& tool_m, double dt_s) noexcept;
 
  private:
-  ConstraintSettings settings_;
-  std::optional<std::size_t> last_segment_;
+  std::optional<GuidePiece> last_;
 };
 
-/// Desired tool acceleration: phi'' + K2 phi' + K1 phi = 0 across the curve and in z (eq. 65), and along it
-/// what the hand's force does to the virtual mass. `hand_n`: estimated hand force on the tool.
-Vec3 constrained_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
-                              const Vec3& tool_m, const Vec3& velocity_m_per_s, const Vec3& hand_n) noexcept;
+/// phi^ref of eq. 61 for the constraint in plane and for z. Zero but for what is left of an entry.
+struct ConstraintReference {
+  Vec2 place_m = Vec2::Zero();
+  Vec2 velocity_m_per_s = Vec2::Zero();
+  Vec2 acceleration_m_per_s2 = Vec2::Zero();
+};
+
+/// Inside a corridor of this half width the hand is free but for a spring towards the curve; 0: guidance.
+struct ConstraintForm {
+  double corridor_m = 0.0;
+  double stiffness_n_per_m = 0.0;
+};
+
+struct ToolState {
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_m_per_s = Vec3::Zero();
+  Vec3 hand_n = Vec3::Zero();  ///< estimated force of the hand
+};
+
+/// Desired tool acceleration in the guidance form: e'' + K2 e' + K1 e = 0 across the curve and in z (eq. 65),
+/// and along it what the hand's force does to the virtual mass, within the speed limit of the bends.
+Vec3 guided_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
+                         const ToolState& tool, const ConstraintReference& reference = {}) noexcept;
+
+/// The same in the forbidden-region form: the hand moves the virtual mass in the plane, a spring draws it to
+/// the curve, and at the corridor's edge stands a wall that pushes but never holds back.
+Vec3 region_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
+                         const ConstraintForm& form, const ToolState& tool) noexcept;
+
+/// Generator and law together, with entries and changes of form that fade instead of jumping.
+class ConstraintController {
+ public:
+  explicit ConstraintController(const ConstraintSettings& settings) noexcept
+      : settings_(settings), form_{settings.corridor_m, settings.stiffness_n_per_m} {}
+
+  /// The next step starts on the curve nearest to the tool, wherever that is.
+  void enter() noexcept;
+  void choose(const ConstraintForm& form) noexcept;
+  /// Desired tool acceleration, m/s^2.
+  Vec3 step(const Guide& guide, const ToolState& tool, double dt_s) noexcept;
+
+  const ActiveConstraint& active() const noexcept { return active_; }
+  const ConstraintForm& form() const noexcept { return form_; }
+
+ private:
+  ConstraintReference reference() const noexcept;
+  Vec2 parked(const ToolState& tool) noexcept;
+
+  ConstraintSettings settings_;
+  ConstraintForm form_;
+  ConstraintGenerator generator_;
+  ActiveConstraint active_;
+  bool entering_ = true;
+  std::optional<Vec2> parked_m_;  ///< where a tool that nobody moves came to rest
+  Vec2 entry_m_ = Vec2::Zero();  ///< offset in plane and in z at entry
+  double entered_s_ = 0.0;
+  double entry_duration_s_ = 0.0;
+};
 
 }  // namespace telekerf::master

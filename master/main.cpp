@@ -13,6 +13,7 @@
 #include "common/bus/endpoints.h"
 #include "common/bus/netem_switch.h"
 #include "common/runtime/loop.h"
+#include "master/constraint_telemetry.h"
 #include "master/station.h"
 
 namespace telekerf::master {
@@ -47,13 +48,19 @@ const char* name_of(MasterMode mode) {
 struct Progress {
   std::atomic<MasterMode> mode{MasterMode::kIdle};
   std::atomic<double> engaged_s{0.0};
+  ConstraintSnapshot constraint;
 };
 
-/// Says every change of mode; to a terminal also a bar.
-void announce(const std::stop_token& stop, const Progress& progress, double duration_s) {
+/// Publishes what the constraint does, fifty times a second. Says every change of mode; to a terminal also a
+/// bar.
+void announce(const std::stop_token& stop, const Progress& progress, double duration_s,
+              Writer<TelemetryMessage>& telemetry) {
   const bool terminal = isatty(STDOUT_FILENO) != 0;
   MasterMode said = MasterMode::kIdle;
-  while (!stop.stop_requested()) {
+  for (unsigned round = 0; !stop.stop_requested(); ++round) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (const auto values = progress.constraint.load()) telemetry.write(*values);
+    if (round % 5 != 0) continue;
     const MasterMode mode = progress.mode.load();
     if (mode != said) {
       said = mode;
@@ -67,7 +74,6 @@ void announce(const std::stop_token& stop, const Progress& progress, double dura
                  progress.engaged_s.load(), duration_s);
     }
     std::fflush(stdout);
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   if (terminal) fmt::print("\r\033[K");
 }
@@ -98,6 +104,7 @@ int run(Flags& flags) {
   Reader<EventMessage> events(bus);
   Writer<CommandBlock> commands(bus);
   const NetemSwitch netem_switch(bus);
+  Writer<TelemetryMessage> telemetry(bus);
   ContourWatch<Task> contour(bus, [&](const ContourMessage& message) { return station.prepare(message); });
   fmt::print("master: ready in {}\n", bus_settings.cell);
   std::fflush(stdout);
@@ -109,19 +116,12 @@ int run(Flags& flags) {
   Progress progress;
   double engaged_s = 0.0;
   double waited_s = 0.0;
-  std::jthread herald([&](const std::stop_token& stop) { announce(stop, progress, flags.duration_s); });
+  std::jthread herald(
+      [&](const std::stop_token& stop) { announce(stop, progress, flags.duration_s, telemetry); });
 
   const LoopStatistics loop = run_loop(flags.station.node.control_hz, [&](std::int64_t now_ns) {
-    arrived_states.clear();
-    arrived_events.clear();
-    while (arrived_states.size() < arrived_states.capacity()) {
-      if (auto state = states.take()) {
-        arrived_states.push_back(*state);
-      } else {
-        break;
-      }
-    }
-    while (const auto event = events.take()) arrived_events.push_back(event->value);
+    drain(states, arrived_states);
+    drain(events, arrived_events);
     const MasterOutputs out =
         station.step(now_ns, contour.current(), flags.engage, arrived_states, arrived_events);
     if (out.command) commands.write(*out.command);
@@ -129,6 +129,7 @@ int run(Flags& flags) {
     (engaged ? engaged_s : waited_s) += station.control_period_s();
     progress.mode.store(out.mode, std::memory_order_relaxed);
     progress.engaged_s.store(engaged_s, std::memory_order_relaxed);
+    progress.constraint.store(station.node().tick(), constraint_values(out));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
     return !done && !stop_requested() && !contour.refused();
   });

@@ -6,16 +6,30 @@
 
 namespace telekerf::master {
 
+namespace {
+
+control::DisturbanceObserver::Gains gains_of(const MasterSettings& settings) {
+  return {.period_s = 1.0 / settings.control_hz,
+          .bandwidth_rad_per_s = settings.observer_rad_s,
+          .velocity_bandwidth_rad_per_s = 3.0 * settings.observer_rad_s};
+}
+
+ConstraintSettings constraint_of(const MasterSettings& settings) {
+  ConstraintSettings constraint = settings.constraint;
+  constraint.period_s = 1.0 / settings.control_hz;
+  return constraint;
+}
+
+}  // namespace
+
 MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch)
     : model_(model),
       kinematics_(model.geometry),
       settings_(settings),
-      acceleration_(control::AccelerationControl::settings_for(
-          model, {.period_s = 1.0 / settings.control_hz,
-                  .bandwidth_rad_per_s = settings.observer_rad_s,
-                  .velocity_bandwidth_rad_per_s = 3.0 * settings.observer_rad_s})),
+      acceleration_(control::AccelerationControl::settings_for(model, gains_of(settings))),
+      friction_(model.friction, gains_of(settings)),
       dt_s_(1.0 / settings.control_hz),
-      generator_(settings.constraint),
+      constraint_(constraint_of(settings)),
       stream_(settings.command, epoch) {}
 
 void MasterNode::choose_mode(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool) noexcept {
@@ -31,7 +45,7 @@ void MasterNode::choose_mode(std::int64_t now_ns, const MasterInputs& inputs, co
   if (mode_ == MasterMode::kStopped) return;
   if (inputs.guide != guide_ || (mode_ == MasterMode::kIdle && inputs.guide != nullptr)) {
     guide_ = inputs.guide;
-    generator_.reset();
+    constraint_.enter();
     if (guide_ == nullptr) {
       hold_here(MasterMode::kIdle);
       return;
@@ -95,7 +109,11 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
     tool.position_m = model_.in_workpiece(state->tool_m);
     tool.velocity_m_per_s = state->tool_velocity_m_per_s;
     inertia_kg_ = robot::joint_inertia(model_, *state);
-    out.hand_n = control::reaction_force(model_, kinematics_, *state, acceleration_.disturbance_n());
+    friction_.update(state->joint_velocity_m_per_s);
+    // The hand's force: the model's friction is taken out as late as the observer sees it.
+    const Vec3 late =
+        friction_.seen_n() - robot::friction_force(model_.friction, state->joint_velocity_m_per_s);
+    out.hand_n = control::reaction_force(model_, kinematics_, *state, acceleration_.disturbance_n() - late);
   }
   if (!started_ && state && inputs.joints.valid) {
     hold_m_ = tool.position_m;
@@ -121,10 +139,12 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
       break;
     case MasterMode::kGuiding:
     case MasterMode::kEngaged: {
-      const ActiveConstraint active = generator_.at(*guide_, tool.position_m.head<2>());
-      wanted = constrained_acceleration(active, settings_.constraint, tool.position_m, tool.velocity_m_per_s,
-                                        out.hand_n);
-      out.constraint_n = -active.shape.gradient(tool.position_m.head<2>()).dot(out.hand_n.head<2>());
+      if (inputs.form) constraint_.choose(*inputs.form);
+      wanted = constraint_.step(*guide_, {tool.position_m, tool.velocity_m_per_s, out.hand_n}, dt_s_);
+      out.active = constraint_.active();
+      out.corridor_m = constraint_.form().corridor_m;
+      out.constraint_n =
+          -out.active.piece.shape.gradient(tool.position_m.head<2>()).dot(out.hand_n.head<2>());
       break;
     }
   }
@@ -133,7 +153,9 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
             : Vec3(-2.0 * settings_.constraint.bandwidth_rad_s * acceleration_.joint_velocity_m_per_s());
   // All of the disturbance is put back, the hand's part of it included; along the curve the hand's force
   // comes back through the virtual mass in `wanted`, so the pen is stiff across and free along.
-  out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_, acceleration_.disturbance_n());
+  out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_,
+                                          acceleration_.disturbance_n() + friction_.missing_n());
+  out.saturated = acceleration_.saturated();
   out.mode = mode_;
   out.tool_m = tool.position_m;
   out.velocity_m_per_s = tool.velocity_m_per_s;

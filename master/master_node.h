@@ -13,6 +13,7 @@
 #include "common/robot/robot_model.h"
 #include "master/command_stream.h"
 #include "master/constraint.h"
+#include "master/friction_lead.h"
 #include "master/link_meter.h"
 
 namespace telekerf::master {
@@ -20,7 +21,7 @@ namespace telekerf::master {
 struct MasterSettings {
   double control_hz = 1000.0;
   double stream_hz = 1000.0;
-  double observer_rad_s = 300.0;   ///< of the disturbance observer
+  double observer_rad_s = 500.0;   ///< of the disturbance observer
   double approach_m_per_s = 0.05;  ///< mean speed at which the tool is brought to the curve
   double stale_s = 0.5;            ///< no state of the slave for this long: disengage
   CommandStreamSettings command;   ///< law, observer and codec of the command stream
@@ -34,6 +35,7 @@ struct MasterInputs {
   const Guide* guide = nullptr;  ///< null: no contour yet; must outlive its use
   bool button = false;           ///< the pen's laser button
   bool engage = false;           ///< the operator wants the slave to follow
+  std::optional<ConstraintForm> form;  ///< guidance or corridor from now on; none: as it is
 };
 
 enum class MasterMode : std::uint8_t {
@@ -51,9 +53,12 @@ struct MasterOutputs {
   Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
   Vec3 velocity_m_per_s = Vec3::Zero();
   Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< commanded to the tool
-  Vec3 hand_n = Vec3::Zero();                 ///< estimated force of the hand
-  double constraint_n = 0.0;                  ///< how hard the constraint answers, across the curve
-  Observed observed;                          ///< the slave, as the network observer predicts it
+  Vec3 hand_n = Vec3::Zero();  ///< estimated force of the hand
+  double constraint_n = 0.0;   ///< how hard the constraint answers, across the curve
+  double corridor_m = 0.0;     ///< half width within which the hand is free; 0: guidance
+  ActiveConstraint active;     ///< the circle in force, while the hand is guided
+  bool saturated = false;      ///< a motor was at its limit
+  Observed observed;           ///< the slave, as the network observer predicts it
 };
 
 class MasterNode {
@@ -82,13 +87,14 @@ class MasterNode {
   robot::DeltaKinematics kinematics_;
   MasterSettings settings_;
   control::AccelerationControl acceleration_;
+  FrictionLead friction_;
   robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
   double dt_s_;
   Tick tick_ = 0;
   bool started_ = false;
 
   MasterMode mode_ = MasterMode::kIdle;
-  ConstraintGenerator generator_;
+  ConstraintController constraint_;
   const Guide* guide_ = nullptr;
   Vec3 hold_m_ = Vec3::Zero();
   Vec3 approach_from_m_ = Vec3::Zero();

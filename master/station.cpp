@@ -41,6 +41,11 @@ void StationSettings::declare(Settings& settings) {
                "previous blocks repeated in a packet");
   settings.add("half_window", node.constraint.half_window, {.min = 1, .max = 32},
                "points to either side of the circle fit");
+  settings.add("curve", curve, "what the hand is guided along", {"circles", "lines", "descriptor"});
+  settings.add("corridor_mm", corridor_mm, {.min = 0, .max = 10},
+               "half width of a corridor in which the hand is free, 0: guided on the curve");
+  settings.add("corridor_stiffness_n_per_m", node.constraint.stiffness_n_per_m, {.min = 0, .max = 20000},
+               "spring inside the corridor, towards the curve");
   settings.add("constraint_rad_s", node.constraint.bandwidth_rad_s, {.min = 10, .max = 400},
                "bandwidth across the curve");
   settings.add("virtual_mass_kg", node.constraint.mass_kg, {.min = 0.1, .max = 20},
@@ -58,6 +63,9 @@ void StationSettings::declare(Settings& settings) {
 StationSettings StationSettings::validated() const {
   StationSettings settings = *this;
   settings.hand.speed_m_per_s = hand_speed_mm_s * 1e-3;
+  settings.node.constraint.corridor_m = corridor_mm * 1e-3;
+  if (curve == "lines") settings.node.constraint.curve = CurveKind::kLines;
+  if (curve == "descriptor") settings.node.constraint.curve = CurveKind::kDescriptor;
   const double ratio = node.control_hz / node.stream_hz;
   if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
     throw Refusal(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
@@ -110,6 +118,8 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
   inputs.states = states;
   inputs.events = events;
   inputs.engage = engage;
+  inputs.form = form_;
+  form_.reset();
   HandSample hand;
   if (task != nullptr) {
     inputs.guide = &task->guide;

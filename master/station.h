@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -23,6 +24,8 @@ struct StationSettings {
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   HandSettings hand;
   double hand_speed_mm_s = 20.0;  ///< what a user sets of it
+  std::string curve = "circles";  ///< circles, lines or descriptor
+  double corridor_mm = 0.0;       ///< half width in which the hand is free; 0: guidance
   std::string law = "anchored";   ///< as a user names it
   std::string estimator = "predictor";
   std::string codec = "sdct";
@@ -52,8 +55,15 @@ class Station {
                      std::span<const Received<StateBlock>> states,
                      std::span<const EventMessage> events) noexcept;
 
+  /// Guidance or corridor from the next step on.
+  void choose(const ConstraintForm& form) noexcept { form_ = form; }
+
   const MasterNode& node() const { return node_; }
+  /// Of the simulated robot, master's workpiece frame, for judges.
+  Vec3 true_tool_m() const noexcept { return model_.in_workpiece(robot_.true_tool_in_base_m()); }
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
+  /// The simulated robot ran into a pose without kinematics.
+  bool broken() const noexcept { return robot_.broken(); }
   /// The master's part of the record: rows and figures.
   void report(RunRecord& record) const;
 
@@ -64,6 +74,7 @@ class Station {
   MasterNode node_;
   Recorder<MasterRow> recorder_;
   bool guided_ = false;
+  std::optional<ConstraintForm> form_;
 };
 
 }  // namespace telekerf::master

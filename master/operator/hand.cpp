@@ -46,6 +46,7 @@ HandSample SimulatedHand::sample(double now_s, const Vec3& tool_m, const Vec3& v
   if (!goal_arc_m_) {
     place_ = curve_.find(tool);
     goal_arc_m_ = place_.arc_length_m;
+    guided_since_s_ = now_s;
     button_ = false;
     button_until_s_ = now_s + 0.3;
   }
@@ -68,18 +69,21 @@ HandSample SimulatedHand::sample(double now_s, const Vec3& tool_m, const Vec3& v
   lead_m = std::clamp(lead_m, -settings_.lead_m, settings_.lead_m);
   *goal_arc_m_ = place_.arc_length_m + lead_m;
   const geometry::Nearest goal = curve_.at(*goal_arc_m_);
-  // The arm draws the pen to its goal; its force stays what a wrist gives.
+  // The eye leads the arm round corners: it pulls along the curve at the pen, and sidewards as far as the
+  // goal lies there. Its force stays what a wrist gives.
   constexpr double kMaxPull = 4.0;
-  Vec2 pull =
-      settings_.stiffness_n_per_m * (goal.point_m - tool) +
-      settings_.damping_ns_per_m * (settings_.speed_m_per_s * goal.tangent - velocity_m_per_s.head<2>());
+  const Vec2& ahead = place_.tangent;
+  const Vec2 to_goal = goal.point_m - tool;
+  Vec2 pull = settings_.stiffness_n_per_m * (lead_m * ahead + to_goal - ahead.dot(to_goal) * ahead) +
+              settings_.damping_ns_per_m * (settings_.speed_m_per_s * ahead - velocity_m_per_s.head<2>());
   if (pull.norm() > kMaxPull) pull *= kMaxPull / pull.norm();
-  const Vec2 left(-goal.tangent.y(), goal.tangent.x());
+  const Vec2 left(-ahead.y(), ahead.x());
   const double push = std::clamp(sideways_n_ + settings_.tremor_n * std::sin(tremor_phase_rad_),
                                  -settings_.max_sideways_n, settings_.max_sideways_n);
   HandSample hand;
   hand.force_n.head<2>() = pull + push * left;
   hand.force_n.z() = 0.2 * push;  // a hand never pushes quite level
+  hand.force_n = acted(settings_.acts, now_s - guided_since_s_, place_.tangent, hand.force_n);
   hand.button = button_;
   return hand;
 }

@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "common/bus/messages.h"
 #include "common/geometry/nearest.h"
+#include "master/operator/hand_acts.h"
 
 namespace telekerf::master {
 
@@ -35,6 +37,7 @@ struct HandSettings {
   double wander_n = 2.0;        ///< rms of the sideways push
   double tremor_n = 0.05;       ///< amplitude, 9 Hz
   double press_share = 0.8;     ///< of the time that the button is held, in stretches
+  std::vector<HandAct> acts;    ///< beside the work
 };
 
 /// An arm that wants to go once round and round the curve but wanders off it: impedance to a point that runs
@@ -57,6 +60,7 @@ class SimulatedHand : public HandInput {
   std::optional<double> goal_arc_m_;  ///< where on the curve the arm aims, once it is guided
   geometry::Nearest place_;           ///< of the pen on the curve
   std::optional<double> last_s_;
+  double guided_since_s_ = 0.0;
   double pace_ = 1.0;  ///< slow variation of the speed
   double sideways_n_ = 0.0;
   double tremor_phase_rad_ = 0.0;

@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
   telekerf::Action action;
   telekerf::experiments::add_closed_contour_command(app, action);
   telekerf::experiments::add_codec_command(app, action);
+  telekerf::experiments::add_constraint_command(app, action);
   telekerf::experiments::add_delay_command(app, action);
   telekerf::experiments::add_kinematics_command(app, action);
   telekerf::experiments::add_lap_command(app, action);

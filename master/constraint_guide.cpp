@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/constraint_guide.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "common/runtime/refusal.h"
+
+namespace telekerf::master {
+namespace {
+
+using geometry::CircleOrLine;
+
+geometry::Polyline scaled_points(const ContourMessage& contour, double beta, double spacing_m) {
+  geometry::Polyline line;
+  line.closed = contour.closed;
+  for (const auto& point : contour.points_m) line.points_m.push_back(point / beta);
+  return geometry::resampled(line, spacing_m);
+}
+
+/// Index into a closed line, or the nearest one of an open line.
+std::size_t index_of(const geometry::Polyline& line, long i) {
+  const auto n = static_cast<long>(line.size());
+  return static_cast<std::size_t>(line.closed ? ((i % n) + n) % n : std::clamp<long>(i, 0, n - 1));
+}
+
+/// Gaussian average along the curve: no tool turns a corner of no radius. A right angle loses 0.57 `sigma_m`
+/// of its tip, a bend of radius R moves inwards by sigma^2 / 2R.
+geometry::Polyline rounded(const geometry::Polyline& line, double spacing_m, double sigma_m) {
+  const long reach = std::lround(3.0 * sigma_m / spacing_m);
+  if (reach < 1) return line;
+  geometry::Polyline out = line;
+  for (long i = 0; i < static_cast<long>(line.size()); ++i) {
+    // Ends of an open line stay where they are: there the average is over fewer points.
+    const long room = line.closed ? reach : std::min({reach, i, static_cast<long>(line.size()) - 1 - i});
+    Vec2 sum = Vec2::Zero();
+    double weights = 0.0;
+    for (long j = -room; j <= room; ++j) {
+      const double u = static_cast<double>(j) * spacing_m / sigma_m;
+      const double weight = std::exp(-0.5 * u * u);
+      sum += weight * line.points_m[index_of(line, i + j)];
+      weights += weight;
+    }
+    out.points_m[index_of(line, i)] = sum / weights;
+  }
+  return out;
+}
+
+/// The line through the weighted mean along the largest spread, in drawing order.
+CircleOrLine fit_line(std::span<const Vec2> points, std::span<const double> weights) noexcept {
+  Vec2 mean = Vec2::Zero();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    mean += weights[i] * points[i];
+    sum += weights[i];
+  }
+  mean /= sum;
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec2 d = points[i] - mean;
+    xx += weights[i] * d.x() * d.x();
+    xy += weights[i] * d.x() * d.y();
+    yy += weights[i] * d.y() * d.y();
+  }
+  const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  CircleOrLine out;
+  out.point_m = mean;
+  out.direction = Vec2(std::cos(angle), std::sin(angle));
+  if (out.direction.dot(points.back() - points.front()) < 0.0) out.direction = -out.direction;
+  return out;
+}
+
+/// The circle that has point, unit tangent and curvature in common with a curve.
+CircleOrLine osculating(const Vec2& point, const Vec2& tangent, double curvature) noexcept {
+  CircleOrLine out;
+  out.point_m = point;
+  out.direction = tangent;
+  out.is_line = std::abs(curvature) < 1e-3;
+  if (out.is_line) return out;
+  out.anticlockwise = curvature > 0.0;
+  out.radius_m = 1.0 / std::abs(curvature);
+  out.centre_m = point + Vec2(-tangent.y(), tangent.x()) / curvature;
+  return out;
+}
+
+}  // namespace
+
+Guide::Guide(const ContourMessage& contour, double scale, const ConstraintSettings& settings)
+    : contour_id(contour.id),
+      beta(scale),
+      curve(rounded(scaled_points(contour, scale, settings.spacing_m), settings.spacing_m,
+                    settings.rounding_m)),
+      settings_(settings),
+      kind_(settings.curve) {
+  const auto segments = static_cast<double>(curve.line().segments());
+  length_m_ = curve.length_m();
+  spacing_m_ = length_m_ / segments;
+  if (kind_ == CurveKind::kDescriptor) {
+    if (!closed()) throw Refusal("a descriptor needs a closed contour; use --curve circles");
+    const auto chosen = geometry::choose_harmonics(curve.line(), settings.descriptor_error_m);
+    if (!chosen) throw Refusal("no descriptor of this contour: " + chosen.error());
+    descriptor_.emplace(chosen->curve);
+    length_m_ = descriptor_->length_m();
+  }
+  fit_windows();
+  limit_speed();
+}
+
+void Guide::fit_windows() {
+  const geometry::Polyline& line = curve.line();
+  const auto n = static_cast<long>(line.size());
+  const auto tangent = [&](long i) -> Vec2 {
+    return (line.points_m[index_of(line, i + 1)] - line.points_m[index_of(line, i - 1)]).normalized();
+  };
+  const auto most = static_cast<double>(std::min<long>(settings_.half_window, geometry::kMaxHalfWindow));
+  half_window_.assign(static_cast<std::size_t>(n), most);
+  if (kind_ == CurveKind::kDescriptor || settings_.window_bend_rad >= std::numbers::pi) return;
+  for (long i = 0; i < n; ++i) {
+    const Vec2 here = tangent(i);
+    double& half = half_window_[static_cast<std::size_t>(i)];
+    for (long k = 1; static_cast<double>(k) < most; ++k) {
+      const double cosine = std::min(here.dot(tangent(i + k)), here.dot(tangent(i - k)));
+      if (cosine >= std::cos(settings_.window_bend_rad)) continue;
+      half = std::max(2.0, static_cast<double>(k));
+      break;
+    }
+  }
+  // Neighbours differ by half a point at most, so that the windows open and close gradually.
+  const long steps = line.closed ? 2 * n : n - 1;
+  const auto soften = [&](long from, long to) {
+    double& half = half_window_[index_of(line, to)];
+    half = std::min(half, half_window_[index_of(line, from)] + 0.5);
+  };
+  for (long i = 0; i < steps; ++i) soften(i, i + 1);
+  for (long i = steps; i > 0; --i) soften(i, i - 1);
+}
+
+double Guide::wrapped(double arc_m) const noexcept {
+  if (!closed()) return std::clamp(arc_m, 0.0, length_m_);
+  const double arc = std::fmod(arc_m, length_m_);
+  return arc < 0.0 ? arc + length_m_ : arc;
+}
+
+double Guide::find(const Vec2& tool_m) const noexcept { return refined(tool_m, curve.find(tool_m)); }
+
+double Guide::find_near(const Vec2& tool_m, double arc_m) const noexcept {
+  const double share = wrapped(arc_m) / length_m_;
+  const auto segment = static_cast<std::size_t>(share * static_cast<double>(curve.line().segments()));
+  return refined(tool_m, curve.find_near(tool_m, segment));
+}
+
+double Guide::refined(const Vec2& tool_m, const geometry::Nearest& nearest) const noexcept {
+  const auto segments = static_cast<double>(curve.line().segments());
+  double arc = length_m_ * (static_cast<double>(nearest.segment) + nearest.along) / segments;
+  for (int i = 0; i < 4; ++i) {
+    const GuidePiece piece = at(arc);
+    const double step = piece.shape.tangent(tool_m).dot(tool_m - piece.point_m);
+    arc = wrapped(arc + std::clamp(step, -2.0 * spacing_m_, 2.0 * spacing_m_));
+  }
+  return arc;
+}
+
+GuidePiece Guide::at(double arc_m) const noexcept {
+  const double arc = wrapped(arc_m);
+  return descriptor_ ? described(arc) : fitted(arc);
+}
+
+GuidePiece Guide::fitted(double arc_m) const noexcept {
+  const geometry::Polyline& line = curve.line();
+  const double place = arc_m / spacing_m_;
+  const long middle = std::lround(place);
+  const long before = std::clamp<long>(static_cast<long>(place), 0, static_cast<long>(line.segments()) - 1);
+  const double share = place - static_cast<double>(before);
+  const double here = half_window_[index_of(line, before)];
+  const double width = here + share * (half_window_[index_of(line, before + 1)] - here);
+  const long half = std::min<long>(std::lround(std::ceil(width)), geometry::kMaxHalfWindow);
+
+  std::array<Vec2, 2 * geometry::kMaxHalfWindow + 1> points;
+  std::array<double, 2 * geometry::kMaxHalfWindow + 1> weights;
+  std::size_t count = 0;
+  for (long i = middle - half; i <= middle + half; ++i) {
+    if (!line.closed && (i < 0 || i >= static_cast<long>(line.size()))) continue;
+    points[count] = line.points_m[index_of(line, i)];
+    // Hann: the nearest point changes half way between two, where the outermost ones weigh nothing.
+    const double away = (static_cast<double>(i) - place) / (width + 0.5);
+    weights[count] =
+        settings_.taper ? 0.5 + 0.5 * std::cos(std::numbers::pi * std::clamp(away, -1.0, 1.0)) : 1.0;
+    ++count;
+  }
+  const std::span<const Vec2> used(points.data(), count);
+  const std::span<const double> weighted(weights.data(), count);
+
+  GuidePiece piece;
+  piece.arc_m = arc_m;
+  piece.shape = kind_ == CurveKind::kLines ? fit_line(used, weighted) : geometry::fit_circle(used, weighted);
+  const Vec2& a = line.start_of(static_cast<std::size_t>(before));
+  const Vec2& b = line.end_of(static_cast<std::size_t>(before));
+  piece.point_m = piece.shape.project(a + share * (b - a));
+  return piece;
+}
+
+GuidePiece Guide::described(double arc_m) const noexcept {
+  const geometry::CurveState state = descriptor_->at(arc_m);
+  const Vec2 tangent = state.first.normalized();
+  return {arc_m, state.position, osculating(state.position, tangent, geometry::cross(tangent, state.second))};
+}
+
+void Guide::limit_speed() {
+  const geometry::Polyline& line = curve.line();
+  const auto n = static_cast<long>(line.size());
+  limit_m_per_s_.resize(static_cast<std::size_t>(n));
+  for (long i = 0; i < n; ++i) {
+    // Of the circle and of the points themselves: a circle through a cusp may be too flat.
+    const double share = static_cast<double>(i) / static_cast<double>(line.segments());
+    const Vec2 in = line.points_m[index_of(line, i)] - line.points_m[index_of(line, i - 2)];
+    const Vec2 out = line.points_m[index_of(line, i + 2)] - line.points_m[index_of(line, i)];
+    const double turn = std::atan2(std::abs(geometry::cross(in, out)), in.dot(out));
+    const double curvature =
+        std::max(std::abs(at(length_m_ * share).shape.curvature()), 0.5 * turn / spacing_m_);
+    limit_m_per_s_[static_cast<std::size_t>(i)] =
+        std::min({settings_.max_speed_m_per_s, std::sqrt(settings_.bend_m_per_s2 / std::max(curvature, 1e-6)),
+                  settings_.bend_rad_s / std::max(curvature, 1e-6)});
+  }
+  // v^2 may grow by 2 a ds; on a closed curve twice round, so that the seam is seen from both sides.
+  const double growth = 2.0 * settings_.slowing_m_per_s2 * spacing_m_;
+  const auto soften = [&](long from, long to) {
+    auto& limited = limit_m_per_s_[static_cast<std::size_t>(((to % n) + n) % n)];
+    const double neighbour = limit_m_per_s_[static_cast<std::size_t>(((from % n) + n) % n)];
+    limited = std::min(limited, std::sqrt(neighbour * neighbour + growth));
+  };
+  const long steps = closed() ? 2 * n : n - 1;
+  for (long i = 0; i < steps; ++i) soften(i, i + 1);
+  for (long i = steps; i > 0; --i) soften(i, i - 1);
+}
+
+Guide::SpeedLimit Guide::speed_limit(double arc_m) const noexcept {
+  const std::size_t n = limit_m_per_s_.size();
+  const auto segments = curve.line().segments();
+  const double place = wrapped(arc_m) / length_m_ * static_cast<double>(segments);
+  const auto i = std::min(static_cast<std::size_t>(place), segments - 1);
+  const double here = limit_m_per_s_[i];
+  const double next = limit_m_per_s_[i + 1 < n ? i + 1 : 0];
+  const double share = place - static_cast<double>(i);
+  return {here + share * (next - here), (next - here) / spacing_m_};
+}
+
+}  // namespace telekerf::master

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a user can choose about the virtual constraint.
+#pragma once
+
+#include <cstdint>
+
+namespace telekerf::master {
+
+/// What stands for the curve around the tool.
+enum class CurveKind : std::uint8_t {
+  kCircles,     ///< least-squares circles through 2k + 1 points (Algorithm 1)
+  kLines,       ///< least-squares lines through the same points
+  kDescriptor,  ///< osculating circles of the smooth elliptic Fourier curve (closed contours)
+};
+
+struct ConstraintSettings {
+  // The curve.
+  CurveKind curve = CurveKind::kCircles;
+  int half_window = 24;              ///< k of eq. 15, points to either side at most
+  double spacing_m = 0.025e-3;       ///< between the points of the guide
+  double rounding_m = 0.14e-3;       ///< corners are rounded by a Gaussian of this width
+  double window_bend_rad = 0.7;      ///< fewer points where the curve bends by more than this to either side
+  bool taper = true;                 ///< false: all points count the same, as eq. 18 is printed
+  double descriptor_error_m = 5e-6;  ///< largest deviation of the descriptor from the contour / beta
+
+  // Across it.
+  double bandwidth_rad_s = 150.0;  ///< of the error decay across the curve and in z (eq. 65)
+  double damping = 1.0;
+  double period_s = 1e-3;        ///< of the control step: the gains give this decay when sampled
+  double return_m_per_s = 0.05;  ///< fastest way back to the curve, whatever the distance
+  double entry_s = 0.3;          ///< what is left of an entry or a change of form has faded after this
+
+  // Along it.
+  double mass_kg = 0.5;        ///< virtual mass that the hand moves
+  double drag_ns_per_m = 2.0;  ///< virtual damping
+  double dead_force_n =
+      0.15;  ///< estimated forces below this do not move the tool: errors of the estimate are as large
+  double end_bandwidth_rad_s = 60.0;  ///< soft stops at the ends of an open curve
+
+  // Bends: the tool is held back before it could be thrown off.
+  double max_speed_m_per_s = 0.2;  ///< on straight stretches
+  double bend_m_per_s2 = 1.0;      ///< largest v^2 curvature
+  double bend_rad_s = 30.0;        ///< largest v curvature
+  double slowing_m_per_s2 = 0.8;   ///< how hard it is braked before a bend
+
+  // The forbidden-region form: inside the corridor the hand moves freely in the plane.
+  double corridor_m = 0.0;         ///< half width; 0: guidance, the tool is held on the curve
+  double stiffness_n_per_m = 0.0;  ///< inside the corridor, towards the curve: between free and guided
+  double wall_skin_m = 0.05e-3;    ///< over which the wall sets in
+};
+
+}  // namespace telekerf::master

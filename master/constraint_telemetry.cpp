@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/constraint_telemetry.h"
+
+namespace telekerf::master {
+
+ConstraintValues constraint_values(const MasterOutputs& out) noexcept {
+  const GuidePiece& piece = out.active.piece;
+  const geometry::CircleOrLine& shape = piece.shape;
+  const Vec2 centre = shape.is_line ? shape.point_m : shape.centre_m;
+  const Vec2 tangent = shape.tangent(piece.point_m);
+  return {static_cast<double>(out.mode),
+          out.tool_m.x(),
+          out.tool_m.y(),
+          out.constraint_n,
+          out.active.phi_m,
+          out.corridor_m,
+          shape.is_line ? 1.0 : 0.0,
+          centre.x(),
+          centre.y(),
+          shape.is_line ? 0.0 : shape.radius_m,
+          tangent.x(),
+          tangent.y(),
+          piece.arc_m,
+          out.active.limit.m_per_s};
+}
+
+// A sequence lock whose data are atomics, so that a torn reading is noticed and never undefined: who has read
+// a value of the next writing also sees that writing's odd version.
+void ConstraintSnapshot::store(Tick tick, const ConstraintValues& values) noexcept {
+  const std::uint64_t version = version_.load(std::memory_order_relaxed);
+  version_.store(version + 1, std::memory_order_relaxed);
+  tick_.store(tick, std::memory_order_release);
+  for (std::size_t i = 0; i < values.size(); ++i) values_[i].store(values[i], std::memory_order_release);
+  version_.store(version + 2, std::memory_order_release);
+}
+
+std::optional<TelemetryMessage> ConstraintSnapshot::load() const {
+  const std::uint64_t before = version_.load(std::memory_order_acquire);
+  if (before == 0 || before % 2 != 0) return std::nullopt;
+  TelemetryMessage message;
+  message.role = "master";
+  message.tick = tick_.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    message.values.emplace_back(kConstraintValues[i], values_[i].load(std::memory_order_acquire));
+  }
+  if (version_.load(std::memory_order_relaxed) != before) return std::nullopt;
+  return message;
+}
+
+}  // namespace telekerf::master

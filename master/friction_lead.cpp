@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/friction_lead.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/robot/dynamics.h"
+
+namespace telekerf::master {
+
+FrictionLead::FrictionLead(const robot::Friction& nominal,
+                           const control::DisturbanceObserver::Gains& gains) noexcept
+    : ahead_(nominal), nominal_(nominal) {
+  // Given ahead through a softer step than the model's: a friction that is cancelled too steeply is a
+  // negative damping at rest.
+  constexpr double kSoftest = 2e-3;
+  ahead_.smoothing_velocity_m_per_s = std::max(nominal.smoothing_velocity_m_per_s, kSoftest);
+  rate_[0] = 1.0 - std::exp(-gains.bandwidth_rad_per_s * gains.period_s);
+  rate_[1] = rate_[2] = 1.0 - std::exp(-gains.velocity_bandwidth_rad_per_s * gains.period_s);
+  for (auto* stages : {&stages_, &given_stages_}) {
+    for (auto& stage : *stages) stage.setZero();
+  }
+}
+
+void FrictionLead::update(const robot::Vec3& joint_velocity_m_per_s) noexcept {
+  // What the observer sees now acted over the last period.
+  const auto pass = [&](robot::Vec3(&stages)[3], const robot::Vec3& in) {
+    const robot::Vec3* source = &in;
+    for (int i = 0; i < 3; ++i) {
+      stages[i] += rate_[i] * (*source - stages[i]);
+      source = &stages[i];
+    }
+  };
+  pass(stages_, friction_n_);
+  pass(given_stages_, given_n_);
+  friction_n_ = robot::friction_force(nominal_, joint_velocity_m_per_s);
+  given_n_ = robot::friction_force(ahead_, joint_velocity_m_per_s);
+  missing_n_ = given_n_ - given_stages_[2];
+}
+
+}  // namespace telekerf::master

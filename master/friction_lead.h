@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a joint turns round, its friction changes sign within milliseconds, and the disturbance observer is
+// late by its own filter: the tool is thrown off the curve by a tenth of a millimetre. The modelled friction
+// is therefore given ahead, less what the observer has already seen of it.
+#pragma once
+
+#include "common/control/disturbance_observer.h"
+#include "common/robot/robot_model.h"
+
+namespace telekerf::master {
+
+class FrictionLead {
+ public:
+  /// `gains` of the observer beside which it works: H(s) is rebuilt from them.
+  FrictionLead(const robot::Friction& nominal, const control::DisturbanceObserver::Gains& gains) noexcept;
+
+  /// One control step at this estimated joint velocity.
+  void update(const robot::Vec3& joint_velocity_m_per_s) noexcept;
+  /// Friction that the observer has not seen yet, N; to be put back beside its estimate.
+  const robot::Vec3& missing_n() const noexcept { return missing_n_; }
+  /// The modelled friction as the observer sees it, N; to be taken out of its estimate.
+  const robot::Vec3& seen_n() const noexcept { return stages_[2]; }
+
+ private:
+  robot::Friction ahead_;
+  robot::Friction nominal_;
+  double rate_[3];
+  robot::Vec3 friction_n_ = robot::Vec3::Zero();
+  robot::Vec3 given_n_ = robot::Vec3::Zero();
+  robot::Vec3 stages_[3];
+  robot::Vec3 given_stages_[3];
+  robot::Vec3 missing_n_ = robot::Vec3::Zero();
+};
+
+}  // namespace telekerf::master

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment constraint: every figure of the virtual constraint against its bar, and a table over k
+// and over circles, lines and descriptor.
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/runtime/refusal.h"
+#include "tests/experiments/commands.h"
+#include "tests/experiments/constraint_bars.h"
+#include "tests/experiments/plot.h"
+#include "tests/lap/virtual_lap.h"
+
+namespace telekerf::experiments {
+namespace {
+
+struct Options {
+  std::string out = "out/constraint";
+  std::uint64_t seed = 1;
+  double duration_s = 20.0;
+};
+
+struct Bar {
+  std::string name;
+  double value;
+  double bar;
+  double unit;  ///< factor to the printed unit
+  const char* unit_name;
+};
+
+std::vector<ContourMessage> contours() {
+  std::vector<ContourMessage> out{rounded_outline(1e-3, 20e-3)};
+  for (const char* picture : {"gear", "letter-e", "figure-8"}) {
+    lap::LapSettings settings;
+    settings.image = picture;
+    out.push_back(lap::find_contour(settings));
+    out.back().source = picture;
+  }
+  return out;
+}
+
+void measure_tracking(const std::vector<ContourMessage>& contours, const Options& options,
+                      std::vector<Bar>& bars, nlohmann::ordered_json& rows) {
+  for (const auto& contour : contours) {
+    TrialSettings settings;
+    settings.station.seed = options.seed;
+    settings.station.hand_speed_mm_s = 30.0;
+    settings.duration_s = options.duration_s;
+    const Trial trial = run_trial(contour, settings);
+    rows.push_back({{"contour", contour.source},
+                    {"rms_um", 1e6 * trial.rms_m},
+                    {"max_um", 1e6 * trial.max_m},
+                    {"handover_mm_s", 1e3 * trial.max_handover_m_per_s},
+                    {"mean_speed_mm_s", 1e3 * trial.mean_speed_m_per_s}});
+    bars.push_back({contour.source + "_rms", trial.rms_m, 30e-6, 1e6, "um"});
+    bars.push_back({contour.source + "_max", trial.max_m, 150e-6, 1e6, "um"});
+    bars.push_back({contour.source + "_handover", trial.max_handover_m_per_s, 0.1e-3, 1e3, "mm/s"});
+  }
+}
+
+/// How far the family of circles, lines or the descriptor itself is from the contour, and what it costs.
+nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const Options& options,
+                             Figure& figure) {
+  using master::CurveKind;
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  constexpr std::array kKinds{std::pair{CurveKind::kCircles, "circles"},
+                              std::pair{CurveKind::kLines, "lines"},
+                              std::pair{CurveKind::kDescriptor, "descriptor"}};
+  for (const auto& contour : contours) {
+    Panel panel{.title = contour.source,
+                .x_label = "k",
+                .y_label = "largest contour error [um]",
+                .log_x = true,
+                .log_y = true};
+    for (const auto& [kind, name] : kKinds) {
+      Line line{.label = name};
+      for (const int k : {1, 2, 4, 8, 16, 32}) {
+        master::StationSettings station;
+        station.node.constraint.spacing_m = 0.1e-3;
+        station.node.constraint.rounding_m = 0.0;
+        station.node.constraint.window_bend_rad = 4.0;
+        station.node.constraint.half_window = k;
+        station.curve = name;
+        auto settings = station.node.constraint;
+        settings.curve = kind;
+        const master::Guide guide = master::make_guide(contour, station.beta, settings);
+        geometry::Polyline truth;
+        truth.closed = contour.closed;
+        for (const auto& p : contour.points_m) truth.points_m.push_back(p / station.beta);
+        const geometry::NearestIndex index(truth);
+        double squares = 0.0;
+        double largest = 0.0;
+        constexpr int kPlaces = 4000;
+        std::vector<Vec2> places;
+        const auto begin = std::chrono::steady_clock::now();
+        for (int i = 0; i < kPlaces; ++i) places.push_back(guide.at(guide.length_m() * i / kPlaces).point_m);
+        const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+        for (const auto& place : places) {
+          const double error = index.find(place).distance_m;
+          squares += error * error;
+          largest = std::max(largest, error);
+        }
+        TrialSettings driven;
+        driven.station = station;
+        driven.station.seed = options.seed;
+        driven.duration_s = 0.5 * options.duration_s;
+        const Trial trial = run_trial(contour, driven);
+        rows.push_back({{"contour", contour.source},
+                        {"curve", name},
+                        {"k", k},
+                        {"curve_rms_um", 1e6 * std::sqrt(squares / kPlaces)},
+                        {"curve_max_um", 1e6 * largest},
+                        {"driven_rms_um", 1e6 * trial.rms_m},
+                        {"driven_max_um", 1e6 * trial.max_m},
+                        {"handover_mm_s", 1e3 * trial.max_handover_m_per_s},
+                        {"cost_ns", 1e9 * spent.count() / kPlaces}});
+        fmt::print(
+            "{:<10} {:<10} k {:<2}  curve {:6.2f} / {:7.2f} um  driven {:6.1f} / {:6.1f} um  {:5.0f} ns\n",
+            contour.source, name, k, 1e6 * std::sqrt(squares / kPlaces), 1e6 * largest, 1e6 * trial.rms_m,
+            1e6 * trial.max_m, 1e9 * spent.count() / kPlaces);
+        line.x.push_back(k);
+        line.y.push_back(1e6 * largest);
+        if (kind == CurveKind::kDescriptor) {
+          // It has no k.
+          line.x = {1, 32};
+          line.y = {1e6 * largest, 1e6 * largest};
+          line.style = Line::Style::kDashed;
+          break;
+        }
+      }
+      panel.lines.push_back(line);
+    }
+    figure.panels.push_back(panel);
+  }
+  return rows;
+}
+
+int run(const Options& options) {
+  std::error_code failed;
+  std::filesystem::create_directories(options.out, failed);
+  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
+  const std::vector<ContourMessage> all = contours();
+  nlohmann::ordered_json results{{"experiment", "constraint"}, {"seed", options.seed}};
+  std::vector<Bar> bars;
+  results["tracking"] = nlohmann::ordered_json::array();
+  measure_tracking(all, options, bars, results["tracking"]);
+
+  const Decay decay = measure_decay(options.seed);
+  bars.push_back({"decay", std::abs(decay.rate_rad_s / decay.chosen_rad_s - 1.0), 0.05, 1e2, "%"});
+  bars.push_back({"glide_force", glide_force_n(options.seed), 0.3, 1.0, "N"});
+  double drift = 0.0;
+  double letting_go = 0.0;
+  for (const auto& contour : all) {
+    drift = std::max(drift, drift_m_per_s(contour, options.seed));
+    letting_go = std::max(letting_go, letting_go_m(contour, options.seed));
+  }
+  bars.push_back({"drift", drift, 1e-6, 1e6, "um/s"});
+  bars.push_back({"letting_go", letting_go, 100e-6, 1e6, "um"});
+  results["breakaway_force_n"] = breakaway_force_n(options.seed);
+  const Region region = measure_region(options.seed);
+  results["corridor"] = {
+      {"half_width_m", 0.5e-3}, {"used_m", region.used_m}, {"beyond_wall_m", region.beyond_wall_m}};
+  for (const double force : {3.0, 10.0, 20.0, 30.0, 40.0, 60.0}) {
+    const Fight fought = fight(force, options.seed);
+    results["fight"].push_back({{"force_n", force},
+                                {"pushed_off_m", fought.pushed_off_m},
+                                {"overshoot_m", fought.overshoot_m},
+                                {"back_s", fought.back_s},
+                                {"return_m_per_s", fought.return_m_per_s},
+                                {"saturated", fought.saturated},
+                                {"broken", fought.broken}});
+    fmt::print("fight {:3.0f} N: pushed off {:8.1f} um, back after {:5.3f} s, overshoot {:6.1f} um{}\n",
+               force, 1e6 * fought.pushed_off_m, fought.back_s, 1e6 * fought.overshoot_m,
+               fought.saturated ? ", motors at their limit" : "");
+  }
+
+  Figure figure{.title = "The virtual constraint over k", .columns = 2};
+  results["table"] = table(all, options, figure);
+  Line measured{.label = "robot", .y = {}};
+  Line ideal{.label = "eq. 65", .style = Line::Style::kDashed};
+  for (std::size_t i = 0; i < decay.t_s.size(); ++i) {
+    measured.x.push_back(1e3 * decay.t_s[i]);
+    measured.y.push_back(1e6 * decay.error_m[i]);
+    ideal.x.push_back(1e3 * decay.t_s[i]);
+    ideal.y.push_back(1e6 * decay.ideal_m[i]);
+  }
+  figure.panels.push_back({.title = "decay of the error",
+                           .x_label = "time [ms]",
+                           .y_label = "error [um]",
+                           .lines = {measured, ideal}});
+  draw_figure(figure, std::filesystem::path(options.out) / "constraint.png");
+
+  bool good = true;
+  for (const auto& bar : bars) {
+    const bool within = bar.value <= bar.bar;
+    good = good && within;
+    results["bars"].push_back({{"name", bar.name}, {"value", bar.value}, {"bar", bar.bar}, {"good", within}});
+    fmt::print("  {:<22}{:>10.3f} {:<5} bar {:g} {}  {}\n", bar.name, bar.unit * bar.value, bar.unit_name,
+               bar.unit * bar.bar, bar.unit_name, within ? "good" : "MISSED");
+  }
+  results["good"] = good;
+  // Costs are the machine's, not the experiment's: beside the results.
+  nlohmann::ordered_json timing = nlohmann::ordered_json::array();
+  for (auto& row : results["table"]) {
+    timing.push_back(
+        {{"contour", row["contour"]}, {"curve", row["curve"]}, {"k", row["k"]}, {"cost_ns", row["cost_ns"]}});
+    row.erase("cost_ns");
+  }
+  std::ofstream(std::filesystem::path(options.out) / "timing.json") << timing.dump(2) << "\n";
+  std::ofstream out(std::filesystem::path(options.out) / "constraint.json");
+  out << results.dump(2) << "\n";
+  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", options.out));
+  return good ? 0 : 1;
+}
+
+}  // namespace
+
+void add_constraint_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand(
+      "constraint", "The virtual constraint against its bars, and over k: constraint.json, constraint.png");
+  command->add_option("--seed", options->seed, "of robot and hand")->capture_default_str();
+  command->add_option("--duration-s", options->duration_s, "length of one run")
+      ->check(CLI::Range(5.0, 100.0))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "folder for the results")->capture_default_str();
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace telekerf::experiments
