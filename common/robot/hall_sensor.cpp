@@ -44,19 +44,19 @@ struct Circle {
 };
 
 std::optional<Circle> circle_through(const std::vector<Vector2d>& points) {
-  using Vector5d = Eigen::Matrix<double, 5, 1>;
-  Eigen::Matrix<double, 5, 5> gram = Eigen::Matrix<double, 5, 5>::Zero();
-  Vector5d right = Vector5d::Zero();
+  // Sizes known at compile time would be unrolled into half a minute of compiling.
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(5, 5);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(5);
+  Eigen::VectorXd row(5);
   for (const auto& p : points) {
-    Vector5d row;
     row << p.x() * p.x(), p.x() * p.y(), p.y() * p.y(), p.x(), p.y();
     gram += row * row.transpose();
     right += row;
   }
   // Points of half a turn leave the conic undetermined: the sweep is too short.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>> spectrum(gram);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(gram);
   if (!(spectrum.eigenvalues()[0] > 1e-3 * static_cast<double>(points.size()))) return std::nullopt;
-  const Vector5d c = gram.ldlt().solve(right);
+  const Eigen::VectorXd c = gram.ldlt().solve(right);
   Eigen::Matrix2d q;
   q << c[0], 0.5 * c[1], 0.5 * c[1], c[2];
   if (!(q.determinant() > 0) || !(c[0] > 0)) return std::nullopt;
