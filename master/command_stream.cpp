@@ -10,6 +10,11 @@ namespace telekerf::master {
 namespace {
 
 constexpr double kJoinedM = 20e-6;
+/// A slave that has heeded no command for this long is let go for that long.
+constexpr double kUnheededS = 0.3;
+constexpr double kLetGoS = 0.2;
+/// The loop that spans the delay predicts a hasty approach badly.
+constexpr double kRemoteApproach = 0.2;  // m/s^2
 /// Further from the goal than this, the slave is approached anew instead of pulled with all force.
 constexpr double kLostM = 2e-3;
 
@@ -41,7 +46,11 @@ CommandStream::CommandStream(const CommandStreamSettings& settings, std::uint32_
                   return observer;
                 }()),
       samples_(static_cast<std::size_t>(settings.codec.block), Vec3::Zero()),
-      approach_(settings.approach) {
+      approach_([&] {
+        control::JoinerSettings approach = settings.approach;
+        if (settings.law == Law::kRemoteAcceleration) approach.max_acceleration_m_per_s2 = kRemoteApproach;
+        return approach;
+      }()) {
   arrived_.reserve(static_cast<std::size_t>(codec::kMaxBlocks) * 64);
 }
 
@@ -79,18 +88,34 @@ void CommandStream::received(const StateBlock& state) noexcept {
       // Before the newest applied one, one sample back is one index back; after it nothing was applied.
       const std::int64_t back = last - slave_index;
       sample.index = applied + age - back;
+      sample.time = slave_index;
       const std::int64_t bit = back - age;
       sample.applied = ours && bit >= 0 && (bit >= 64 || ((state.applied_bitmap >> bit) & 1U) != 0);
       slave_at_m_ = sample.position_m;
-      if (ours) arrived_.push_back(sample);
+      if (!ours) continue;
+      arrived_.push_back(sample);
+      if (sample.applied) {
+        unheeded_ = 0;
+      } else if (sample.index > engaged_index_) {
+        ++unheeded_;
+      }
     }
   }
   observer_.measured(arrived_);
 }
 
+/// A loop of bandwidth w closed across the delay D bears an error t of the assumed timing while
+/// t (2 w + w^2 D) < 1 (observer.md's mismatch rule); designed to half of it.
+double CommandStream::bandwidth() const noexcept {
+  if (settings_.law != Law::kRemoteAcceleration) return settings_.tracking_rad_s;
+  const double delay_s = std::max(observer_.delay_s(), period_s_);
+  const double w = (std::sqrt(1.0 + 0.5 * delay_s / settings_.timing_error_s) - 1.0) / delay_s;
+  return std::min(settings_.tracking_rad_s, w);
+}
+
 Vec3 CommandStream::command(const Motion& goal) const noexcept {
   // Eq. 96 in operational space and with eq. 79's scaling corrected: eps = beta x_m - x_s.
-  const double w = settings_.tracking_rad_s;
+  const double w = bandwidth();
   Vec3 u = goal.acceleration_m_per_s2 + 2.0 * w * (goal.velocity_m_per_s - observed_.slave.velocity_m_per_s) +
            w * w * (goal.position_m - observed_.slave.position_m) - observer_.disturbance_m_per_s2();
   const double size = u.norm();
@@ -105,6 +130,7 @@ void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) 
   buttons_ = 0;
   const bool rescaled = master.beta != beta_;
   beta_ = master.beta;
+  if (rescaled) engaged_before_ = 0;
   const Motion source = scaled(master.tool, beta_);
   if (settings_.law == Law::kLocal) {
     if (master.engaged && !engaged_) observer_.begin(index, source);
@@ -112,7 +138,12 @@ void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) 
     anchor_ = rounded(Anchor{source.position_m, source.velocity_m_per_s});
     return;
   }
-  const bool follow = master.engaged && slave_at_m_.has_value();
+  if (engaged_ && unheeded_ * period_s_ > kUnheededS) {
+    // It holds, for it was led astray or cut off: let go, and take hold of it again where it rests.
+    resume_index_ = index + static_cast<std::int64_t>(kLetGoS / period_s_);
+    unheeded_ = 0;
+  }
+  const bool follow = master.engaged && slave_at_m_.has_value() && index >= resume_index_;
   if (!follow) {
     // The slave rests; so does the model, where the slave was last seen.
     model_ = Motion{.position_m = slave_at_m_.value_or(source.position_m)};
@@ -121,6 +152,8 @@ void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) 
     model_ = Motion{.position_m = *slave_at_m_ + settings_.wrong_position_m,
                     .velocity_m_per_s = settings_.wrong_velocity_m_per_s};
     observer_.begin(index, model_);
+    engaged_index_ = index;
+    unheeded_ = 0;
     approach_.rejoin(model_, source);
     seated_ = true;
   } else if (rescaled) {
@@ -199,6 +232,8 @@ std::optional<CommandBlock> CommandStream::finish_block(std::int64_t now_ns,
   block.beta = rounded(beta_);
   block.law = settings_.law;
   block.engaged = engaged_ && master.engaged;
+  block.engaged_before = engaged_before_;
+  engaged_before_ = static_cast<std::uint8_t>((engaged_before_ << 1U) | (block.engaged ? 1U : 0U)) & 0x7FU;
   block.button = buttons_;
   block.anchor = anchor_;
   block.sent_ns = now_ns;

@@ -19,7 +19,8 @@ struct CommandStreamSettings {
   ObserverSettings observer;
   codec::StreamSettings codec;
   int ticks_per_sample = 1;
-  double tracking_rad_s = 150.0;            ///< w of the law, critically damped: K_v = 2 w, K_p = w^2
+  double tracking_rad_s = 150.0;  ///< w of the law, critically damped: K_v = 2 w, K_p = w^2
+  double timing_error_s = 1e-3;   ///< of the slave's answer, to be borne when the loop spans the delay
   double max_acceleration_m_per_s2 = 10.0;  ///< of a command; what is stored is what was clipped
   Vec3 wrong_position_m = Vec3::Zero();     ///< by which the first idea of the slave is wrong, for trials
   Vec3 wrong_velocity_m_per_s = Vec3::Zero();
@@ -56,6 +57,7 @@ class CommandStream {
 
  private:
   void begin_block(std::int64_t index, const MasterMotion& master) noexcept;
+  double bandwidth() const noexcept;
   Vec3 command(const Motion& goal) const noexcept;
   std::optional<CommandBlock> finish_block(std::int64_t now_ns, const MasterMotion& master) noexcept;
 
@@ -74,7 +76,8 @@ class CommandStream {
   std::uint64_t buttons_ = 0;
   Anchor anchor_;
   std::uint32_t number_ = 0;
-  bool engaged_ = false;  ///< changes where blocks begin only, as beta does
+  bool engaged_ = false;             ///< changes where blocks begin only, as beta does
+  std::uint8_t engaged_before_ = 0;  ///< bit n: so was the block n + 1 back, at this beta
   double beta_ = 1.0;
 
   Motion model_;        ///< the commands' integral: the reference of a slave that follows the anchors
@@ -89,6 +92,9 @@ class CommandStream {
   std::uint32_t state_number_ = 0;
   std::int64_t slave_index_ = -1;  ///< newest sample taken, in the slave's own count
   std::optional<Vec3> slave_at_m_;
+  int unheeded_ = 0;                ///< samples since it applied anything, while engaged
+  std::int64_t engaged_index_ = 0;  ///< where the engagement began
+  std::int64_t resume_index_ = 0;   ///< let go until then
 };
 
 }  // namespace telekerf::master

@@ -9,11 +9,11 @@
 
 #include "common/bus/messages.h"
 #include "common/control/acceleration_control.h"
+#include "common/control/friction_lead.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
 #include "master/command_stream.h"
 #include "master/constraint.h"
-#include "master/friction_lead.h"
 #include "master/link_meter.h"
 
 namespace telekerf::master {
@@ -87,7 +87,7 @@ class MasterNode {
   robot::DeltaKinematics kinematics_;
   MasterSettings settings_;
   control::AccelerationControl acceleration_;
-  FrictionLead friction_;
+  control::FrictionLead friction_;
   robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
   double dt_s_;
   Tick tick_ = 0;

@@ -22,6 +22,7 @@ struct StreamSample {
   Law law = Law::kLocal;
   Vec3 velocity_m_per_s = Vec3::Zero();       ///< of an anchored stream
   Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< held from this sample to the next; not of a local stream
+  bool bridged = false;  ///< between known samples, but not itself known: never with the laser on
 };
 
 /// The newest stream samples by their index (master tick / ticks per sample); older ones are overwritten.

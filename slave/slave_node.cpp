@@ -13,7 +13,21 @@ namespace {
 constexpr double kFutureS = 1.0;
 /// Missing samples are bridged at constant velocity this long, then the tool slows down to a stop.
 constexpr double kBridgeS = 0.032;
+/// Gaps up to this many samples are bridged where both ends are known.
+constexpr int kReach = 400;
 constexpr double kSettledM = 20e-6;
+
+/// Accelerations have no straight line through them; their anchor is for the reference.
+codec::Trend trend_of(const CommandBlock& block) noexcept {
+  if (block.law != Law::kLocal) return {};
+  return {block.anchor.position_m, block.anchor.velocity_m_per_s * (block.sample_period_ns * 1e-9)};
+}
+
+control::DisturbanceObserver::Gains gains_of(const SlaveSettings& settings) noexcept {
+  return {.period_s = 1.0 / settings.control_hz,
+          .bandwidth_rad_per_s = settings.observer_rad_s,
+          .velocity_bandwidth_rad_per_s = 2.5 * settings.observer_rad_s};
+}
 
 }  // namespace
 
@@ -21,10 +35,8 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
     : model_(model),
       kinematics_(model.geometry),
       settings_(settings),
-      acceleration_(control::AccelerationControl::settings_for(
-          model, {.period_s = 1.0 / settings.control_hz,
-                  .bandwidth_rad_per_s = settings.observer_rad_s,
-                  .velocity_bandwidth_rad_per_s = 2.5 * settings.observer_rad_s})),
+      acceleration_(control::AccelerationControl::settings_for(model, gains_of(settings))),
+      friction_(model.friction, gains_of(settings)),
       epoch_(epoch),
       dt_s_(1.0 / settings.control_hz),
       period_ns_(std::llround(1e9 / settings.control_hz)),
@@ -68,11 +80,11 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
     ++counters_.refused;
     return;
   }
+  const double period_s = block.sample_period_ns * 1e-9;
   if (heard_ && block.sequence <= number_) {
-    ++counters_.stale;
+    if (!catch_up(received)) ++counters_.stale;
     return;
   }
-  const double period_s = block.sample_period_ns * 1e-9;
   const auto first = static_cast<std::int64_t>(block.first_tick / block.ticks_per_sample);
   if (heard_) {
     const double elapsed_s = static_cast<double>(received.received_ns - last_arrival_ns_) * 1e-9;
@@ -81,10 +93,7 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
       return;
     }
   }
-  // Accelerations have no straight line through them; their anchor is for the reference.
-  codec::Trend trend;
-  if (block.law == Law::kLocal) trend = {block.anchor.position_m, block.anchor.velocity_m_per_s * period_s};
-  const auto decoded = decoder_.decode(block.payload.view(), trend);
+  const auto decoded = decoder_.decode(block.payload.view(), trend_of(block));
   if (!decoded) {
     ++counters_.refused;
     return;
@@ -107,7 +116,6 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
   counters_.lost += missing;
   ++counters_.blocks;
   number_ = block.sequence;
-  engaged_before_ = heard_ && header_.engaged && missing < static_cast<std::uint32_t>((*decoded)->blocks);
   header_ = block;
   heard_ = true;
   last_arrival_ns_ = received.received_ns;
@@ -119,6 +127,25 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
                  block.sample_period_ns, missing > 0);
 }
 
+bool SlaveNode::catch_up(const Received<CommandBlock>& received) noexcept {
+  const CommandBlock& block = received.value;
+  if (block.beta != header_.beta || block.sample_period_ns != header_.sample_period_ns ||
+      block.law != header_.law) {
+    return false;
+  }
+  const auto first = static_cast<std::int64_t>(block.first_tick / block.ticks_per_sample);
+  const std::int64_t last = first + codec::kMaxBlock - 1;
+  if (cursor_ && static_cast<double>(last) < *cursor_) return false;
+  const auto decoded = decoder_.decode(block.payload.view(), trend_of(block));
+  if (!decoded) return false;  // also what comes twice
+  --counters_.lost;
+  ++counters_.blocks;
+  store(**decoded, block);
+  const int size = (*decoded)->block_size;
+  clock_.arrived(received.received_ns, first + size - 1, size, block.sample_period_ns, false);
+  return true;
+}
+
 void SlaveNode::store(const codec::DecodedPacket& packet, const CommandBlock& block) noexcept {
   const auto newest = static_cast<std::int64_t>(block.first_tick / block.ticks_per_sample);
   const double period_s = block.sample_period_ns * 1e-9;
@@ -128,12 +155,15 @@ void SlaveNode::store(const codec::DecodedPacket& packet, const CommandBlock& bl
     sample.law = block.law;
     sample.block = block.sequence - static_cast<std::uint32_t>(age);
     sample.button = ((part.button >> n) & 1U) != 0;
-    // What a lost block said of it is unknown: its copy counts as engaged only between neighbours that were.
-    sample.engaged = block.engaged && (age == 0 || engaged_before_);
+    sample.engaged = age == 0 ? block.engaged : age <= 7 && ((block.engaged_before >> (age - 1)) & 1U) != 0;
     sample.generation = generation_;
     (block.law == Law::kLocal ? sample.value : sample.acceleration_m_per_s2) =
         part.samples[static_cast<std::size_t>(n)];
     return sample;
+  };
+  const auto put = [&](std::int64_t index, const StreamSample& sample) {
+    const StreamSample* known = ring_->find(index);
+    if (known == nullptr || known->bridged) ring_->store(index, sample);
   };
   const auto at_state = [](StreamSample sample, const Motion& state) {
     sample.value = state.position_m;
@@ -150,7 +180,7 @@ void SlaveNode::store(const codec::DecodedPacket& packet, const CommandBlock& bl
       state.acceleration_m_per_s2 = sample.acceleration_m_per_s2;
       state = advanced(state, period_s);
     }
-    ring_->store(newest + n, sample);
+    put(newest + n, sample);
   }
   // Copies of older blocks come without their anchors: integrated backwards from the newest one.
   state = anchor;
@@ -162,7 +192,7 @@ void SlaveNode::store(const codec::DecodedPacket& packet, const CommandBlock& bl
         state = control::preceding(state, sample.acceleration_m_per_s2, period_s);
         sample = at_state(sample, state);
       }
-      if (ring_->find(--index) == nullptr) ring_->store(index, sample);  // else the copy says nothing new
+      put(--index, sample);
     }
   }
 }
@@ -188,7 +218,9 @@ void SlaveNode::rejoin(const Motion& source) noexcept {
 }
 
 Motion SlaveNode::choose_source(std::int64_t now_ns, const Motion& tool, SlaveOutputs& out) noexcept {
-  const bool fresh = heard_ && static_cast<double>(now_ns - last_arrival_ns_) * 1e-9 < settings_.stale_s;
+  // What the play-out waits for stragglers is not silence yet.
+  const double silent_s = static_cast<double>(now_ns - last_arrival_ns_) * 1e-9 - clock_.wait_s();
+  const bool fresh = heard_ && silent_s < settings_.stale_s;
   std::optional<Motion> found;
   const StreamSample* sample = nullptr;
   std::int64_t index = -1;
@@ -197,13 +229,17 @@ Motion SlaveNode::choose_source(std::int64_t now_ns, const Motion& tool, SlaveOu
     if (const auto cursor = clock_.advance(now_ns, period_ns_, starving_)) {
       index = header_.law == Law::kLocal ? std::llround(*cursor)
                                          : static_cast<std::int64_t>(std::floor(*cursor + 1e-6));
+      if (header_.law != Law::kLocal && ring_->find(index) == nullptr) {
+        bridge_gap(*ring_, index, header_.sample_period_ns * 1e-9, kReach,
+                   model_.limits.acceleration_m_per_s2);
+      }
       found = sample_at(*cursor, tool);
       if (found) {
         sample = ring_->find(index);
         out.applied_tick = *cursor * header_.ticks_per_sample;
       }
       starving_ = !found;
-      if (starving_ && mode_ == SlaveMode::kFollowing) ++counters_.missed_ticks;
+      if ((starving_ || sample->bridged) && mode_ == SlaveMode::kFollowing) ++counters_.missed_ticks;
       const double step = dt_s_ * 1e9 / header_.sample_period_ns;
       seam = !cursor_ || std::abs(*cursor - *cursor_ - step) > 1e-3;
       cursor_ = *cursor;
@@ -226,7 +262,7 @@ Motion SlaveNode::choose_source(std::int64_t now_ns, const Motion& tool, SlaveOu
   }
 
   if (mode_ == SlaveMode::kFollowing && found) {
-    acknowledge(index);
+    if (!sample->bridged) acknowledge(index);
     if (seam) source_block_ = 0;
     return follow(*sample, *found);
   }
@@ -236,9 +272,11 @@ Motion SlaveNode::choose_source(std::int64_t now_ns, const Motion& tool, SlaveOu
 }
 
 bool SlaveNode::obeys_limits(const Motion& motion) const noexcept {
-  return motion.position_m.head<2>().norm() < model_.workspace.radius_m &&
-         std::abs(motion.position_m.z()) < 0.5 * model_.workspace.height_m &&
-         motion.velocity_m_per_s.norm() < model_.limits.velocity_m_per_s;
+  const double speed = motion.velocity_m_per_s.norm();
+  Vec3 rest_m = motion.position_m;
+  if (speed > 0.0) rest_m += (kBridgeS + joiner_.way_to_rest_m(speed) / speed) * motion.velocity_m_per_s;
+  return rest_m.head<2>().norm() < model_.workspace.radius_m &&
+         std::abs(rest_m.z()) < 0.5 * model_.workspace.height_m && speed < model_.limits.velocity_m_per_s;
 }
 
 void SlaveNode::acknowledge(std::int64_t index) noexcept {
@@ -343,7 +381,9 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   const Vec3 joint_acceleration =
       state ? state->joint_acceleration(wanted) : Vec3(-2.0 * w * acceleration_.joint_velocity_m_per_s());
   if (state) inertia_kg_ = robot::joint_inertia(model_, *state);
-  out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_, acceleration_.disturbance_n());
+  friction_.update(acceleration_.joint_velocity_m_per_s());
+  out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_,
+                                          acceleration_.disturbance_n() + friction_.missing_n());
 
   const Corridor* corridor = inputs.corridor;
   const bool following = mode_ == SlaveMode::kFollowing && source_generation_ != 0;

@@ -12,6 +12,7 @@
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
 #include "common/control/acceleration_control.h"
+#include "common/control/friction_lead.h"
 #include "common/geometry/nearest.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
@@ -85,6 +86,8 @@ class SlaveNode {
 
  private:
   void receive(const Received<CommandBlock>& received, const Corridor* corridor) noexcept;
+  /// A block that a newer one has overtaken, while its samples can still be of use.
+  bool catch_up(const Received<CommandBlock>& received) noexcept;
   void store(const codec::DecodedPacket& packet, const CommandBlock& block) noexcept;
   void obey(const EventMessage& event) noexcept;
   Motion choose_source(std::int64_t now_ns, const Motion& tool, SlaveOutputs& out) noexcept;
@@ -93,6 +96,7 @@ class SlaveNode {
   Motion hold_on() noexcept;
   void rejoin(const Motion& source) noexcept;
   void acknowledge(std::int64_t index) noexcept;
+  /// Slow enough, and to be stopped before the workspace ends.
   bool obeys_limits(const Motion& motion) const noexcept;
   void keep_inside(Motion& motion) const noexcept;
   void report(std::int64_t now_ns, const Corridor* corridor, SlaveOutputs& out) noexcept;
@@ -101,6 +105,7 @@ class SlaveNode {
   robot::DeltaKinematics kinematics_;
   SlaveSettings settings_;
   control::AccelerationControl acceleration_;
+  control::FrictionLead friction_;
   robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
   std::uint32_t epoch_;
   double dt_s_;
@@ -114,8 +119,7 @@ class SlaveNode {
   std::optional<std::uint32_t> master_epoch_;
   std::uint32_t number_ = 0;  ///< newest block's
   std::int64_t newest_index_ = -1;
-  CommandBlock header_;          ///< newest block's, without payload
-  bool engaged_before_ = false;  ///< the block received before it was engaged
+  CommandBlock header_;  ///< newest block's, without payload
   std::int64_t last_arrival_ns_ = 0;
   bool heard_ = false;
   std::uint32_t generation_ = 0;

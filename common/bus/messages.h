@@ -50,10 +50,12 @@ struct CommandBlock {
   std::uint32_t contour_id = 0;
   double beta = 1.0;  ///< slave motion = beta x master motion
   Law law = Law::kLocal;
-  bool engaged = false;      ///< false: the slave holds its pose, laser off
-  std::uint64_t button = 0;  ///< bit n: laser button at sample n of the newest block
-  Anchor anchor;             ///< state at first_tick
-  std::int64_t sent_ns = 0;  ///< sender's monotonic clock, when handed to the bus
+  bool engaged = false;             ///< false: the slave holds its pose, laser off
+  std::uint8_t engaged_before = 0;  ///< bit n: of the block n + 1 before it, whose copy rides along; 0 too
+                                    ///< where that had another beta
+  std::uint64_t button = 0;         ///< bit n: laser button at sample n of the newest block
+  Anchor anchor;                    ///< state at first_tick
+  std::int64_t sent_ns = 0;         ///< sender's monotonic clock, when handed to the bus
   Payload payload;
 };
 

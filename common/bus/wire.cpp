@@ -110,7 +110,7 @@ bool to_wire(const CommandBlock& value, std::uint16_t contract, wire::CommandBlo
   if (value.payload.size > Payload::kCapacity) return false;
   wire.contract(contract);
   wire.law(static_cast<std::uint8_t>(value.law));
-  wire.engaged(value.engaged ? 1 : 0);
+  wire.engaged(static_cast<std::uint8_t>((value.engaged_before << 1U) | (value.engaged ? 1U : 0U)));
   common_to_wire(value, wire);
   wire.checksum(stream_checksum(wire));
   return true;
@@ -120,7 +120,8 @@ Verdict from_wire(const wire::CommandBlock& wire, std::uint16_t contract, Comman
   if (const Verdict verdict = judged(wire, contract); verdict != Verdict::kGood) return verdict;
   if (wire.law() > static_cast<std::uint8_t>(Law::kRemoteAcceleration)) return Verdict::kDamaged;
   value.law = static_cast<Law>(wire.law());
-  value.engaged = wire.engaged() != 0;
+  value.engaged = (wire.engaged() & 1U) != 0;
+  value.engaged_before = static_cast<std::uint8_t>(wire.engaged() >> 1U);
   common_from_wire(wire, value);
   return Verdict::kGood;
 }

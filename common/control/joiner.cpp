@@ -3,14 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace telekerf::control {
 
 void ReferenceJoiner::rejoin(const Motion& from, const Motion& source) noexcept {
   offset_ = from.position_m - source.position_m;
   offset_rate_ = from.velocity_m_per_s - source.velocity_m_per_s;
-  const double size_m = std::max(offset_.norm(), 1e-9);
-  rate_ = std::min(settings_.rate_rad_s, std::sqrt(settings_.max_acceleration_m_per_s2 / size_m));
+  rate_ = rate_for(offset_.norm(), offset_rate_.norm());
+}
+
+double ReferenceJoiner::rate_for(double size_m, double speed_m_per_s) const noexcept {
+  // The fade asks for -2 w o' - w^2 o: neither part is more than the acceleration allowed.
+  const double most = settings_.max_acceleration_m_per_s2;
+  return std::min({settings_.rate_rad_s, std::sqrt(most / std::max(size_m, 1e-9)),
+                   0.5 * most / std::max(speed_m_per_s, 1e-9)});
+}
+
+double ReferenceJoiner::way_to_rest_m(double speed_m_per_s) const noexcept {
+  // o' t e^(-w t) is largest at t = 1 / w.
+  return speed_m_per_s / (std::numbers::e * rate_for(0.0, speed_m_per_s));
 }
 
 Motion ReferenceJoiner::join(const Motion& source, double dt_s) noexcept {

@@ -8,8 +8,8 @@
 namespace telekerf::control {
 
 struct JoinerSettings {
-  double rate_rad_s = 30.0;                ///< of the critically damped fade
-  double max_acceleration_m_per_s2 = 1.0;  ///< far sources are approached more slowly
+  double rate_rad_s = 100.0;               ///< of the critically damped fade
+  double max_acceleration_m_per_s2 = 1.0;  ///< what is far or fast fades more slowly
 };
 
 /// Adds to the source an offset o with o'' + 2 w o' + w^2 o = 0, seated at each change of source so that
@@ -23,12 +23,16 @@ class ReferenceJoiner {
   void rejoin(const Motion& from, const Motion& source) noexcept;
   /// One step of `dt_s` (0: the instant of a rejoin): the source's motion plus what is left of the offset.
   Motion join(const Motion& source, double dt_s) noexcept;
+  /// How far a motion of this speed still goes when it is joined to a source at rest where it is.
+  double way_to_rest_m(double speed_m_per_s) const noexcept;
   /// What is left of the offset.
   double offset_m() const noexcept { return offset_.norm(); }
 
  private:
+  double rate_for(double size_m, double speed_m_per_s) const noexcept;
+
   JoinerSettings settings_;
-  double rate_ = 30.0;
+  double rate_ = 0.0;
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d offset_rate_ = Eigen::Vector3d::Zero();
 };

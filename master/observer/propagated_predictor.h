@@ -46,22 +46,30 @@ class PropagatedPredictor {
   /// In the order of the slave's clock; call replay() (or replaced()) after the last of a batch.
   void measured(const CommandRing& ring, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
     if (sample.index < begun_) return;
-    if (!started_ || !sample.applied || !applied_) {
+    unapplied_ = sample.applied ? 0 : unapplied_ + 1;
+    const std::int64_t commands = sample.index - at_;
+    const std::int64_t steps = sample.time - time_;
+    const double gap_s = static_cast<double>(std::max<std::int64_t>(steps, unapplied_)) * period_s_;
+    if (!started_ || commands < 0 || steps <= 0 || gap_s > kBridged) {
       // Nothing is known of what moves the slave then: take it as it is.
       observed_ = {.position_m = sample.position_m, .velocity_m_per_s = sample.velocity_m_per_s};
       started_ = sample.applied;
     } else {
-      observed_.acceleration_m_per_s2 = ring.acceleration(at_) + disturbance_;
-      observed_ = advanced(observed_, period_s_);
+      // The slave bridges short gaps by what lies on both sides of them, about what was sent.
+      // As many commands as steps, but for a play-out that waited or skipped.
+      for (std::int64_t i = 0; i < steps; ++i) {
+        observed_.acceleration_m_per_s2 = ring.acceleration(at_ + i * commands / steps) + disturbance_;
+        observed_ = advanced(observed_, period_s_);
+      }
       innovation_ = sample.position_m - observed_.position_m;
       observed_.position_m += alpha_ * innovation_;
       observed_.velocity_m_per_s += beta_ * innovation_;
-      disturbance_ += gamma_ * innovation_;
+      if (sample.applied) disturbance_ += gamma_ * innovation_;
       const double size = disturbance_.norm();
       if (size > kLargest) disturbance_ *= kLargest / size;
     }
-    applied_ = sample.applied;
     at_ = sample.index;
+    time_ = sample.time;
   }
   void replay(const CommandRing& ring, std::int64_t next) noexcept {
     predicted_ = observed_;
@@ -78,6 +86,8 @@ class PropagatedPredictor {
 
  private:
   static constexpr double kLargest = 2.0;  ///< m/s^2, of what a disturbance observer leaves
+  static constexpr double kBridged =
+      0.15;  ///< s, longest gap, in commands or in measurements, that the model is trusted over
   double period_s_;
   double alpha_ = 0.0;
   double beta_ = 0.0;
@@ -88,8 +98,9 @@ class PropagatedPredictor {
   Vec3 innovation_ = Vec3::Zero();
   std::int64_t begun_ = 0;
   std::int64_t at_ = 0;
+  std::int64_t time_ = 0;
   bool started_ = false;
-  bool applied_ = false;
+  int unapplied_ = 0;  ///< samples in a row
 };
 
 }  // namespace telekerf::master

@@ -27,7 +27,7 @@ class IdealLoop {
     const auto k = static_cast<std::int64_t>(truth_.size()) - 1;
     if (k >= delay_) {
       const Motion& then = truth_[static_cast<std::size_t>(k - delay_)];
-      const master::SlaveSample sample{k - delay_, true, then.position_m, then.velocity_m_per_s};
+      const master::SlaveSample sample{k - delay_, k, true, then.position_m, then.velocity_m_per_s};
       observer_.measured(std::span(&sample, 1));
     }
     return observer_.prediction(Motion{});

@@ -36,6 +36,7 @@ inline CommandBlock command(Random& random, std::size_t payload_bytes) {
   block.beta = rounded(0.3 + number(random));
   block.law = static_cast<Law>(random() % 3);
   block.engaged = random() % 2 == 0;
+  block.engaged_before = static_cast<std::uint8_t>(random() % 128);
   block.anchor = anchor(random);
   block.sent_ns = static_cast<std::int64_t>(random());
   fill(random, block.payload, payload_bytes);
@@ -90,6 +91,7 @@ inline bool same(const CommandBlock& a, const CommandBlock& b) {
   return a.sequence == b.sequence && a.epoch == b.epoch && a.first_tick == b.first_tick &&
          a.sample_period_ns == b.sample_period_ns && a.ticks_per_sample == b.ticks_per_sample &&
          a.contour_id == b.contour_id && a.beta == b.beta && a.law == b.law && a.engaged == b.engaged &&
+         a.engaged_before == b.engaged_before &&
          same(a.anchor, b.anchor) && a.sent_ns == b.sent_ns &&
          same(a.payload, b.payload);
 }

@@ -40,7 +40,7 @@ struct Loop {
     const auto k = static_cast<std::int64_t>(truth.size()) - 1;
     if (k >= delay) {
       const Motion& then = truth[static_cast<std::size_t>(k - delay)];
-      const SlaveSample sample{k - delay + misjudged, true, then.position_m, then.velocity_m_per_s};
+      const SlaveSample sample{k - delay + misjudged, k, true, then.position_m, then.velocity_m_per_s};
       observer.measured(std::span(&sample, 1));
     }
     return observer.prediction(model);

@@ -37,6 +37,7 @@ class SlaveNodeTest : public testing::Test {
     block.sample_period_ns = 1'000'000;
     block.contour_id = 1;
     block.engaged = engaged_;
+    block.engaged_before = engaged_ ? 0x7F : 0;
     const double t0 = static_cast<double>(tick_) * 1e-3;
     const double h = 1e-6;
     block.anchor = rounded(Anchor{place(t0), (place(t0 + h) - place(t0)) / h});
@@ -213,6 +214,27 @@ TEST_F(SlaveNodeTest, LostBlocksAreCoveredByTheNextPacketsCopies) {
   EXPECT_EQ(station_.node().counters().missed_ticks, missed)
       << "once losses were seen, the depth waits for the copies";
   EXPECT_EQ(station_.node().counters().lost, 59u) << "the last loss has not been seen yet";
+}
+
+TEST_F(SlaveNodeTest, OvertakenBlocksAreUsedWhileTheyCanBe) {
+  const auto swapped = [&](int pairs) {
+    for (int i = 0; i < pairs; ++i) {
+      const CommandBlock first = next_block();
+      (void)next_block();  // lost, so that only the first block itself can fill its place
+      const CommandBlock third = next_block();
+      run(third);
+      run(first);
+      run(std::nullopt);
+    }
+  };
+  follow(1.0);
+  swapped(40);
+  const auto missed = station_.node().counters().missed_ticks;
+  const auto lost = station_.node().counters().lost;
+  swapped(20);
+  EXPECT_EQ(station_.node().counters().missed_ticks, missed) << "the depth covers the late ones";
+  EXPECT_EQ(station_.node().counters().lost, lost + 20) << "the late ones are not lost";
+  EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
 }
 
 }  // namespace

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/friction_lead.h"
+#include "common/control/friction_lead.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "common/robot/dynamics.h"
 
-namespace telekerf::master {
+namespace telekerf::control {
 
-FrictionLead::FrictionLead(const robot::Friction& nominal,
-                           const control::DisturbanceObserver::Gains& gains) noexcept
+FrictionLead::FrictionLead(const robot::Friction& nominal, const DisturbanceObserver::Gains& gains) noexcept
     : ahead_(nominal), nominal_(nominal) {
   // Given ahead through a softer step than the model's: a friction that is cancelled too steeply is a
   // negative damping at rest.
@@ -38,4 +37,4 @@ void FrictionLead::update(const robot::Vec3& joint_velocity_m_per_s) noexcept {
   missing_n_ = given_n_ - given_stages_[2];
 }
 
-}  // namespace telekerf::master
+}  // namespace telekerf::control

@@ -7,12 +7,12 @@
 #include "common/control/disturbance_observer.h"
 #include "common/robot/robot_model.h"
 
-namespace telekerf::master {
+namespace telekerf::control {
 
 class FrictionLead {
  public:
   /// `gains` of the observer beside which it works: H(s) is rebuilt from them.
-  FrictionLead(const robot::Friction& nominal, const control::DisturbanceObserver::Gains& gains) noexcept;
+  FrictionLead(const robot::Friction& nominal, const DisturbanceObserver::Gains& gains) noexcept;
 
   /// One control step at this estimated joint velocity.
   void update(const robot::Vec3& joint_velocity_m_per_s) noexcept;
@@ -32,4 +32,4 @@ class FrictionLead {
   robot::Vec3 missing_n_ = robot::Vec3::Zero();
 };
 
-}  // namespace telekerf::master
+}  // namespace telekerf::control
