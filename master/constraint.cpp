@@ -4,11 +4,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "master/soft_wall.h"
+
 namespace telekerf::master {
 namespace {
 
 /// Farther than this from where the last circle says, the foot point is searched along the curve.
 constexpr double kLost_m = 0.5e-3;
+/// Share of a circle's radius nearer than which its centre is not approached: there phi has no gradient.
+constexpr double kNearCentre = 0.5;
+/// Faster than this no circle moves under the tool, but that the foot point jumps.
+constexpr double kFastest_m_per_s = 0.05;
+
+/// A tool far on the inner side of a bend would pass the centre and be held to the far side of the circle.
+/// There a wider circle with the same foot point and tangent stands for the curve.
+void flatten(GuidePiece& piece, const Vec2& tool_m) noexcept {
+  const Vec2 along = piece.shape.tangent(piece.point_m);
+  const double off = geometry::cross(along, tool_m - piece.point_m);
+  const double bend = piece.shape.curvature();
+  if (bend * off > 1.0 - kNearCentre)
+    piece.shape = geometry::osculating(piece.point_m, along, (1.0 - kNearCentre) / off);
+}
 
 double without(double force, double dead) noexcept { return force - std::clamp(force, -dead, dead); }
 
@@ -27,21 +43,12 @@ double decaying(const ConstraintSettings& settings, double e, double e_rate) noe
   return -k2 * (e_rate + std::clamp(k1 / k2 * e, -settings.return_m_per_s, settings.return_m_per_s));
 }
 
-/// A wall beyond which `depth` > 0: sets in over a skin, critically damped, and does not hold back.
-double walled(double a, double depth, double depth_rate, double skin_m, double w) noexcept {
-  if (depth <= 0.0) return a;
-  const double u = std::min(depth / skin_m, 1.0);
-  const double share = u * u * (3.0 - 2.0 * u);
-  const double wall = -w * w * depth - 2.0 * w * depth_rate;
-  return std::min(a, (1.0 - share) * a + share * wall);
-}
-
 double along_the_curve(const ActiveConstraint& active, const ConstraintSettings& settings, double pull,
                        double speed, bool hold_in_bends) noexcept {
   double a = (without(pull, settings.dead_force_n) - settings.drag_ns_per_m * speed) / settings.mass_kg;
   if (hold_in_bends) {
     // v' <= (limit - v) / tau on either way along the curve; the slope leads it into the bend.
-    constexpr double kRate = 120.0;
+    constexpr double kRate = 250.0;
     const double limit = active.limit.m_per_s;
     const double lead = active.limit.slope_per_s * speed;
     if (speed >= 0.0) {
@@ -68,19 +75,21 @@ ActiveConstraint ConstraintGenerator::at(const Guide& guide, const Vec2& tool_m,
     // One Newton step along the last circle: a tick moves the foot by micrometres.
     const geometry::CircleOrLine& shape = last_->shape;
     const double bend = 1.0 - shape.curvature() * shape.phi(tool_m);
-    const double step = shape.tangent(tool_m).dot(tool_m - last_->point_m) / std::max(bend, 0.5);
+    const double step = shape.tangent(tool_m).dot(tool_m - last_->point_m) / std::max(bend, kNearCentre);
     active.piece = guide.at(last_->arc_m + std::clamp(step, -kLost_m, kLost_m));
     const double left = active.piece.shape.tangent(tool_m).dot(tool_m - active.piece.point_m);
     const bool at_end =
         !guide.closed() && (active.piece.arc_m <= 0.0 || active.piece.arc_m >= guide.length_m());
-    if (std::abs(left) > kLost_m && !at_end) {
+    if (std::abs(left) > kLost_m && !at_end)
       active.piece = guide.at(guide.find_near(tool_m, active.piece.arc_m));
-    } else if (dt_s > 0.0) {
-      active.drift_m_per_s = (active.piece.shape.phi(tool_m) - shape.phi(tool_m)) / dt_s;
-    }
+  }
+  flatten(active.piece, tool_m);
+  active.phi_m = active.piece.shape.phi(tool_m);
+  if (last_ && dt_s > 0.0) {
+    active.drift_m_per_s =
+        std::clamp((active.phi_m - last_->shape.phi(tool_m)) / dt_s, -kFastest_m_per_s, kFastest_m_per_s);
   }
   last_ = active.piece;
-  active.phi_m = active.piece.shape.phi(tool_m);
   active.limit = guide.speed_limit(active.piece.arc_m);
   if (!guide.closed()) {
     const double past = active.piece.shape.tangent(tool_m).dot(tool_m - active.piece.point_m);
@@ -143,20 +152,51 @@ void ConstraintController::enter() noexcept {
 }
 
 void ConstraintController::choose(const ConstraintForm& form) noexcept {
-  // From free to held: what the tool is off the curve is taken over and faded.
-  if (form.corridor_m <= 0.0 && form_.corridor_m > 0.0) entering_ = true;
+  const bool was_free = form_.corridor_m > 0.0;
+  const bool is_free = form.corridor_m > 0.0;
+  if (was_free && !is_free) entering_ = true;
+  if (!was_free && is_free && !entering_) opened_s_ = 0.0;  // a tool that was held
   form_ = form;
+}
+
+void ConstraintController::begin_entry(const ToolState& tool) noexcept {
+  const geometry::CircleOrLine& shape = active_.piece.shape;
+  const Vec2 x = tool.position_m.head<2>();
+  const Vec2 v = tool.velocity_m_per_s.head<2>();
+  entry_m_ = {active_.phi_m, tool.position_m.z()};
+  entry_m_per_s_ = {shape.gradient(x).dot(v) + active_.drift_m_per_s, tool.velocity_m_per_s.z()};
+  entered_s_ = 0.0;
+  // A tool that is on its way outwards is brought to rest sooner, so that it does not go much farther; the
+  // fade's fastest moment is 15/8 of its mean.
+  constexpr double kFarther_m = 0.25e-3;
+  constexpr double kLeast_s = 0.03;
+  const double speed = std::max(entry_m_per_s_.cwiseAbs().maxCoeff(), 1e-6);
+  const double farthest = entry_m_.cwiseAbs().maxCoeff();
+  entry_duration_s_ = settings_.entry_s > 0.0
+                          ? std::max({std::min(settings_.entry_s, kFarther_m / (0.184 * speed)),
+                                      1.875 * farthest / settings_.return_m_per_s, kLeast_s})
+                          : 0.0;
+  // And one that is too fast for the bend is slowed down gently.
+  faster_m_per_s_ = std::max(0.0, std::abs(shape.tangent(x).dot(v)) - active_.limit.m_per_s);
 }
 
 ConstraintReference ConstraintController::reference() const noexcept {
   ConstraintReference out;
   if (entered_s_ >= entry_duration_s_) return out;
-  // Minimum jerk from the offset to zero.
-  const double duration = entry_duration_s_;
-  const double u = entered_s_ / duration;
-  out.place_m = (1.0 - u * u * u * (10.0 + u * (-15.0 + 6.0 * u))) * entry_m_;
-  out.velocity_m_per_s = -30.0 * u * u * (1.0 - u) * (1.0 - u) / duration * entry_m_;
-  out.acceleration_m_per_s2 = -60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration) * entry_m_;
+  // Quintic from place and speed at entry to rest on the curve.
+  const double t = entry_duration_s_;
+  const double u = entered_s_ / t;
+  const double u2 = u * u;
+  const double u3 = u2 * u;
+  const Vec2 run = t * entry_m_per_s_;
+  out.place_m =
+      (1.0 - u3 * (10.0 + u * (-15.0 + 6.0 * u))) * entry_m_ + (u + u3 * (-6.0 + u * (8.0 - 3.0 * u))) * run;
+  out.velocity_m_per_s =
+      (-30.0 * u2 * (1.0 - u) * (1.0 - u) * entry_m_ + (1.0 + u2 * (-18.0 + u * (32.0 - 15.0 * u))) * run) /
+      t;
+  out.acceleration_m_per_s2 =
+      (-60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) * entry_m_ + u * (-36.0 + u * (96.0 - 60.0 * u)) * run) /
+      (t * t);
   return out;
 }
 
@@ -180,20 +220,23 @@ Vec3 ConstraintController::step(const Guide& guide, const ToolState& tool, doubl
   active_ = generator_.at(guide, tool.position_m.head<2>(), dt_s);
   if (entering_) {
     entering_ = false;
-    entry_m_ = {active_.phi_m, tool.position_m.z()};
-    entered_s_ = 0.0;
-    // The fade's fastest moment is 15/8 of its mean.
-    entry_duration_s_ =
-        settings_.entry_s > 0.0
-            ? std::max(settings_.entry_s, 1.875 * entry_m_.cwiseAbs().maxCoeff() / settings_.return_m_per_s)
-            : 0.0;
+    begin_entry(tool);
   }
+  const ConstraintReference reference = this->reference();
+  entered_s_ += dt_s;
   if (form_.corridor_m > 0.0) {
     parked_m_.reset();
-    return region_acceleration(active_, settings_, form_, tool);
+    const Vec3 free = region_acceleration(active_, settings_, form_, tool);
+    if (opened_s_ >= settings_.entry_s) return free;
+    // An opened corridor gives the hand its freedom gradually.
+    opened_s_ += dt_s;
+    const double u = std::min(opened_s_ / settings_.entry_s, 1.0);
+    const double share = u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
+    return (1.0 - share) * guided_acceleration(active_, settings_, tool, reference) + share * free;
   }
-  entered_s_ += dt_s;
-  Vec3 wanted = guided_acceleration(active_, settings_, tool, reference());
+  faster_m_per_s_ = std::max(0.0, faster_m_per_s_ - settings_.bend_m_per_s2 * dt_s);
+  active_.limit.m_per_s += faster_m_per_s_;
+  Vec3 wanted = guided_acceleration(active_, settings_, tool, reference);
   wanted.head<2>() += parked(tool);
   return wanted;
 }

@@ -76,6 +76,7 @@ class ConstraintController {
   const ConstraintForm& form() const noexcept { return form_; }
 
  private:
+  void begin_entry(const ToolState& tool) noexcept;
   ConstraintReference reference() const noexcept;
   Vec2 parked(const ToolState& tool) noexcept;
 
@@ -84,10 +85,13 @@ class ConstraintController {
   ConstraintGenerator generator_;
   ActiveConstraint active_;
   bool entering_ = true;
-  std::optional<Vec2> parked_m_;  ///< where a tool that nobody moves came to rest
-  Vec2 entry_m_ = Vec2::Zero();  ///< offset in plane and in z at entry
+  std::optional<Vec2> parked_m_;       ///< where a tool that nobody moves came to rest
+  Vec2 entry_m_ = Vec2::Zero();        ///< offset in plane and in z at entry
+  Vec2 entry_m_per_s_ = Vec2::Zero();  ///< and its rate
   double entered_s_ = 0.0;
   double entry_duration_s_ = 0.0;
+  double faster_m_per_s_ = 0.0;  ///< than the bends allow, left over from the free form
+  double opened_s_ = 1e9;        ///< since guidance became a corridor
 };
 
 }  // namespace telekerf::master

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/runtime/refusal.h"
@@ -50,6 +51,57 @@ geometry::Polyline rounded(const geometry::Polyline& line, double spacing_m, dou
   return out;
 }
 
+/// Curvature of the circle through three points; a turn by a right angle or more counts as a point.
+double bend_at(const Vec2& before, const Vec2& here, const Vec2& after) noexcept {
+  const Vec2 in = here - before;
+  const Vec2 out = after - here;
+  if (in.dot(out) <= 0.0) return std::numeric_limits<double>::infinity();
+  return 2.0 * std::abs(geometry::cross(in, out)) / (in.norm() * out.norm() * (in + out).norm());
+}
+
+/// Bends no tighter than `radius_m`: where one is, the points move towards the middle of their neighbours
+/// (the curve shortens) until it is open enough, or until they have moved by `most_m`: a hairpin without
+/// width has no such bend. An average along the curve does not do it: it makes a cusp short, not round.
+geometry::Polyline opened(geometry::Polyline line, double spacing_m, double radius_m, double most_m) {
+  constexpr int kRounds = 3000;
+  if (radius_m <= 0.0 || line.size() < 5) return line;
+  std::vector<Vec2> start = line.points_m;
+  bool changed = false;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto n = static_cast<long>(line.size());
+    const std::vector<Vec2> old = line.points_m;
+    std::vector<Vec2> kept, kept_start;
+    bool moved = false;
+    bool dropped = false;
+    for (long i = 0; i < n; ++i) {
+      Vec2 here = old[static_cast<std::size_t>(i)];
+      const Vec2& from = start[static_cast<std::size_t>(i)];
+      const Vec2& before = old[index_of(line, i - 1)];
+      const Vec2& after = old[index_of(line, i + 1)];
+      const bool end = !line.closed && (i == 0 || i == n - 1);
+      if (!end && bend_at(before, here, after) > 1.0 / radius_m) {
+        const Vec2 next = 0.5 * here + 0.25 * (before + after);
+        if ((next - from).norm() <= most_m) {
+          here = next;
+          moved = true;
+          // Points that come too close together would stop the rest.
+          dropped = !dropped && (after - before).norm() < 1.2 * spacing_m;
+          if (dropped) continue;
+        }
+      } else {
+        dropped = false;
+      }
+      kept.push_back(here);
+      kept_start.push_back(from);
+    }
+    if (!moved) break;
+    changed = true;
+    line.points_m = std::move(kept);
+    start = std::move(kept_start);
+  }
+  return changed ? geometry::resampled(line, spacing_m) : line;
+}
+
 /// The line through the weighted mean along the largest spread, in drawing order.
 CircleOrLine fit_line(std::span<const Vec2> points, std::span<const double> weights) noexcept {
   Vec2 mean = Vec2::Zero();
@@ -74,26 +126,14 @@ CircleOrLine fit_line(std::span<const Vec2> points, std::span<const double> weig
   return out;
 }
 
-/// The circle that has point, unit tangent and curvature in common with a curve.
-CircleOrLine osculating(const Vec2& point, const Vec2& tangent, double curvature) noexcept {
-  CircleOrLine out;
-  out.point_m = point;
-  out.direction = tangent;
-  out.is_line = std::abs(curvature) < 1e-3;
-  if (out.is_line) return out;
-  out.anticlockwise = curvature > 0.0;
-  out.radius_m = 1.0 / std::abs(curvature);
-  out.centre_m = point + Vec2(-tangent.y(), tangent.x()) / curvature;
-  return out;
-}
-
 }  // namespace
 
 Guide::Guide(const ContourMessage& contour, double scale, const ConstraintSettings& settings)
     : contour_id(contour.id),
       beta(scale),
-      curve(rounded(scaled_points(contour, scale, settings.spacing_m), settings.spacing_m,
-                    settings.rounding_m)),
+      curve(opened(
+          rounded(scaled_points(contour, scale, settings.spacing_m), settings.spacing_m, settings.rounding_m),
+          settings.spacing_m, settings.tightest_m, settings.opening_m)),
       settings_(settings),
       kind_(settings.curve) {
   const auto segments = static_cast<double>(curve.line().segments());
@@ -200,31 +240,45 @@ GuidePiece Guide::fitted(double arc_m) const noexcept {
   const Vec2& a = line.start_of(static_cast<std::size_t>(before));
   const Vec2& b = line.end_of(static_cast<std::size_t>(before));
   piece.point_m = piece.shape.project(a + share * (b - a));
+  // Through a hairpin a circle may be as tight as it likes; no tool turns round within one.
+  const double bend = piece.shape.curvature();
+  if (settings_.tightest_m > 0.0 && std::abs(bend) * settings_.tightest_m > 1.0) {
+    piece.shape = geometry::osculating(piece.point_m, piece.shape.tangent(piece.point_m),
+                                       std::copysign(1.0 / settings_.tightest_m, bend));
+  }
   return piece;
 }
 
 GuidePiece Guide::described(double arc_m) const noexcept {
   const geometry::CurveState state = descriptor_->at(arc_m);
   const Vec2 tangent = state.first.normalized();
-  return {arc_m, state.position, osculating(state.position, tangent, geometry::cross(tangent, state.second))};
+  return {arc_m, state.position,
+          geometry::osculating(state.position, tangent, geometry::cross(tangent, state.second))};
 }
 
 void Guide::limit_speed() {
   const geometry::Polyline& line = curve.line();
   const auto n = static_cast<long>(line.size());
-  limit_m_per_s_.resize(static_cast<std::size_t>(n));
+  std::vector<double> bends(static_cast<std::size_t>(n));  // signed curvature, of the larger of two
   for (long i = 0; i < n; ++i) {
     // Of the circle and of the points themselves: a circle through a cusp may be too flat.
     const double share = static_cast<double>(i) / static_cast<double>(line.segments());
     const Vec2 in = line.points_m[index_of(line, i)] - line.points_m[index_of(line, i - 2)];
     const Vec2 out = line.points_m[index_of(line, i + 2)] - line.points_m[index_of(line, i)];
-    const double turn = std::atan2(std::abs(geometry::cross(in, out)), in.dot(out));
-    const double curvature =
-        std::max(std::abs(at(length_m_ * share).shape.curvature()), 0.5 * turn / spacing_m_);
-    limit_m_per_s_[static_cast<std::size_t>(i)] =
-        std::min({settings_.max_speed_m_per_s, std::sqrt(settings_.bend_m_per_s2 / std::max(curvature, 1e-6)),
-                  settings_.bend_rad_s / std::max(curvature, 1e-6)});
+    const double turn = 0.5 * std::atan2(geometry::cross(in, out), in.dot(out)) / spacing_m_;
+    const double circle = at(length_m_ * share).shape.curvature();
+    bends[static_cast<std::size_t>(i)] = std::abs(circle) > std::abs(turn) ? circle : turn;
   }
+  limit_m_per_s_.resize(static_cast<std::size_t>(n));
+  for (long i = 0; i < n; ++i) {
+    const double bend = std::max(std::abs(bends[static_cast<std::size_t>(i)]), 1e-6);
+    const double change =
+        std::abs(bends[index_of(line, i + 2)] - bends[index_of(line, i - 2)]) / (4.0 * spacing_m_);
+    limit_m_per_s_[static_cast<std::size_t>(i)] =
+        std::min({settings_.max_speed_m_per_s, std::sqrt(settings_.bend_m_per_s2 / bend),
+                  settings_.bend_rad_s / bend, std::cbrt(settings_.bend_m_per_s3 / std::max(change, 1e-3))});
+  }
+  if (!closed()) limit_m_per_s_.front() = limit_m_per_s_.back() = settings_.end_m_per_s;
   // v^2 may grow by 2 a ds; on a closed curve twice round, so that the seam is seen from both sides.
   const double growth = 2.0 * settings_.slowing_m_per_s2 * spacing_m_;
   const auto soften = [&](long from, long to) {

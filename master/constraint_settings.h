@@ -19,6 +19,8 @@ struct ConstraintSettings {
   int half_window = 24;              ///< k of eq. 15, points to either side at most
   double spacing_m = 0.025e-3;       ///< between the points of the guide
   double rounding_m = 0.14e-3;       ///< corners are rounded by a Gaussian of this width
+  double tightest_m = 0.06e-3;       ///< smallest radius of a bend
+  double opening_m = 0.4e-3;         ///< farthest that a point moves for that
   double window_bend_rad = 0.7;      ///< fewer points where the curve bends by more than this to either side
   bool taper = true;                 ///< false: all points count the same, as eq. 18 is printed
   double descriptor_error_m = 5e-6;  ///< largest deviation of the descriptor from the contour / beta
@@ -36,11 +38,13 @@ struct ConstraintSettings {
   double dead_force_n =
       0.15;  ///< estimated forces below this do not move the tool: errors of the estimate are as large
   double end_bandwidth_rad_s = 60.0;  ///< soft stops at the ends of an open curve
+  double end_m_per_s = 3e-3;          ///< at which they are met at most
 
   // Bends: the tool is held back before it could be thrown off.
   double max_speed_m_per_s = 0.2;  ///< on straight stretches
   double bend_m_per_s2 = 1.0;      ///< largest v^2 curvature
-  double bend_rad_s = 30.0;        ///< largest v curvature
+  double bend_rad_s = 25.0;        ///< largest v curvature
+  double bend_m_per_s3 = 60.0;     ///< largest v^3 times the change of the curvature along the curve
   double slowing_m_per_s2 = 0.8;   ///< how hard it is braked before a bend
 
   // The forbidden-region form: inside the corridor the hand moves freely in the plane.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "master/reach.h"
+
 namespace telekerf::master {
 
 namespace {
@@ -149,7 +151,8 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
     }
   }
   const Vec3 joint_acceleration =
-      state ? state->joint_acceleration(wanted)
+      state ? within_strokes(model_.geometry, state->joints_m, state->joint_velocity_m_per_s,
+                             state->joint_acceleration(wanted))
             : Vec3(-2.0 * settings_.constraint.bandwidth_rad_s * acceleration_.joint_velocity_m_per_s());
   // All of the disturbance is put back, the hand's part of it included; along the curve the hand's force
   // comes back through the virtual mass in `wanted`, so the pen is stiff across and free along.

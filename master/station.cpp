@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/runtime/refusal.h"
+#include "master/reach.h"
 
 namespace telekerf::master {
 namespace {
@@ -93,15 +94,7 @@ Station::Station(const StationSettings& settings)
 
 std::unique_ptr<Task> Station::prepare(const ContourMessage& contour) const {
   Guide guide = make_guide(contour, settings_.beta, settings_.node.constraint);
-  double reach_m = 0.0;
-  for (const auto& point : guide.curve.line().points_m) reach_m = std::max(reach_m, point.norm());
-  if (reach_m > model_.workspace.radius_m) {
-    throw Refusal(
-        fmt::format("the contour reaches {:.1f} mm from the centre of the master's workspace at beta = {:g}, "
-                    "but {} reaches {:.1f} mm; "
-                    "use a larger --beta or a smaller --width-mm",
-                    reach_m * 1e3, settings_.beta, model_.name, model_.workspace.radius_m * 1e3));
-  }
+  require_reach(model_, guide, settings_.node.constraint.corridor_m);
   SimulatedHand hand(guide.curve.line(), settings_.hand, settings_.seed);
   return std::make_unique<Task>(Task{std::move(guide), std::move(hand)});
 }

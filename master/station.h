@@ -47,7 +47,7 @@ class Station {
  public:
   explicit Station(const StationSettings& settings);
 
-  /// Allocates: call it outside the loop. Throws Refusal if the scaled contour leaves the workspace.
+  /// Allocates: call it outside the loop. Throws Refusal if the robot cannot take the scaled contour.
   std::unique_ptr<Task> prepare(const ContourMessage& contour) const;
 
   /// One control step: read, decide, write, and let the simulated plant move. `task` may be null.

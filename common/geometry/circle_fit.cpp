@@ -53,6 +53,18 @@ Vec2 CircleOrLine::tangent(const Vec2& x) const noexcept {
 
 Vec2 CircleOrLine::project(const Vec2& x) const noexcept { return x - phi(x) * gradient(x); }
 
+CircleOrLine osculating(const Vec2& point, const Vec2& tangent, double curvature) noexcept {
+  CircleOrLine out;
+  out.point_m = point;
+  out.direction = tangent;
+  out.is_line = std::abs(curvature) < 1e-3;
+  if (out.is_line) return out;
+  out.anticlockwise = curvature > 0.0;
+  out.radius_m = 1.0 / std::abs(curvature);
+  out.centre_m = point + Vec2(-tangent.y(), tangent.x()) / curvature;
+  return out;
+}
+
 CircleOrLine fit_circle(std::span<const Vec2> points) noexcept { return fit_circle(points, {}); }
 
 CircleOrLine fit_circle(std::span<const Vec2> points, std::span<const double> weights) noexcept {

@@ -59,4 +59,8 @@ CircleOrLine fit_circle(std::span<const Vec2> points) noexcept;
 /// The same where point i counts `weights[i]` >= 0 times; as many weights as points.
 CircleOrLine fit_circle(std::span<const Vec2> points, std::span<const double> weights) noexcept;
 
+/// The circle that has point, unit tangent and signed curvature (1/m) in common with a curve; below 1e-3 a
+/// line.
+CircleOrLine osculating(const Vec2& point, const Vec2& tangent, double curvature) noexcept;
+
 }  // namespace telekerf::geometry

@@ -60,10 +60,18 @@ HandSample SimulatedHand::sample(double now_s, const Vec3& tool_m, const Vec3& v
       push_memory * sideways_n_ + settings_.wander_n * std::sqrt(1.0 - push_memory * push_memory) * normal();
   tremor_phase_rad_ += 2.0 * std::numbers::pi * 9.0 * dt_s;
 
-  *goal_arc_m_ += settings_.speed_m_per_s * std::clamp(pace_, 0.2, 1.8) * dt_s;
+  *goal_arc_m_ += way_ * settings_.speed_m_per_s * std::clamp(pace_, 0.2, 1.8) * dt_s;
   // The eye stays with the pen: where the pen hangs back, the hand waits for it instead of pulling ever
   // harder.
   place_ = curve_.find_near(tool, place_.segment);
+  if (!curve_.line().closed) {
+    constexpr double kAtEnd_m = 20e-6;
+    const double room_m = way_ > 0.0 ? curve_.length_m() - place_.arc_length_m : place_.arc_length_m;
+    if (room_m < kAtEnd_m) {
+      way_ = -way_;
+      *goal_arc_m_ = place_.arc_length_m;
+    }
+  }
   double lead_m = *goal_arc_m_ - place_.arc_length_m;
   if (curve_.line().closed) lead_m -= curve_.length_m() * std::round(lead_m / curve_.length_m());
   lead_m = std::clamp(lead_m, -settings_.lead_m, settings_.lead_m);
@@ -74,8 +82,9 @@ HandSample SimulatedHand::sample(double now_s, const Vec3& tool_m, const Vec3& v
   constexpr double kMaxPull = 4.0;
   const Vec2& ahead = place_.tangent;
   const Vec2 to_goal = goal.point_m - tool;
-  Vec2 pull = settings_.stiffness_n_per_m * (lead_m * ahead + to_goal - ahead.dot(to_goal) * ahead) +
-              settings_.damping_ns_per_m * (settings_.speed_m_per_s * ahead - velocity_m_per_s.head<2>());
+  Vec2 pull =
+      settings_.stiffness_n_per_m * (lead_m * ahead + to_goal - ahead.dot(to_goal) * ahead) +
+      settings_.damping_ns_per_m * (way_ * settings_.speed_m_per_s * ahead - velocity_m_per_s.head<2>());
   if (pull.norm() > kMaxPull) pull *= kMaxPull / pull.norm();
   const Vec2 left(-ahead.y(), ahead.x());
   const double push = std::clamp(sideways_n_ + settings_.tremor_n * std::sin(tremor_phase_rad_),

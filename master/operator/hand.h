@@ -40,9 +40,9 @@ struct HandSettings {
   std::vector<HandAct> acts;    ///< beside the work
 };
 
-/// An arm that wants to go once round and round the curve but wanders off it: impedance to a point that runs
-/// along the curve, a slowly varying sideways push (bounded), tremor, and a button pressed in stretches. Same
-/// seed, same hand.
+/// An arm that wants to go round and round the curve (to and fro on an open one) but wanders off it:
+/// impedance to a point that runs along the curve, a slowly varying sideways push (bounded), tremor, and a
+/// button pressed in stretches. Same seed, same hand.
 class SimulatedHand : public HandInput {
  public:
   SimulatedHand(const geometry::Polyline& curve_m, const HandSettings& settings, std::uint64_t seed);
@@ -62,6 +62,7 @@ class SimulatedHand : public HandInput {
   std::optional<double> last_s_;
   double guided_since_s_ = 0.0;
   double pace_ = 1.0;  ///< slow variation of the speed
+  double way_ = 1.0;   ///< -1: back along an open curve
   double sideways_n_ = 0.0;
   double tremor_phase_rad_ = 0.0;
   bool button_ = false;

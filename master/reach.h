@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the operator's robot may be led: what it cannot take is refused before anybody moves, and short of
+// the ends of its rails stands a soft wall in every mode.
+#pragma once
+
+#include "common/robot/delta_kinematics.h"
+#include "common/robot/robot_model.h"
+#include "master/constraint_guide.h"
+
+namespace telekerf::master {
+
+/// The walls stand this far before the ends of the rails.
+inline constexpr double kStrokeRoom_m = 2e-3;
+
+/// Every point of the guide, to either side as far as the corridor and above and below as far as the
+/// constraint gives way, and the straight way to the guide from the workspace's centre. Throws Refusal that
+/// names the first point that leaves the workspace, comes nearer than kStrokeRoom_m to the end of a rail, or
+/// is worse conditioned than robot::kWorstCondition. Allocates nothing, but is no matter of one control step.
+void require_reach(const robot::RobotModel& model, const Guide& guide, double corridor_m);
+
+/// Wanted joint accelerations, m/s^2, kept from running into the ends of the rails.
+robot::Vec3 within_strokes(const robot::DeltaGeometry& geometry, const robot::Vec3& joints_m,
+                           const robot::Vec3& joint_velocity_m_per_s,
+                           const robot::Vec3& wanted_m_per_s2) noexcept;
+
+}  // namespace telekerf::master
