@@ -75,7 +75,7 @@ geometry::Polyline opened(geometry::Polyline line, double spacing_m, double radi
     bool dropped = false;
     for (long i = 0; i < n; ++i) {
       Vec2 here = old[static_cast<std::size_t>(i)];
-      const Vec2& from = start[static_cast<std::size_t>(i)];
+      const Vec2 from = start[static_cast<std::size_t>(i)];
       const Vec2& before = old[index_of(line, i - 1)];
       const Vec2& after = old[index_of(line, i + 1)];
       const bool end = !line.closed && (i == 0 || i == n - 1);
@@ -86,7 +86,12 @@ geometry::Polyline opened(geometry::Polyline line, double spacing_m, double radi
           moved = true;
           // Points that come too close together would stop the rest.
           dropped = !dropped && (after - before).norm() < 1.2 * spacing_m;
-          if (dropped) continue;
+          if (dropped) {
+            // How far the tip has come in is told from where it began.
+            if (!kept_start.empty()) kept_start.back() = from;
+            start[index_of(line, i + 1)] = from;
+            continue;
+          }
         }
       } else {
         dropped = false;

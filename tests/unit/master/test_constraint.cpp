@@ -258,5 +258,129 @@ TEST(Entry, FromHalfAMillimetreOffNothingJumps) {
   EXPECT_NEAR(x.head<2>().norm(), 0.01, 2e-6) << "rounding moves a circle inwards by sigma^2 / 2R";
 }
 
+// Closed and opened while the hand drives the tool sideways: the velocity across that is asked for goes on
+// from the tool's own, and nothing later asks for more than a gentle brake.
+TEST(Entry, ACorridorClosesAndOpensUnderAMovingHandWithoutAJump) {
+  ConstraintSettings settings;
+  const Guide guide = make_guide(circle(0.01), 1.0, settings);
+  constexpr double kDt = 1e-3;
+  for (const double sideways : {-0.05, -0.02, 0.0, 0.02, 0.05}) {
+    ConstraintController controller(settings);
+    controller.choose({0.5e-3, 0.0});
+    Vec3 x(0.0102, 0, 0);
+    Vec3 v = Vec3::Zero();
+    Vec3 push = Vec3::Zero();
+    double largest = 0.0;
+    double farthest = 0.0;
+    double before = 0.0;
+    double largest_opening_step = 0.0;
+    int opening_ticks = 0;
+    for (int n = 0; n < 1600; ++n) {
+      const Vec3 radial(x.x() / x.head<2>().norm(), x.y() / x.head<2>().norm(), 0);
+      if (n == 5) v = sideways * radial + Vec3(0, 0.01, 0);
+      if (n == 6) controller.choose({});
+      if (n == 1000) push = 3.0 * radial;
+      if (n == 1200) controller.choose({0.5e-3, 0.0});
+      const Vec3 a = controller.step(guide, {x, v, push}, kDt);
+      const Vec3 around(-radial.y(), radial.x(), 0);
+      const double across = a.dot(radial) + v.dot(around) * v.dot(around) / x.head<2>().norm();
+      if (n == 6) {
+        EXPECT_LT(std::abs(across) * kDt, 0.1e-3) << "in the tick of closing, from " << sideways << " m/s";
+      }
+      if (n >= 6 && n < 1000) {
+        largest = std::max(largest, std::abs(across));
+        farthest = std::max(farthest, std::abs(x.head<2>().norm() - 0.01));
+      }
+      const bool at_the_wall = std::abs(x.head<2>().norm() - 0.01) > 0.45e-3;
+      if (n >= 1200 && !at_the_wall) {
+        largest_opening_step = std::max(largest_opening_step, std::abs(across - before) * kDt);
+        ++opening_ticks;
+      } else if (n >= 1200) {
+        break;  // whatever the wall does now
+      }
+      before = across;
+      v += a * kDt;
+      x += v * kDt;
+      if (n == 999) {
+        EXPECT_NEAR(x.head<2>().norm(), 0.01, 5e-6) << "closed";
+      }
+    }
+    EXPECT_LT(largest, 12.0) << sideways;
+    EXPECT_LT(farthest, 0.5e-3) << "not much beyond where it was, and not through the other side";
+    EXPECT_LT(largest_opening_step, 0.1e-3) << "freedom comes gradually";
+    EXPECT_GT(opening_ticks, 50);
+    EXPECT_GT(x.head<2>().norm(), 0.0104) << "and then the hand moves it";
+  }
+}
+
+TEST(Guide, NoBendIsTighterThanSaidAndTipsLoseLittle) {
+  ConstraintSettings settings;
+  ContourMessage star;
+  for (int i = 0; i < 10; ++i) {
+    const double r = i % 2 == 0 ? 0.02 : 0.008;
+    star.points_m.emplace_back(r * std::cos(i * M_PI / 5), r * std::sin(i * M_PI / 5));
+  }
+  ContourMessage hairpin;  // there and back again on the same line
+  for (int i = 0; i <= 200; ++i) hairpin.points_m.emplace_back((i <= 100 ? i : 200 - i) * 1e-4, 0.0);
+  for (const auto& contour : {star, hairpin}) {
+    const Guide guide = make_guide(contour, 1.0, settings);
+    double tightest = 1.0;
+    for (double arc = 0.0; arc < guide.length_m(); arc += 7e-6) {
+      const auto& shape = guide.at(arc).shape;
+      if (!shape.is_line) tightest = std::min(tightest, shape.radius_m);
+    }
+    EXPECT_GE(tightest, 0.999 * settings.tightest_m);
+    const double lost_m = settings.opening_m + settings.rounding_m + 2.0 * settings.spacing_m;
+    for (const auto& point : contour.points_m) EXPECT_LT(guide.curve.find(point).distance_m, lost_m);
+  }
+  const Guide guide = make_guide(star, 1.0, settings);
+  for (const auto& point : star.points_m) EXPECT_LT(guide.curve.find(point).distance_m, 0.16e-3);
+}
+
+TEST(Guide, AnOpenCurveIsSlowAtItsEnds) {
+  ContourMessage line;
+  line.closed = false;
+  for (int i = 0; i <= 100; ++i) line.points_m.emplace_back(i * 1e-4, 0.0);
+  ConstraintSettings settings;
+  const Guide guide = make_guide(line, 1.0, settings);
+  EXPECT_EQ(guide.speed_limit(0.0).m_per_s, settings.end_m_per_s);
+  EXPECT_EQ(guide.speed_limit(guide.length_m()).m_per_s, settings.end_m_per_s);
+  EXPECT_GT(guide.speed_limit(0.005).m_per_s, 0.05);
+}
+
+// The hand tears the tool far to the inner side of a bend, past the centre of its circle.
+TEST(Constraint, TheToolComesBackToTheCurveAndNotToTheFarSideOfACircle) {
+  constexpr double kDt = 1e-3;
+  ConstraintSettings settings;
+  ContourMessage stadium;  // two half circles of 1 mm, 10 mm apart
+  for (int i = 0; i <= 180; ++i) {
+    const double a = -M_PI / 2 + i * M_PI / 180;
+    stadium.points_m.emplace_back(5e-3 + 1e-3 * std::cos(a), 1e-3 * std::sin(a));
+  }
+  for (int i = 0; i <= 180; ++i) {
+    const double a = M_PI / 2 + i * M_PI / 180;
+    stadium.points_m.emplace_back(-5e-3 + 1e-3 * std::cos(a), 1e-3 * std::sin(a));
+  }
+  const Guide guide = make_guide(stadium, 1.0, settings);
+  for (const double torn_m : {0.6e-3, 0.9e-3, 1.1e-3, 1.6e-3, 3e-3}) {
+    ConstraintGenerator generator;
+    double fastest = 0.0;
+    Vec3 x(6e-3, 0, 0);
+    generator.at(guide, x.head<2>(), kDt);
+    while (x.x() > 6e-3 - torn_m) {
+      x.x() -= 50e-6;
+      generator.at(guide, x.head<2>(), kDt);
+    }
+    Vec3 v = Vec3::Zero();
+    for (int n = 0; n < 1000; ++n) {
+      v += guided_acceleration(generator.at(guide, x.head<2>(), kDt), settings, {x, v, Vec3::Zero()}) * kDt;
+      x += v * kDt;
+      fastest = std::max(fastest, v.norm());
+    }
+    EXPECT_LT(guide.curve.find(x.head<2>()).distance_m, 10e-6) << torn_m;
+    EXPECT_LT(fastest, 0.12) << torn_m;
+  }
+}
+
 }  // namespace
 }  // namespace telekerf::master

@@ -2,6 +2,8 @@
 // The constraint under a hand, on a robot that is ten per cent off its file.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/experiments/constraint_bars.h"
 
 namespace telekerf::experiments {
@@ -36,6 +38,76 @@ TEST(ConstraintBars, LettingGoMovesTheToolByLessThanATenthOfAMillimetre) {
   EXPECT_LE(letting_go_m(rounded_outline(1e-3, 20e-3), 1), 100e-6);
 }
 
+/// Largest distance from the curve while a hand works at 20 mm/s and then does this for a moment.
+double under(const master::HandAct& act) {
+  TrialSettings settings;
+  settings.duration_s = 6.0;
+  settings.station.hand.acts = {act};
+  const Trial trial = run_trial(rounded_outline(1e-3, 20e-3), settings);
+  EXPECT_FALSE(trial.saturated);
+  EXPECT_FALSE(trial.broken);
+  return trial.max_m;
+}
+
+TEST(ConstraintBars, ASuddenPushInAnyDirectionMovesTheToolLittle) {
+  using Kind = master::HandAct::Kind;
+  EXPECT_LE(under({Kind::kPush, 2.0, 0.05, 8.0, 0.0, 0.0}), 200e-6);
+  EXPECT_LE(under({Kind::kPush, 2.0, 0.05, -8.0, 0.0, 0.0}), 200e-6);
+  EXPECT_LE(under({Kind::kPush, 2.0, 0.05, 0.0, 8.0, 0.0}), 100e-6) << "along the curve";
+  EXPECT_LE(under({Kind::kPush, 2.0, 0.05, 0.0, 0.0, 8.0}), 100e-6) << "upwards";
+}
+
+TEST(ConstraintBars, AWristThatSlipsMovesTheToolLittle) {
+  using Kind = master::HandAct::Kind;
+  EXPECT_LE(under({Kind::kSlip, 2.0, 0.1, 5.0, 0.0, 0.0}), 150e-6);
+  EXPECT_LE(under({Kind::kSlip, 2.0, 0.1, -5.0, 3.0, -2.0}), 150e-6);
+}
+
+TEST(ConstraintBars, AHandThatFightsInACorridorDoesNotGetToTheEndOfARail) {
+  TrialSettings settings;
+  settings.duration_s = 5.0;
+  settings.station.hand.acts = {{master::HandAct::Kind::kFight, 0.5, 1.5, 35.0, 0.0, 0.0},
+                                {master::HandAct::Kind::kLetGo, 2.0, 100.0, 0.0, 0.0, 0.0}};
+  settings.station.corridor_mm = 2.0;
+  const Trial trial = run_trial(circle_outline(8e-3), settings);
+  EXPECT_FALSE(trial.broken);
+  EXPECT_LT(std::abs(trial.off_m.back()), 3e-3) << "and is back in it afterwards";
+}
+
+TEST(ConstraintBars, SharpCornersCuspsAndStrokesAreHeldAtAnySpeedOfTheHand) {
+  ContourMessage star;
+  star.source = "star";
+  for (int i = 0; i < 10; ++i) {
+    const double r = i % 2 == 0 ? 10e-3 : 4e-3;
+    star.points_m.emplace_back(r * std::cos(i * M_PI / 5), r * std::sin(i * M_PI / 5));
+  }
+  ContourMessage zigzag;
+  zigzag.source = "zigzag";
+  zigzag.closed = false;
+  for (int i = 0; i < 9; ++i) zigzag.points_m.emplace_back(-8e-3 + 2e-3 * i, i % 2 == 0 ? -3e-3 : 3e-3);
+  ContourMessage heart;  // two arcs that meet in a cusp
+  heart.source = "cusp";
+  for (int i = 0; i < 400; ++i) {
+    const double t = i * 2 * M_PI / 400;
+    heart.points_m.emplace_back(
+        8e-3 * std::pow(std::sin(t), 3),
+        0.5e-3 * (13 * std::cos(t) - 5 * std::cos(2 * t) - 2 * std::cos(3 * t) - std::cos(4 * t)));
+  }
+  for (const auto& contour : {star, zigzag, heart}) {
+    for (const double speed : {10.0, 30.0}) {
+      TrialSettings settings;
+      settings.station.seed = 2;
+      settings.station.hand_speed_mm_s = speed;
+      settings.duration_s = 10.0;
+      const Trial trial = run_trial(contour, settings);
+      EXPECT_LE(trial.rms_m, 30e-6) << contour.source << " " << speed;
+      EXPECT_LE(trial.max_m, 150e-6) << contour.source << " " << speed;
+      EXPECT_FALSE(trial.saturated) << contour.source << " " << speed;
+      EXPECT_GT(trial.travelled_m, 0.06) << contour.source << " " << speed;
+    }
+  }
+}
+
 TEST(ConstraintBars, AHandStrongerThanTheMotorsGetsItsWayAndTheToolComesBackGently) {
   const Fight weaker = fight(20.0, 1);
   EXPECT_FALSE(weaker.saturated);
@@ -46,6 +118,7 @@ TEST(ConstraintBars, AHandStrongerThanTheMotorsGetsItsWayAndTheToolComesBackGent
   EXPECT_GT(stronger.pushed_off_m, 1e-3);
   EXPECT_LT(stronger.back_s, 3.0);
   EXPECT_LT(stronger.overshoot_m, 0.1e-3) << "nothing wound up";
+  EXPECT_LT(stronger.return_m_per_s, 1.1 * master::ConstraintSettings{}.return_m_per_s);
 }
 
 TEST(ConstraintBars, ACorridorIsFreeInsideAndEndsAtAWall) {
