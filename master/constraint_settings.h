@@ -18,7 +18,7 @@ struct ConstraintSettings {
   CurveKind curve = CurveKind::kCircles;
   int half_window = 24;              ///< k of eq. 15, points to either side at most
   double spacing_m = 0.025e-3;       ///< between the points of the guide
-  double rounding_m = 0.14e-3;       ///< corners are rounded by a Gaussian of this width
+  double rounding_m = 0.12e-3;       ///< corners are rounded by a Gaussian of this width
   double tightest_m = 0.06e-3;       ///< smallest radius of a bend
   double opening_m = 0.4e-3;         ///< farthest that a point moves for that
   double window_bend_rad = 0.7;      ///< fewer points where the curve bends by more than this to either side
