@@ -226,7 +226,7 @@ void draw_rtt(const std::vector<Run>& runs, const std::filesystem::path& png) {
     }
     figure.panels.push_back(panel);
   }
-  figure.panel_width_px = 640;
+  figure.panel_width_px = 780;
   figure.panel_height_px = 460;
   draw_figure(figure, png);
 }

@@ -164,17 +164,24 @@ void draw_lines(cv::Mat& area, const Panel& panel, const Axis& x, const Axis& y)
   }
 }
 
-void draw_legend(cv::Mat& area, const Panel& panel) {
-  constexpr int kRow = 17, kSample = 24;
+constexpr int kRow = 17, kSample = 24;  // of a legend
+
+/// Size of the legend, empty without labels.
+cv::Size legend_size(const Panel& panel) {
   int width = 0, rows = 0;
   for (const auto& line : panel.lines) {
     if (line.label.empty()) continue;
     width = std::max(width, size_of(line.label).width);
     ++rows;
   }
-  if (rows == 0) return;
-  // In the corner where the fewest drawn pixels would be covered.
-  const cv::Size size(width + kSample + 18, rows * kRow + 8);
+  return rows == 0 ? cv::Size() : cv::Size(width + kSample + 18, rows * kRow + 8);
+}
+
+/// A legend this high would always cover something: it stands beside the panel.
+bool legend_stands_beside(const cv::Size& legend) { return legend.height > 8 * kRow; }
+
+/// The corner where the fewest drawn pixels would be covered.
+cv::Rect emptiest_corner(const cv::Mat& area, const cv::Size& size) {
   cv::Mat drawn;
   cv::inRange(area, cv::Scalar(0, 0, 0), cv::Scalar(220, 220, 220), drawn);
   cv::Rect best;
@@ -190,26 +197,33 @@ void draw_legend(cv::Mat& area, const Panel& panel) {
       best = box;
     }
   }
-  if (best.area() == 0) return;
-  cv::rectangle(area, best, kPaper, cv::FILLED);
-  cv::rectangle(area, best, kGrid);
+  return best;
+}
+
+void draw_legend(cv::Mat& picture, const cv::Rect& box, const Panel& panel) {
+  if (box.area() == 0) return;
+  cv::rectangle(picture, box, kPaper, cv::FILLED);
+  cv::rectangle(picture, box, kGrid);
   int row = 0;
   for (std::size_t n = 0; n < panel.lines.size(); ++n) {
     const Line& line = panel.lines[n];
     if (line.label.empty()) continue;
-    const int y = best.y + 13 + kRow * row++;
+    const int y = box.y + 13 + kRow * row++;
     if (line.style == Line::Style::kPoints) {
-      stroke(area, {cv::Point2d(best.x + 6 + 0.5 * kSample, y)}, line, colour_of(line, n));
+      stroke(picture, {cv::Point2d(box.x + 6 + 0.5 * kSample, y)}, line, colour_of(line, n));
     } else {
-      stroke(area, {cv::Point2d(best.x + 6, y), cv::Point2d(best.x + 6 + kSample, y)}, line,
+      stroke(picture, {cv::Point2d(box.x + 6, y), cv::Point2d(box.x + 6 + kSample, y)}, line,
              colour_of(line, n));
     }
-    text(area, line.label, {best.x + 12 + kSample, y + 4});
+    text(picture, line.label, {box.x + 12 + kSample, y + 4});
   }
 }
 
 void draw_panel(cv::Mat picture, const Panel& panel) {
-  const cv::Rect box(kLeft, kTop, picture.cols - kLeft - kRight, picture.rows - kTop - kBottom);
+  const cv::Size legend = legend_size(panel);
+  const bool beside = legend_stands_beside(legend);
+  const cv::Rect box(kLeft, kTop, picture.cols - kLeft - kRight - (beside ? legend.width + 6 : 0),
+                     picture.rows - kTop - kBottom);
   Axis x{0, 1, panel.log_x, 0, box.width};
   Axis y{0, 1, panel.log_y, box.height, 0};
   set_range(x, panel.lines, panel.x_range, &Line::x, 0.0);
@@ -235,7 +249,11 @@ void draw_panel(cv::Mat picture, const Panel& panel) {
     text(picture, tick.label, {box.x - 6 - size_of(tick.label).width, box.y + at + 4});
   }
   draw_lines(area, panel, x, y);
-  draw_legend(area, panel);
+  if (beside) {
+    draw_legend(picture, {{box.x + box.width + 6, box.y}, legend}, panel);
+  } else {
+    draw_legend(area, emptiest_corner(area, legend), panel);
+  }
   cv::rectangle(picture, box, kInk);
   text(picture, panel.title, {box.x + (box.width - size_of(panel.title, 0.46).width) / 2, box.y - 9}, 0.46);
   text(picture, panel.x_label,
