@@ -15,6 +15,8 @@ namespace telekerf {
 namespace {
 
 std::string shown(const toml::node& node) {
+  if (node.is_table()) return "a table";
+  if (const auto* number = node.as_floating_point()) return fmt::format("{:#}", number->get());
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
   return out.str();
@@ -195,10 +197,16 @@ void ConfigFile::refuse_unknown() const {
   std::vector<std::string> leaves;
   collect_leaves(document_->root, "", leaves);
   for (const auto& leaf : leaves) {
-    if (!document_->known.contains(leaf)) {
-      throw Refusal(fmt::format("{}: unknown key '{}'; known here: {}", name_, leaf,
-                                fmt::join(document_->known, ", ")));
+    if (document_->known.contains(leaf)) continue;
+    const std::string table = leaf.substr(0, leaf.rfind('.') + 1);
+    std::set<std::string> here;  // keys of the same table, or else the tables themselves
+    for (const auto& key : document_->known) {
+      if (key.starts_with(table) && key.find('.', table.size()) == key.npos) here.insert(key.substr(table.size()));
     }
+    if (here.empty()) {
+      for (const auto& key : document_->known) here.insert(key.substr(0, key.find('.')));
+    }
+    throw Refusal(fmt::format("{}: unknown key '{}'; known here: {}", name_, leaf, fmt::join(here, ", ")));
   }
 }
 

@@ -36,6 +36,12 @@ TEST(Config, UnknownKeysAreRefusedByName) {
   const ConfigFile file("known = 1\n[t]\ntypo = 2\n", "f.toml");
   (void)file.number("known");
   EXPECT_NE(refusal_of([&] { file.refuse_unknown(); }).find("unknown key 't.typo'"), std::string::npos);
+  const ConfigFile other("[t]\nrate = 0.1\ntypo = 2\n", "f.toml");
+  (void)other.number("t.rate");
+  (void)other.number_or("u.far", 0.0);
+  EXPECT_EQ(refusal_of([&] { other.refuse_unknown(); }), "f.toml: unknown key 't.typo'; known here: rate");
+  EXPECT_EQ(refusal_of([&] { other.refuse("t.rate", "too low"); }), "f.toml: t.rate = 0.1: too low");
+  EXPECT_EQ(refusal_of([&] { other.refuse("t", "wrong"); }), "f.toml: t = a table: wrong");
 }
 
 TEST(Config, WrongTypesAndMissingKeysAreRefused) {
