@@ -93,15 +93,15 @@ double burst_variance(const LossChain& chain) {
 
 double overtaking_probability(const DelayLaw& law, double interval_s) {
   if (law.law == Law::kConstant) return 0.0;
-  constexpr int kSteps = 4000;
+  const int steps = law.law == Law::kTable ? 40'000 : 4'000;  // a table may have steps
   constexpr double kLimit = 8.0;
   // Delays on a grid of normal scores; the score at which the law reaches a given delay by interpolation.
-  std::vector<double> delay(kSteps + 1);
-  const auto score = [&](int i) { return -kLimit + 2.0 * kLimit * i / kSteps; };
-  for (int i = 0; i <= kSteps; ++i) delay[i] = delay_at_normal(law, score(i));
+  std::vector<double> delay(steps + 1);
+  const auto score = [&](int i) { return -kLimit + 2.0 * kLimit * i / steps; };
+  for (int i = 0; i <= steps; ++i) delay[i] = delay_at_normal(law, score(i));
   const double rest = std::sqrt(1.0 - law.correlation * law.correlation);
   double probability = 0.0;
-  for (int i = 0; i <= kSteps; ++i) {
+  for (int i = 0; i <= steps; ++i) {
     // The next packet, interval later, must be due before this one: its delay below delay[i] - interval.
     const auto above = std::lower_bound(delay.begin(), delay.end(), delay[i] - interval_s);
     if (above == delay.begin()) continue;
@@ -111,7 +111,7 @@ double overtaking_probability(const DelayLaw& law, double interval_s) {
     const double limit = score(j - 1) + part * (score(j) - score(j - 1));
     const double below = 0.5 * std::erfc(-(limit - law.correlation * score(i)) / rest / std::numbers::sqrt2);
     const double density = std::exp(-0.5 * score(i) * score(i)) / std::sqrt(2.0 * std::numbers::pi);
-    probability += density * below * (2.0 * kLimit / kSteps);
+    probability += density * below * (2.0 * kLimit / steps);
   }
   return probability;
 }

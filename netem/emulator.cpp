@@ -69,7 +69,10 @@ Fate Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet, std:
     const auto sends_ns = static_cast<std::int64_t>(size * stage.ns_per_byte + 0.5);
     // The packet on the wire is not in the queue: an idle bottleneck takes any packet.
     fate.queue_full = waits_ns > 0 && waits_ns + sends_ns > stage.queue_ns;
-    if (!fate.queue_full) leaves_ns = bottleneck_free_ns_ = now_ns + waits_ns + sends_ns;
+    if (!fate.queue_full) {
+      fate.queued_ns = waits_ns + sends_ns;
+      leaves_ns = bottleneck_free_ns_ = now_ns + fate.queued_ns;
+    }
   }
   if (!plan_.events.empty()) meet_events(leaves_ns - origin_ns_, index, fate);
 
@@ -102,7 +105,7 @@ const Plan::Stage& Emulator::stage_at(std::int64_t since_ns) noexcept {
 }
 
 bool Emulator::lose(const Plan::Stage& stage, std::uint64_t index) noexcept {
-  if (plan_.loss_only) {
+  if (stage.loss_from_trace) {
     const auto& recording = *plan_.recording;
     return recording[(index - plan_index_) % recording.size()].lost;
   }

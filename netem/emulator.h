@@ -21,6 +21,7 @@ struct Fate {
   std::int64_t due_ns = 0;    ///< meaningless when lost
   std::int64_t drawn_ns = 0;  ///< the delay that the law alone gave
   std::int64_t event_ns = 0;  ///< added by events
+  std::int64_t queued_ns = 0;  ///< until it has left the bottleneck
   bool lost_by_model = false;
   bool lost_by_event = false;
   bool queue_full = false;  ///< tail drop before the bottleneck

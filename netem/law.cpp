@@ -21,11 +21,12 @@ constexpr double kReach = 9.25;  // in z
 constexpr int kNodesPerUnit = 64;
 constexpr int kNodes = static_cast<int>(2 * kReach * kNodesPerUnit) + 1;
 
-/// The normal number above which the share `upper` <= 0.5 lies, on a grid of 2^-40 so that the last digits of
-/// a library's functions leave no trace.
+/// On a grid of 2^-40, so that the last digits of a library's functions leave no trace.
+double on_grid(double x) { return std::ldexp(std::round(std::ldexp(x, 40)), -40); }
+
+/// The normal number above which the share `upper` <= 0.5 lies.
 double normal_above(double upper) {
-  const double z = std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * upper, Precision());
-  return std::ldexp(std::round(std::ldexp(z, 40)), -40);
+  return on_grid(std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * upper, Precision()));
 }
 
 double upper_of(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
@@ -81,6 +82,36 @@ double table_quantile(const DelayLaw& law, double lower) {
   const auto i = above - law.table_p.begin();
   const double part = (lower - law.table_p[i - 1]) / (law.table_p[i] - law.table_p[i - 1]);
   return std::lerp(law.table_s[i - 1], law.table_s[i], part);
+}
+
+/// Exact, steps and all: between two quantiles the law is uniform.
+Moments table_moments(const DelayLaw& law, double z_limit) {
+  struct Piece {
+    double share, from_s, to_s;
+  };
+  const double tail = upper_of(z_limit);
+  const double low_s = table_quantile(law, tail);
+  const double high_s = table_quantile(law, 1.0 - tail);
+  std::vector<Piece> pieces{{tail, low_s, low_s}, {tail, high_s, high_s}};
+  for (std::size_t i = 1; i < law.table_p.size(); ++i) {
+    const double from = std::max(law.table_p[i - 1], tail);
+    const double to = std::min(law.table_p[i], 1.0 - tail);
+    if (to > from) {
+      pieces.push_back({to - from, table_quantile(law, from), std::min(high_s, law.table_s[i])});
+    }
+  }
+  Moments moments;
+  for (const Piece& piece : pieces) moments.mean_s += piece.share * 0.5 * (piece.from_s + piece.to_s);
+  double variance = 0.0;
+  for (const Piece& piece : pieces) {
+    const double a = piece.from_s - moments.mean_s;
+    const double b = piece.to_s - moments.mean_s;
+    variance += piece.share * (a * a + a * b + b * b) / 3.0;
+    moments.fourth_s4 += piece.share * (a * a * a * a + a * a * a * b + a * a * b * b + a * b * b * b + b * b * b * b) / 5.0;
+  }
+  moments.mean_s += law.delay_s;
+  moments.sd_s = std::sqrt(variance);
+  return moments;
 }
 
 }  // namespace
@@ -140,6 +171,7 @@ double delay_at_normal(const DelayLaw& law, double z) {
 
 Moments delay_moments(const DelayLaw& law, double z_limit) {
   if (law.law == Law::kConstant) return {law.delay_s, 0.0, 0.0};
+  if (law.law == Law::kTable) return table_moments(law, z_limit);
   // Simpson's rule over z; the two tails beyond the limit carry the limit's own value.
   constexpr int kSteps = 2048;
   const double step = 2.0 * z_limit / kSteps;
@@ -166,30 +198,53 @@ Moments delay_moments(const DelayLaw& law, double z_limit) {
   return moments;
 }
 
-DelayTable::DelayTable(const DelayLaw& law) : nodes_ns_(kNodes) {
+DelayTable::DelayTable(const DelayLaw& law) {
   constexpr double kLongest_ns =
       3.6e12;  // an hour; beyond every quantile that a bounded law of a profile can draw
+  const auto z_at = [](int node) { return -kReach + static_cast<double>(node) / kNodesPerUnit; };
+  if (law.law == Law::kTable) {
+    for (int i = 0; i < kNodes; ++i) shares_.push_back(on_grid(upper_of(-z_at(i))));
+    table_p_ = law.table_p;
+    for (const double s : law.table_s) table_ns_.push_back(std::llround((law.delay_s + s) * 1e9));
+    return;
+  }
   for (int i = 0; i < kNodes; ++i) {
-    const double z = -kReach + static_cast<double>(i) / kNodesPerUnit;
-    nodes_ns_[i] = std::llround(std::min(delay_at_normal(law, z) * 1e9, kLongest_ns));
+    nodes_ns_.push_back(std::llround(std::min(delay_at_normal(law, z_at(i)) * 1e9, kLongest_ns)));
   }
 }
 
 std::int64_t DelayTable::at(double z) const noexcept {
   const double at = (std::clamp(z, -kReach, kReach - 1e-9) + kReach) * kNodesPerUnit;
   const auto node = static_cast<std::size_t>(at);
+  const double part = at - static_cast<double>(node);
+  if (!shares_.empty()) return in_table(node, part);
   const std::int64_t here = nodes_ns_[node];
   const auto rise = static_cast<double>(nodes_ns_[node + 1] - here);
-  return here + static_cast<std::int64_t>(rise * (at - static_cast<double>(node)) + 0.5);
+  return here + static_cast<std::int64_t>(rise * part + 0.5);
+}
+
+std::int64_t DelayTable::in_table(std::size_t node, double part) const noexcept {
+  const double share = shares_[node] + (shares_[node + 1] - shares_[node]) * part;
+  const auto above = std::upper_bound(table_p_.begin() + 1, table_p_.end() - 1, share) - table_p_.begin();
+  const std::int64_t here = table_ns_[above - 1];
+  const auto rise = static_cast<double>(table_ns_[above] - here);
+  const double passed = (share - table_p_[above - 1]) / (table_p_[above] - table_p_[above - 1]);
+  return here + static_cast<std::int64_t>(rise * passed + 0.5);
 }
 
 double DelayTable::normal_score(std::int64_t delay_ns) const {
-  const auto above = std::upper_bound(nodes_ns_.begin() + 1, nodes_ns_.end() - 1, delay_ns);
-  const auto node = static_cast<double>(above - nodes_ns_.begin() - 1);
-  const auto here = static_cast<double>(*(above - 1));
-  const auto rise = static_cast<double>(*above) - here;
-  const double part = rise > 0 ? (static_cast<double>(delay_ns) - here) / rise : 0.0;
-  return (node + part) / kNodesPerUnit - kReach;
+  /// The place among ascending `nodes` where a function that is linear between them takes `value`.
+  const auto place = [](const auto& nodes, double value) {
+    const auto above = std::upper_bound(nodes.begin() + 1, nodes.end() - 1, value);
+    const auto here = static_cast<double>(*(above - 1));
+    const auto rise = static_cast<double>(*above) - here;
+    return static_cast<double>(above - nodes.begin() - 1) + (rise > 0 ? (value - here) / rise : 0.0);
+  };
+  const auto delay = static_cast<double>(delay_ns);
+  if (shares_.empty()) return place(nodes_ns_, delay) / kNodesPerUnit - kReach;
+  const double at = place(table_ns_, delay);
+  const auto i = std::min(static_cast<std::size_t>(at), table_p_.size() - 2);
+  return place(shares_, std::lerp(table_p_[i], table_p_[i + 1], at - static_cast<double>(i))) / kNodesPerUnit - kReach;
 }
 
 }  // namespace telekerf::netem

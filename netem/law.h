@@ -42,7 +42,8 @@ struct Moments {
 /// the limits themselves: winsorised).
 Moments delay_moments(const DelayLaw& law, double z_limit = 8.0);
 
-/// z -> delay in whole nanoseconds, linear between 64 nodes per unit of z.
+/// z -> delay in whole nanoseconds, linear between 64 nodes per unit of z. A table's quantiles may have steps that such
+/// nodes would round off: there the nodes hold the share Phi(z), and the delay is looked up in the table itself.
 class DelayTable {
  public:
   explicit DelayTable(const DelayLaw& law);
@@ -51,7 +52,12 @@ class DelayTable {
   double normal_score(std::int64_t delay_ns) const;
 
  private:
+  std::int64_t in_table(std::size_t node, double part) const noexcept;
+
   std::vector<std::int64_t> nodes_ns_;
+  std::vector<double> shares_;  ///< at the nodes; empty unless the law is a table
+  std::vector<double> table_p_;
+  std::vector<std::int64_t> table_ns_;
 };
 
 }  // namespace telekerf::netem

@@ -46,6 +46,7 @@ Plan::Stage::Stage(const netem::Stage& stage)
   const LossChain chain = loss_chain(now.loss);
   lossy = mean_loss(chain) > 0;
   has_states = chain.states > 1;
+  loss_from_trace = now.loss.model == LossModel::kTrace;
   retransmission_lost = Chance(mean_loss(chain));
   first_state = cumulative(chain.share);
   for (int i = 0; i < kMostLossStates; ++i) loss[i] = {cumulative(chain.to[i]), Chance(chain.lost[i])};

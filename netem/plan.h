@@ -29,7 +29,7 @@ struct Plan {
     double correlation, innovation;
     std::array<State, kMostLossStates> loss;
     std::array<Chance, kMostLossStates - 1> first_state;
-    bool lossy, has_states;
+    bool lossy, has_states, loss_from_trace;
     Chance retransmission_lost;
     Order order;
     Chance reorder;

@@ -90,6 +90,32 @@ TEST(Law, TablesFollowTheirQuantiles) {
   EXPECT_NEAR(delay_moments(table).mean_s, 0.010 + 0.5 * 0.001 + 0.5 * 0.006, 1e-6);
 }
 
+TEST(Law, ATablesStepsStaySharp) {
+  // 70 % near 10 ms, the rest near 50 ms, next to nothing between: no interpolation may put packets there.
+  DelayLaw table;
+  table.law = Law::kTable;
+  table.table_p = {0.0, 0.7, 0.7001, 1.0};
+  table.table_s = {0.010, 0.012, 0.050, 0.060};
+  const DelayTable delays(table);
+  const double mean_s = 0.7 * 0.011 + 0.0001 * 0.031 + 0.2999 * 0.055;
+  EXPECT_NEAR(delay_moments(table).mean_s, mean_s, 1e-12);
+  const double square = 0.7 * (0.01 * 0.01 + 0.01 * 0.012 + 0.012 * 0.012) / 3 +
+                        0.0001 * (0.012 * 0.012 + 0.012 * 0.05 + 0.05 * 0.05) / 3 +
+                        0.2999 * (0.05 * 0.05 + 0.05 * 0.06 + 0.06 * 0.06) / 3;
+  EXPECT_NEAR(delay_moments(table).sd_s, std::sqrt(square - mean_s * mean_s), 1e-12);
+  int between = 0;
+  constexpr int kScores = 100'000;
+  for (int i = 0; i < kScores; ++i) {
+    const double z = -3.5 + 7.0 * i / kScores;
+    const std::int64_t ns = delays.at(z);
+    between += ns > 12'000'000 && ns < 50'000'000;
+    EXPECT_NEAR(static_cast<double>(ns), delay_at_normal(table, z) * 1e9, 38e6 * 1e-5 / 1e-4 + 1) << z;
+    EXPECT_NEAR(delays.normal_score(ns), z, 1e-3);
+  }
+  // 1e-4 of the packets are drawn there: at a density of 0.348, z = 0.524 moves by 2.9e-4.
+  EXPECT_NEAR(between, kScores * 1e-4 / 0.348 / 7.0, 2.0);
+}
+
 TEST(Law, DelayTableInterpolatesWithinAMicrosecond) {
   for (const DelayLaw& l : {law(Law::kUniform, 0.1, 0.01), law(Law::kNormal, 0.01, 0.01),
                             law(Law::kLaplace, 0.1, 0.01), law(Law::kGamma, 0.1, 0.01, 2.0),

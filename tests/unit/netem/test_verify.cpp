@@ -66,13 +66,19 @@ INSTANTIATE_TEST_SUITE_P(
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"pareto\"\nshape = 2.1\norder = \"free\"",
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"pareto\"\nshape = 3\ncorrelation = 0.7",
         "delay_ms = 20\ndistribution = \"table\"\ntable_p = [0, 0.5, 1]\ntable_ms = [0, 0, 10]",
+        "delay_ms = 20\ndistribution = \"table\"\ntable_p = [0, 0.7, 0.7001, 1]\ntable_ms = [1, 2, 40, 41]\norder = "
+        "\"free\"",
         "delay_ms = 20\norder = \"reorder\"\nreorder = 0.2\nreorder_gap = 4",
+        "delay_ms = 20\norder = \"reorder\"\nreorder = 1.0\nloss_model = \"gilbert-elliott\"\nloss = 0.3\n"
+        "loss_burst_packets = 50",
         "loss_model = \"gilbert-elliott\"\nloss = 0.02\nloss_burst_packets = 50",
+        "loss_model = \"gilbert-elliott\"\nloss = 0.001\nloss_burst_packets = 1",
         "loss_model = \"gilbert-elliott\"\nge_p = 0.01\nge_r = 0.05\nge_h = 0.4\nge_k = 0.99",
         "loss_model = \"gilbert-elliott\"\nge_p = 0.9\nge_r = 0.8",
         "loss_model = \"four-state\"\np13 = 0.01\np31 = 0.2\np32 = 0.3\np23 = 0.5\np14 = 0.005", "loss = 0.9",
         "loss = 1.0", "delay_ms = 20\nloss = 0.05\ntcp_like = true\nrto_ms = 100",
         "delay_ms = 20\nrate_kbit_per_s = 1000\nqueue_bytes = 20000",
+        "delay_ms = 20\nrate_kbit_per_s = 1500\nqueue_bytes = 64",
         "delay_ms = 20\nrate_kbit_per_s = 5000\nqueue_bytes = 3000\nduplicate = 0.5\ncorrupt = 0.5",
         "delay_ms = 20\njitter_ms = 2\ndistribution = \"normal\"\nslot_ms = 5\nslot_jitter_ms = "
         "2\nslot_packets = 8"));
@@ -117,6 +123,8 @@ INSTANTIATE_TEST_SUITE_P(
               "delay_ms = 20\norder = \"reorder\"\nreorder = 0.12", "chosen to overtake"},
         Wrong{"rate_kbit_per_s = 1000\nqueue_bytes = 9000", "rate_kbit_per_s = 1050\nqueue_bytes = 9000",
               "rate"},
+        Wrong{"rate_kbit_per_s = 1000\nqueue_bytes = 9000", "rate_kbit_per_s = 1000\nqueue_bytes = 8500",
+              "longest stay in the queue"},
         Wrong{"slot_ms = 5", "slot_ms = 4", "outside the slots"},
         Wrong{"[[event]]\nevery_s = 2\nduration_ms = 100\nloss = 0.5",
               "[[event]]\nevery_s = 2\nduration_ms = 100\nloss = 0.6", "event 0 loss"},
