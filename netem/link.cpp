@@ -193,7 +193,9 @@ int run_link(const LinkOptions& options) {
 }
 
 void add_link_options(CLI::App& command, LinkOptions& options) {
-  command.add_option("--seed", options.seed, "of the random numbers")->capture_default_str();
+  command.add_option("--seed", options.seed, "of the random numbers")
+      ->check(whole_number())
+      ->capture_default_str();
   command.add_option("--operator-dev", options.operator_side.device, "TUN device at the operator's side")
       ->capture_default_str();
   command.add_option("--slave-dev", options.slave_side.device, "TUN device at the slave's side")
@@ -216,7 +218,7 @@ void add_link_options(CLI::App& command, LinkOptions& options) {
                    "everything from the slave's side goes over the link");
   command.add_option("--record", options.record,
                      "folder for the fate of every packet: forward.csv, backward.csv");
-  command.add_option("--seconds", options.seconds, "stop by itself")->check(CLI::NonNegativeNumber);
+  command.add_option("--seconds", options.seconds, "stop by itself")->check(within(0, 1e9));
 }
 
 void add_link_command(CLI::App& app, Action& action) {

@@ -22,8 +22,8 @@ constexpr Bounds kDelay_ms{0.0, 60'000.0};
 constexpr Bounds kProbability{0.0, 1.0};
 constexpr std::size_t kMostStages = 64;
 
-/// One direction at one stage. A key is sought in several tables, the most special one first:
-/// stage.0.forward, stage.0.both, forward, both.
+/// One direction at one stage. A key is sought in several tables, the most special one first: stage.1.forward,
+/// stage.1.both, stage.0.forward, stage.0.both, forward, both.
 class Section {
  public:
   Section(const ConfigFile& file, std::vector<std::string> tables)
@@ -34,6 +34,14 @@ class Section {
       fallback = file_.number_or(*table + key, fallback, bounds);
     }
     return fallback;
+  }
+  /// 0 stands for none, so that a stage can take away what was there before it.
+  double number_or_none(const std::string& key, Bounds bounds) const {
+    const double value = number(key, 0.0, {0.0, bounds.max});
+    if (value != 0 && value < bounds.min) {
+      refuse(key, fmt::format("must be 0 (none) or lie within [{:g}, {:g}]", bounds.min, bounds.max));
+    }
+    return value;
   }
   std::int64_t integer(const std::string& key, std::int64_t fallback, Bounds bounds) const {
     for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
@@ -108,13 +116,21 @@ DelayLaw read_delay(const Section& section) {
   for (const double ms : section.numbers("table_ms", kDelay_ms)) law.table_s.push_back(ms * kMillisecond_s);
 
   const bool has_jitter = law.law != Law::kConstant && law.law != Law::kTable;
-  if (law.jitter_s > 0 && law.law == Law::kConstant)
-    section.refuse("jitter_ms", "jitter needs a distribution");
-  if (law.jitter_s > 0 && law.law == Law::kTable) section.refuse("jitter_ms", "a table has its own jitter");
-  if (law.jitter_s == 0 && has_jitter)
+  if (!has_jitter) {
+    if (law.jitter_s > 0) {
+      section.refuse_misplaced("jitter_ms", "distribution",
+                               law.law == Law::kTable ? "a table has its own jitter"
+                                                      : "jitter needs a distribution, such as \"normal\"");
+    }
+    law.jitter_s = 0.0;
+  } else if (law.jitter_s == 0) {
     section.refuse("jitter_ms", "this distribution needs a jitter above 0");
-  if (law.correlation > 0 && law.law == Law::kConstant) {
-    section.refuse("correlation", "a constant delay has nothing to correlate");
+  }
+  if (law.law == Law::kConstant) {
+    if (law.correlation > 0) {
+      section.refuse_misplaced("correlation", "distribution", "a constant delay has nothing to correlate");
+    }
+    law.correlation = 0.0;
   }
   switch (law.law) {
     case Law::kGamma:
@@ -181,13 +197,26 @@ LossLaw read_loss(const Section& section) {
   refuse_unless(four, {"p13", "p31", "p32", "p23", "p14"}, "belongs to loss_model = \"four-state\"");
   refuse_unless(law.model == LossModel::kTrace, {"loss_trace"}, "belongs to loss_model = \"trace\"");
 
-  if (gilbert && section.has("loss_burst_packets")) {
-    for (const char* key : {"ge_p", "ge_r", "ge_h", "ge_k"}) {
-      if (section.has(key))
-        section.refuse(key, "either loss and loss_burst_packets, or the ge_ probabilities");
+  // The mean form or the ge_ form, whichever stands in the more special table.
+  const std::size_t mean_rank = std::min(section.rank("loss"), section.rank("loss_burst_packets"));
+  std::size_t ge_rank = section.rank("ge_p");
+  const char* ge_key = "ge_p";
+  for (const char* key : {"ge_r", "ge_h", "ge_k"}) {
+    if (section.rank(key) < ge_rank) ge_key = key;
+    ge_rank = std::min(ge_rank, section.rank(key));
+  }
+  if (gilbert && mean_rank == ge_rank && section.has(ge_key)) {
+    section.refuse(ge_key, "either loss and loss_burst_packets, or the ge_ probabilities");
+  }
+  if (gilbert && mean_rank < ge_rank) {
+    if (!section.has("loss") || !section.has("loss_burst_packets")) {
+      section.refuse(section.has("loss") ? "loss" : "loss_burst_packets",
+                     "gilbert-elliott needs both loss and loss_burst_packets, or the ge_ probabilities alone");
     }
     // Bad state: everything lost, left after `burst` packets on average; good state: nothing lost.
     law.ge_r = 1.0 / burst;
+    law.ge_h = 0.0;
+    law.ge_k = 1.0;
     if (law.loss * (1.0 + law.ge_r) > 1.0) section.refuse("loss", "is too much for bursts this short");
     law.ge_p = law.loss == 1.0 ? 1.0 : law.ge_r * law.loss / (1.0 - law.loss);
   } else if (gilbert) {
@@ -195,8 +224,6 @@ LossLaw read_loss(const Section& section) {
       section.refuse("ge_p",
                      "gilbert-elliott needs loss and loss_burst_packets, or ge_p and ge_r (and ge_h, ge_k)");
     }
-    if (section.has("loss"))
-      section.refuse("loss", "needs loss_burst_packets; or give the ge_ probabilities alone");
     if (law.ge_p > 0 && law.ge_r == 0) section.refuse("ge_r", "must be above 0, or the bad state never ends");
   }
   if (four) {
@@ -220,9 +247,9 @@ Conditions read_conditions(const Section& section) {
   now.rto_s = section.number("rto_ms", 200.0, {1.0, 60'000.0}) * kMillisecond_s;
   now.duplicate = section.number("duplicate", 0.0, kProbability);
   now.corrupt = section.number("corrupt", 0.0, kProbability);
-  now.rate_bit_per_s = section.number("rate_kbit_per_s", 0.0, {1.0, 1e9}) * 1e3;
+  now.rate_bit_per_s = section.number_or_none("rate_kbit_per_s", {1.0, 1e9}) * 1e3;
   now.queue_bytes = section.integer("queue_bytes", 0, {64.0, 1e9});
-  now.slots.period_s = section.number("slot_ms", 0.0, {0.01, 10'000.0}) * kMillisecond_s;
+  now.slots.period_s = section.number_or_none("slot_ms", {0.01, 10'000.0}) * kMillisecond_s;
   now.slots.jitter_s = section.number("slot_jitter_ms", 0.0, {0.0, 10'000.0}) * kMillisecond_s;
   now.slots.packets = section.integer("slot_packets", 0, {1.0, 1e6});
   now.slots.bytes = section.integer("slot_bytes", 0, {1500.0, 1e9});
@@ -244,11 +271,15 @@ Conditions read_conditions(const Section& section) {
   }
   if (now.rate_bit_per_s > 0 && now.queue_bytes == 0)
     section.refuse("queue_bytes", "a rate needs a queue limit");
-  if (now.rate_bit_per_s == 0 && now.queue_bytes > 0) section.refuse("queue_bytes", "needs rate_kbit_per_s");
+  if (now.rate_bit_per_s == 0) {
+    section.refuse_misplaced("queue_bytes", "rate_kbit_per_s", "needs rate_kbit_per_s");
+    now.queue_bytes = 0;
+  }
   if (now.slots.period_s == 0) {
     for (const char* key : {"slot_jitter_ms", "slot_packets", "slot_bytes"}) {
-      if (section.has(key)) section.refuse(key, "needs slot_ms");
+      section.refuse_misplaced(key, "slot_ms", "needs slot_ms");
     }
+    now.slots = {};
   } else {
     if (now.slots.jitter_s > now.slots.period_s) section.refuse("slot_jitter_ms", "must not exceed slot_ms");
     if (now.order != Order::kFifo) section.refuse("slot_ms", "slots keep the order; leave it at \"fifo\"");
@@ -285,16 +316,20 @@ void read_events(const ConfigFile& file, Profile& profile) {
 DirectionProfile read_direction(const ConfigFile& file, const std::string& name, const std::string& folder) {
   DirectionProfile direction;
   const Section base(file, {name + ".", "both."});
-  const auto path = [&](const std::string& trace) { return (fs::path(folder) / trace).string(); };
+  const auto recording = [&](const char* key, const std::string& trace) {
+    const fs::path path = fs::path(folder) / trace;
+    if (!fs::is_regular_file(path)) base.refuse(key, fmt::format("there is no trace '{}'", path.string()));
+    return std::make_shared<Recording>(load_recording(path.string()));
+  };
   const std::string trace = base.text("trace", "");
   const std::string loss_trace = base.text("loss_trace", "");
   direction.stages.front().conditions = read_conditions(base);
   if (direction.stages.front().conditions.loss.model == LossModel::kTrace) {
     if (loss_trace.empty()) base.refuse("loss_trace", "loss_model = \"trace\" needs a trace file");
-    direction.recording = std::make_shared<Recording>(load_recording(path(loss_trace)));
+    direction.recording = recording("loss_trace", loss_trace);
     direction.loss_only = true;
   }
-  if (!trace.empty()) {
+  if (base.has("trace")) {
     for (const char* key : {"delay_ms", "distribution", "loss_model", "loss", "order", "tcp_like",
                             "duplicate", "corrupt", "rate_kbit_per_s", "slot_ms"}) {
       if (base.has(key)) base.refuse(key, "a trace already decides the fate of every packet");
@@ -302,15 +337,17 @@ DirectionProfile read_direction(const ConfigFile& file, const std::string& name,
     if (file.array_size("stage") + file.array_size("event") > 0) {
       base.refuse("trace", "a trace knows neither stages nor events");
     }
-    direction.recording = std::make_shared<Recording>(load_recording(path(trace)));
+    direction.recording = recording("trace", trace);
   }
+  std::vector<std::string> tables{name + ".", "both."};
   for (std::size_t i = 0; i < file.array_size("stage"); ++i) {
     const std::string at = fmt::format("stage.{}.", i);
     Stage stage;
     stage.from_s = file.number(at + "from_s", {0.0, 1e6});
     if (stage.from_s <= direction.stages.back().from_s)
       file.refuse(at + "from_s", "stages must ascend from above 0");
-    stage.conditions = read_conditions(Section(file, {at + name + ".", at + "both.", name + ".", "both."}));
+    tables.insert(tables.begin(), {at + name + ".", at + "both."});
+    stage.conditions = read_conditions(Section(file, tables));
     if (stage.conditions.loss.model == LossModel::kTrace && !direction.loss_only) {
       file.refuse(at + "from_s", "loss_model = \"trace\" must already stand at the beginning");
     }

@@ -84,21 +84,27 @@ TcExport export_to_tc(const DirectionProfile& profile, const std::string& device
   std::string words = fmt::format("tc qdisc replace dev {} root netem limit {}", device, kLimit_packets);
   words += delay_words(now.delay, out);
   if (now.order == Order::kReorder) {
-    words += fmt::format(" reorder {} gap {}", per_cent(now.reorder), now.reorder_gap);
+    words += " reorder " + per_cent(now.reorder);
     out.shortcomings.push_back(
-        "reorder: tc sends the chosen packets without any delay instead of letting them overtake");
+        "reorder: tc sends the chosen packets without any delay, past everything under way; reorder_gap has no "
+        "counterpart (tc's gap spaces the chosen packets)");
     if (now.delay.law == Law::kConstant && now.delay.delay_s == 0) words += " delay 1ms";
   } else if (now.order == Order::kFifo && now.delay.law != Law::kConstant) {
     out.shortcomings.push_back("order = fifo: tc lets jitter reorder packets");
   }
   if (now.tcp_like) {
-    if (mean_loss(loss_chain(now.loss)) > 0) {
+    if (now.loss.model != LossModel::kNone) {
       out.shortcomings.push_back("tcp_like: tc cannot turn a loss into a wait; losses left out");
     }
   } else {
     words += loss_words(now.loss, out);
   }
-  if (now.duplicate > 0) words += " duplicate " + per_cent(now.duplicate);
+  if (now.duplicate > 0) {
+    words += " duplicate " + per_cent(now.duplicate);
+    if (now.delay.law != Law::kConstant) {
+      out.shortcomings.push_back("duplicate: tc draws another delay for the copy instead of sending it right behind");
+    }
+  }
   if (now.corrupt > 0) words += " corrupt " + per_cent(now.corrupt);
   if (now.rate_bit_per_s > 0) {
     words += fmt::format(" rate {:.6g}kbit", now.rate_bit_per_s / 1e3);

@@ -19,8 +19,11 @@ struct Options {
 
 int run(const Options& options) {
   constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-@";
-  if (options.device.empty() || options.device.find_first_not_of(kPlain) != std::string::npos) {
-    throw Refusal(fmt::format("--dev '{}' is no network device name", options.device));
+  constexpr std::size_t kLongest = 15;  // the kernel's limit
+  if (options.device.empty() || options.device.size() > kLongest ||
+      options.device.find_first_not_of(kPlain) != std::string::npos) {
+    throw Refusal(fmt::format("--dev '{}' is no network device name: 1 to {} letters, digits, '.', '_', '-' or '@'",
+                              options.device, kLongest));
   }
   const Profile profile = load_profile(options.profile);
   const bool forward = options.direction == Direction::kForward;
@@ -41,8 +44,7 @@ void add_tc_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
   command->add_option("--dev", options->device, "network device")->required();
-  command->add_option("--direction", options->direction, "forward (operator to slave) or backward")
-      ->transform(CLI::CheckedTransformer(kDirectionNames));
+  add_direction(*command, options->direction);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -79,15 +79,18 @@ void add_trace_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<TraceOptions>();
   command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
   command->add_option("--rate-hz", options->rate_hz, "packets per second")
-      ->check(CLI::Range(0.001, 1e9))
+      ->check(within(0.001, 1e9))
       ->capture_default_str();
-  command->add_option("--packets", options->packets, "how many")->capture_default_str();
-  command->add_option("--seed", options->seed, "of the random numbers")->capture_default_str();
+  command->add_option("--packets", options->packets, "how many")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of the random numbers")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_option("--bytes", options->bytes, "size of a packet, for rates and slots")
       ->check(CLI::Range(1, 65535))
       ->capture_default_str();
-  command->add_option("--direction", options->direction, "forward (operator to slave) or backward")
-      ->transform(CLI::CheckedTransformer(kDirectionNames));
+  add_direction(*command, options->direction);
   command->callback([options, &action] { action = [options] { return print_trace(*options); }; });
 }
 

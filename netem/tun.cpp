@@ -56,9 +56,10 @@ class NamespaceVisit {
     if (netns.empty()) return;
     const std::string path = netns.find('/') == std::string::npos ? "/run/netns/" + netns : netns;
     const Descriptor target(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    if (target.get() < 0) {
+    if (target.get() < 0 && errno == ENOENT && path != netns) {
       throw Refusal(fmt::format("no network namespace '{}'; make it with `ip netns add {}`", netns, netns));
     }
+    if (target.get() < 0) refuse(fmt::format("opening the network namespace '{}'", netns), errno);
     if (::setns(target.get(), CLONE_NEWNET) != 0)
       refuse(fmt::format("entering the namespace '{}'", netns), errno);
     moved_ = true;

@@ -80,11 +80,13 @@ void add_verify_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
   command->add_option("--packets", options->verify.packets, "in each direction (and stage)")
-      ->check(CLI::Range(std::uint64_t{100}, std::uint64_t{100'000'000}))
+      ->check(within(100, 20e6))
       ->capture_default_str();
-  command->add_option("--seed", options->verify.seed, "of the random numbers")->capture_default_str();
+  command->add_option("--seed", options->verify.seed, "of the random numbers")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_option("--rate-hz", options->verify.rate_hz, "packets per second")
-      ->check(CLI::Range(0.1, 1e6))
+      ->check(within(0.1, 1e6))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object instead of a table");
   command->callback([options, &action] { action = [options] { return run(*options); }; });

@@ -48,6 +48,45 @@ loss = 0.5
   EXPECT_DOUBLE_EQ(profile.backward.stages[1].conditions.loss.loss, 0.01);
 }
 
+TEST(Profile, AStageKeepsWhatItDoesNotName) {
+  const auto stages = parse_profile(R"(
+[both]
+delay_ms = 10
+distribution = "normal"
+jitter_ms = 2
+correlation = 0.5
+loss_model = "gilbert-elliott"
+loss = 0.1
+loss_burst_packets = 4
+rate_kbit_per_s = 100
+queue_bytes = 1000
+[[stage]]
+from_s = 5
+[stage.both]
+distribution = "constant"
+delay_ms = 70
+[[stage]]
+from_s = 9
+[stage.forward]
+loss_model = "gilbert-elliott"
+ge_p = 0.2
+ge_r = 0.6
+rate_kbit_per_s = 0
+)",
+                                    "test")
+                          .forward.stages;
+  ASSERT_EQ(stages.size(), 3U);
+  EXPECT_DOUBLE_EQ(stages[1].conditions.delay.delay_s, 0.070);
+  EXPECT_EQ(stages[1].conditions.delay.jitter_s, 0.0);
+  EXPECT_DOUBLE_EQ(stages[1].conditions.loss.ge_r, 0.25);
+  EXPECT_DOUBLE_EQ(stages[2].conditions.delay.delay_s, 0.070);
+  EXPECT_DOUBLE_EQ(stages[2].conditions.loss.ge_p, 0.2);
+  EXPECT_DOUBLE_EQ(stages[2].conditions.loss.ge_r, 0.6);
+  EXPECT_DOUBLE_EQ(stages[1].conditions.rate_bit_per_s, 100e3);
+  EXPECT_EQ(stages[2].conditions.rate_bit_per_s, 0.0);
+  EXPECT_EQ(stages[2].conditions.queue_bytes, 0);
+}
+
 TEST(Profile, MeanLossAndBurstBecomeGilbertElliott) {
   const auto law =
       parse_profile("[both]\nloss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_packets = 8", "test")
@@ -105,6 +144,8 @@ INSTANTIATE_TEST_SUITE_P(
         Nonsense{"[both]\nloss_model = \"trace\"\nloss_trace = \"nowhere.csv\"", "nowhere.csv"},
         Nonsense{"[both]\ntrace = \"nowhere.csv\"", "nowhere.csv"},
         Nonsense{"[both]\ntrace = \"nowhere.csv\"\ndelay_ms = 1", "delay_ms"},
+        Nonsense{"[both]\ntrace = \"\"", "both.trace"},
+        Nonsense{"[both]\nrate_kbit_per_s = 0.5\nqueue_bytes = 1000", "rate_kbit_per_s"},
         Nonsense{"[both]\nrate_kbit_per_s = 100", "queue_bytes"},
         Nonsense{"[both]\nqueue_bytes = 1000", "rate_kbit_per_s"},
         Nonsense{"[both]\nslot_packets = 3", "slot_ms"},
