@@ -107,7 +107,7 @@ Moments table_moments(const DelayLaw& law, double z_limit) {
     const double a = piece.from_s - moments.mean_s;
     const double b = piece.to_s - moments.mean_s;
     variance += piece.share * (a * a + a * b + b * b) / 3.0;
-    moments.fourth_s4 += piece.share * (a * a * a * a + a * a * a * b + a * a * b * b + a * b * b * b + b * b * b * b) / 5.0;
+    moments.fourth_s4 += piece.share * (a * a * a * a + a * b * (a * a + a * b + b * b) + b * b * b * b) / 5.0;
   }
   moments.mean_s += law.delay_s;
   moments.sd_s = std::sqrt(variance);
@@ -244,7 +244,8 @@ double DelayTable::normal_score(std::int64_t delay_ns) const {
   if (shares_.empty()) return place(nodes_ns_, delay) / kNodesPerUnit - kReach;
   const double at = place(table_ns_, delay);
   const auto i = std::min(static_cast<std::size_t>(at), table_p_.size() - 2);
-  return place(shares_, std::lerp(table_p_[i], table_p_[i + 1], at - static_cast<double>(i))) / kNodesPerUnit - kReach;
+  const double share = std::lerp(table_p_[i], table_p_[i + 1], at - static_cast<double>(i));
+  return place(shares_, share) / kNodesPerUnit - kReach;
 }
 
 }  // namespace telekerf::netem

@@ -28,7 +28,8 @@ int run(Options& options) {
   Writer<EventMessage> writer(bus);
   const std::size_t others = bus.others().size();
   if (others == 0 || !writer.wait_for_reader(std::chrono::seconds(5))) {
-    throw Refusal(fmt::format("nobody listens in cell '{}' of domain {}", bus.settings().cell, bus.settings().domain));
+    throw Refusal(
+        fmt::format("nobody listens in cell '{}' of domain {}", bus.settings().cell, bus.settings().domain));
   }
   EventMessage event;
   event.kind = EventMessage::Kind::kSetNetem;
@@ -45,7 +46,8 @@ int run(Options& options) {
 void add_switch_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("switch", "Puts another network in place in a running cell");
   auto options = std::make_shared<Options>();
-  command->add_option("profile", options->profile, "a shipped name, or a file that every process can read")->required();
+  command->add_option("profile", options->profile, "a shipped name, or a file that every process can read")
+      ->required();
   options->bus.declare(options->settings);
   options->settings.attach(*command);
   command->callback([options, &action] { action = [options] { return run(*options); }; });

@@ -337,8 +337,8 @@ void check_the_rest(const Conditions& nominal, const Run& run, Checks& checks) {
   }
 }
 
-/// Twice the bottleneck's rate is offered, in packets of which at least two fit into its queue; what leaves must be the
-/// rate, and nothing may stay longer than a full queue takes.
+/// Twice the bottleneck's rate is offered, in packets of which at least two fit into its queue; what leaves must be
+/// the rate, and nothing may stay longer than a full queue takes.
 void check_rate(const DirectionProfile& emulated, const Conditions& nominal, Direction direction,
                 VerifyOptions options, Checks& checks) {
   options.packet_bytes =
@@ -363,8 +363,9 @@ void check_rate(const DirectionProfile& emulated, const Conditions& nominal, Dir
   const bool filled = passed < packets;
   const double packet_s = packet_bits / nominal.rate_bit_per_s;
   constexpr double kRounding_s = 1e-9;
-  checks.within("longest stay in the queue", "ms", static_cast<double>(longest_ns) * 1e-6, full_s * 1e3,
-                filled ? std::max(0.0, full_s - 2 * packet_s - kRounding_s) * 1e3 : 0.0, (full_s + kRounding_s) * 1e3);
+  const double least_s = filled ? std::max(0.0, full_s - 2 * packet_s - kRounding_s) : 0.0;
+  checks.within("longest stay in the queue", "ms", static_cast<double>(longest_ns) * 1e-6, full_s * 1e3, least_s * 1e3,
+                (full_s + kRounding_s) * 1e3);
 }
 
 /// Losses alone from a recording: packet by packet.
