@@ -66,7 +66,7 @@ Fate Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet, std:
   std::int64_t leaves_ns = now_ns;
   if (stage.ns_per_byte > 0) {
     const std::int64_t waits_ns = std::max<std::int64_t>(0, bottleneck_free_ns_ - now_ns);
-    const auto sends_ns = static_cast<std::int64_t>(size * stage.ns_per_byte + 0.5);
+    const auto sends_ns = rounded(size * stage.ns_per_byte);
     // The packet on the wire is not in the queue: an idle bottleneck takes any packet.
     fate.queue_full = waits_ns > 0 && waits_ns + sends_ns > stage.queue_ns;
     if (!fate.queue_full) {

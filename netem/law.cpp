@@ -220,7 +220,7 @@ std::int64_t DelayTable::at(double z) const noexcept {
   if (!shares_.empty()) return in_table(node, part);
   const std::int64_t here = nodes_ns_[node];
   const auto rise = static_cast<double>(nodes_ns_[node + 1] - here);
-  return here + static_cast<std::int64_t>(rise * part + 0.5);
+  return here + rounded(rise * part);
 }
 
 std::int64_t DelayTable::in_table(std::size_t node, double part) const noexcept {
@@ -229,7 +229,7 @@ std::int64_t DelayTable::in_table(std::size_t node, double part) const noexcept 
   const std::int64_t here = table_ns_[above - 1];
   const auto rise = static_cast<double>(table_ns_[above] - here);
   const double passed = (share - table_p_[above - 1]) / (table_p_[above] - table_p_[above - 1]);
-  return here + static_cast<std::int64_t>(rise * passed + 0.5);
+  return here + rounded(rise * passed);
 }
 
 double DelayTable::normal_score(std::int64_t delay_ns) const {

@@ -11,6 +11,12 @@
 
 namespace telekerf::netem {
 
+/// To the nearest whole number, for values of 0 or more; no call into the library.
+constexpr std::int64_t rounded(double value) noexcept {
+  constexpr double kHalf = 0.5;
+  return static_cast<std::int64_t>(value + kHalf);
+}
+
 /// A standard normal number from 64 random bits, monotone in the word's magnitude; |z| <= 9.1.
 /// Tables, no libm call: the same on every machine and at every optimisation level.
 class NormalTable {
