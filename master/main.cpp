@@ -79,7 +79,7 @@ void announce(const std::stop_token& stop, const Progress& progress, double dura
 }
 
 void record_run(const Flags& flags, const Station& station, const ContourWatch<Task>& contour, const Bus& bus,
-                const LoopStatistics& loop) {
+                const ReaderCounters& states, const LoopStatistics& loop) {
   RunRecord record;
   const ContourMessage message = contour.message();
   for (const auto& point : message.points_m) record.contour_m.push_back({point.x(), point.y()});
@@ -89,7 +89,7 @@ void record_run(const Flags& flags, const Station& station, const ContourWatch<T
   record.words["netem"] = flags.bus.netem;
   station.report(record);
   add_figures(loop, record.master_figures);
-  add_figures(bus.counters(), record.master_figures);
+  add_figures(bus.counters(), states, record.master_figures);
   write_contour(flags.record, record);
   write_master(flags.record, record);
 }
@@ -143,7 +143,9 @@ int run(Flags& flags) {
                     "telekerf-slave running there?",
                     flags.wait_s, bus_settings.cell, bus_settings.domain));
   }
-  if (!flags.record.empty() && contour.current() != nullptr) record_run(flags, station, contour, bus, loop);
+  if (!flags.record.empty() && contour.current() != nullptr) {
+    record_run(flags, station, contour, bus, states.counters(), loop);
+  }
   return 0;
 }
 

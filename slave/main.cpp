@@ -91,7 +91,7 @@ int run(Flags& flags) {
     RunRecord record;
     station.report(record);
     add_figures(loop, record.slave_figures);
-    add_figures(bus.counters(), record.slave_figures);
+    add_figures(bus.counters(), commands.counters(), record.slave_figures);
     write_slave(flags.record, record);
   }
   if (contour.refused()) throw Refusal(contour.refusal());

@@ -32,8 +32,15 @@ BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {
   return settings;
 }
 
-void add_figures(const BusCounters& counters, Figures& figures) {
+void add_figures(const BusCounters& counters, const ReaderCounters& stream, Figures& figures) {
   figures["misfits"] = static_cast<double>(counters.misfits);
+  figures["damaged"] = static_cast<double>(stream.damaged);
+  figures["netem_datagrams"] = static_cast<double>(counters.link.emulated);
+  figures["netem_lost"] = static_cast<double>(counters.link.lost);
+  figures["netem_overflowed"] = static_cast<double>(counters.link.overflowed);
+  figures["netem_corrupted"] = static_cast<double>(counters.link.corrupted);
+  figures["netem_corrupted_to_bus"] = static_cast<double>(counters.link.delivered_corrupted);
+  figures["netem_latest_ms"] = static_cast<double>(counters.link.latest_ns) * 1e-6;
 }
 
 }  // namespace telekerf

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/bus/bus.h"
+#include "common/bus/endpoints.h"
 #include "common/runtime/run_record.h"
 #include "common/runtime/settings.h"
 
@@ -24,7 +25,7 @@ struct BusFlags {
   BusSettings bus_settings(Site site, const std::string& role) const;
 };
 
-/// What the bus counted, as figures of a run.
-void add_figures(const BusCounters& counters, Figures& figures);
+/// What the bus counted, as figures of a run; `stream`: the reader of the other site's blocks.
+void add_figures(const BusCounters& counters, const ReaderCounters& stream, Figures& figures);
 
 }  // namespace telekerf
