@@ -116,13 +116,13 @@ Moments table_moments(const DelayLaw& law, double z_limit) {
 
 }  // namespace
 
-NormalTable::NormalTable() : cells_(kOctaves * kParts) {
+NormalTable::NormalTable() : cells_(std::size_t{kOctaves} * kParts) {
   for (int octave = 0; octave < kOctaves; ++octave) {
     for (int part = 0; part < kParts; ++part) {
       const double scale = std::ldexp(1.0, -(octave + 2));  // octave 0: tail probabilities [1/4, 1/2)
       const double here = normal_above(scale * (1.0 + static_cast<double>(part) / kParts));
       const double next = normal_above(scale * (1.0 + static_cast<double>(part + 1) / kParts));
-      cells_[octave * kParts + part] = {here, next - here};
+      cells_[static_cast<std::size_t>(octave) * kParts + part] = {here, next - here};
     }
   }
 }
