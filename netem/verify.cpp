@@ -162,7 +162,15 @@ void check_correlation(const DelayLaw& law, const std::vector<std::int64_t>& dra
 
 /// Normal scores can be told from delays only where the law has neither steps nor flat stretches.
 bool is_invertible(const DelayLaw& law) {
-  if (law.law != Law::kTable) return law.jitter_s > 1e-5;
+  if (law.law != Law::kTable) {
+    // Where the delay hardly grows from score to score, whole nanoseconds tell nothing.
+    constexpr double kStep = 0.25;
+    constexpr double kLeastRise_s = 25e-9;
+    for (double z = -2.0; z < kWinsorScore; z += kStep) {
+      if (delay_at_normal(law, z + kStep) - delay_at_normal(law, z) < kLeastRise_s) return false;
+    }
+    return true;
+  }
   for (std::size_t i = 1; i < law.table_s.size(); ++i) {
     if (law.table_s[i] - law.table_s[i - 1] < 1e-5) return false;
   }

@@ -63,6 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"gamma\"\nshape = 0.3\ncorrelation = 0.99",
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"lognormal\"\nshape = 2\norder = "
         "\"free\"\ncorrelation = 0.9",
+        "delay_ms = 7\njitter_ms = 0.05\ndistribution = \"lognormal\"\nshape = 3\ncorrelation = 0.99",
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"pareto\"\nshape = 2.1\norder = \"free\"",
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"pareto\"\nshape = 3\ncorrelation = 0.7",
         "delay_ms = 20\ndistribution = \"table\"\ntable_p = [0, 0.5, 1]\ntable_ms = [0, 0, 10]",
