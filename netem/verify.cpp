@@ -166,8 +166,8 @@ bool is_invertible(const DelayLaw& law) {
     // Where the delay hardly grows from score to score, whole nanoseconds tell nothing.
     constexpr double kStep = 0.25;
     constexpr double kLeastRise_s = 25e-9;
-    for (double z = -2.0; z < kWinsorScore; z += kStep) {
-      if (delay_at_normal(law, z + kStep) - delay_at_normal(law, z) < kLeastRise_s) return false;
+    for (int i = -8; i < 14; ++i) {
+      if (delay_at_normal(law, (i + 1) * kStep) - delay_at_normal(law, i * kStep) < kLeastRise_s) return false;
     }
     return true;
   }
