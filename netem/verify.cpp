@@ -239,7 +239,7 @@ void check_loss(const Conditions& nominal, const Run& run, bool event_losses, Ch
   std::uint64_t bursts = 0;
   bool before = false;
   for (const Sent& sent : run.sent) {
-    const bool now = nominal.tcp_like ? sent.fate.retransmissions > 0 : sent.fate.lost_by_model;
+    const bool now = sent.fate.lost_by_model || sent.fate.retransmissions > 0;
     lost += now;
     bursts += now && !before;
     before = now;
@@ -377,11 +377,11 @@ void check_rate(const DirectionProfile& emulated, const Conditions& nominal, Dir
 }
 
 /// Losses alone from a recording: packet by packet.
-void check_loss_trace(const Recording& recording, const Conditions& nominal, const Run& run, Checks& checks) {
+void check_loss_trace(const Recording& recording, const Run& run, Checks& checks) {
   std::uint64_t differing = 0;
   for (std::size_t i = 0; i < run.sent.size(); ++i) {
     const Fate& fate = run.sent[i].fate;
-    const bool lost = nominal.tcp_like ? fate.retransmissions > 0 : fate.lost_by_model;
+    const bool lost = fate.lost_by_model || fate.retransmissions > 0;
     differing += lost != recording[i % recording.size()].lost;
   }
   checks.none("lost otherwise than recorded", differing);
@@ -445,7 +445,7 @@ std::vector<StageReport> verify_direction(const DirectionProfile& nominal, const
     if (now.loss.model != LossModel::kTrace) {
       check_loss(now, measured, event_losses, checks);
     } else if (!(now.tcp_like && event_losses)) {
-      check_loss_trace(*nominal.recording, now, measured, checks);
+      check_loss_trace(*nominal.recording, measured, checks);
     }
     // Behind a bottleneck packets meet events later than they were sent.
     if (now.rate_bit_per_s == 0 && !now.tcp_like) check_events(nominal.events, measured, checks);

@@ -80,6 +80,7 @@ INSTANTIATE_TEST_SUITE_P(
         "loss = 1.0", "delay_ms = 20\nloss = 0.05\ntcp_like = true\nrto_ms = 100",
         "delay_ms = 20\nrate_kbit_per_s = 1000\nqueue_bytes = 20000",
         "delay_ms = 20\nrate_kbit_per_s = 1500\nqueue_bytes = 64",
+        "delay_ms = 20\nrate_kbit_per_s = 100\nqueue_bytes = 5000\nloss = 0.1\ntcp_like = true",
         "delay_ms = 20\nrate_kbit_per_s = 5000\nqueue_bytes = 3000\nduplicate = 0.5\ncorrupt = 0.5",
         "delay_ms = 20\njitter_ms = 2\ndistribution = \"normal\"\nslot_ms = 5\nslot_jitter_ms = "
         "2\nslot_packets = 8"));
