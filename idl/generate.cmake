@@ -1,7 +1,7 @@
 # Runs fastddsgen once. It returns 0 even when its templates fail, so its output is read; object hashes in its
-# comments are stripped to keep builds reproducible.
-file(MAKE_DIRECTORY ${OUT})
-execute_process(COMMAND ${FASTDDSGEN} -replace -d ${OUT} ${IDL} RESULT_VARIABLE result OUTPUT_VARIABLE log
+# comments are stripped to keep builds reproducible; its scratch files are kept apart from those of other builds.
+file(MAKE_DIRECTORY ${OUT}/scratch)
+execute_process(COMMAND ${FASTDDSGEN} -replace -d ${OUT} -t ${OUT}/scratch ${IDL} RESULT_VARIABLE result OUTPUT_VARIABLE log
                 ERROR_VARIABLE log)
 if(NOT result EQUAL 0 OR log MATCHES "ERROR|rror:")
   message(FATAL_ERROR "fastddsgen failed on ${IDL}:\n${log}")
