@@ -13,8 +13,8 @@
 #include "common/bus/endpoints.h"
 #include "common/bus/netem_switch.h"
 #include "common/runtime/loop.h"
-#include "master/constraint_telemetry.h"
 #include "master/station.h"
+#include "master/telemetry.h"
 
 namespace telekerf::master {
 namespace {
@@ -48,18 +48,18 @@ const char* name_of(MasterMode mode) {
 struct Progress {
   std::atomic<MasterMode> mode{MasterMode::kIdle};
   std::atomic<double> engaged_s{0.0};
-  ConstraintSnapshot constraint;
+  Snapshot values;
 };
 
-/// Publishes what the constraint does, fifty times a second. Says every change of mode; to a terminal also a
-/// bar.
+/// Publishes what constraint and observer do, fifty times a second. Says every change of mode; to a terminal
+/// also a bar.
 void announce(const std::stop_token& stop, const Progress& progress, double duration_s,
               Writer<TelemetryMessage>& telemetry) {
   const bool terminal = isatty(STDOUT_FILENO) != 0;
   MasterMode said = MasterMode::kIdle;
   for (unsigned round = 0; !stop.stop_requested(); ++round) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    if (const auto values = progress.constraint.load()) telemetry.write(*values);
+    if (const auto values = progress.values.load()) telemetry.write(*values);
     if (round % 5 != 0) continue;
     const MasterMode mode = progress.mode.load();
     if (mode != said) {
@@ -105,7 +105,18 @@ int run(Flags& flags) {
   Writer<CommandBlock> commands(bus);
   const NetemSwitch netem_switch(bus);
   Writer<TelemetryMessage> telemetry(bus);
-  ContourWatch<Task> contour(bus, [&](const ContourMessage& message) { return station.prepare(message); });
+  std::atomic<double> wanted_beta{flags.station.beta};
+  double beta = flags.station.beta;  // in force; only the watch's own thread needs it
+  ContourWatch<Task> contour(bus, [&](const ContourMessage& message) {
+    try {
+      auto task = station.prepare(message, wanted_beta.load());
+      beta = task->guide.beta;
+      return task;
+    } catch (const Refusal&) {
+      wanted_beta.store(beta);
+      throw;
+    }
+  });
   fmt::print("master: ready in {}\n", bus_settings.cell);
   std::fflush(stdout);
 
@@ -114,6 +125,7 @@ int run(Flags& flags) {
   arrived_states.reserve(64);
   arrived_events.reserve(64);
   Progress progress;
+  bool engage = flags.engage;
   double engaged_s = 0.0;
   double waited_s = 0.0;
   std::jthread herald(
@@ -122,14 +134,23 @@ int run(Flags& flags) {
   const LoopStatistics loop = run_loop(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(states, arrived_states);
     drain(events, arrived_events);
-    const MasterOutputs out =
-        station.step(now_ns, contour.current(), flags.engage, arrived_states, arrived_events);
+    for (const EventMessage& event : arrived_events) {
+      if (event.kind == EventMessage::Kind::kEngage) engage = true;
+      if (event.kind == EventMessage::Kind::kDisengage) engage = false;
+      if (event.kind == EventMessage::Kind::kSetBeta && event.value >= kSmallestBeta &&
+          event.value <= kLargestBeta) {
+        wanted_beta.store(event.value);
+        contour.again();
+      }
+    }
+    Task* const task = contour.current();
+    const MasterOutputs out = station.step(now_ns, task, engage, arrived_states, arrived_events);
     if (out.command) commands.write(*out.command);
     const bool engaged = out.mode == MasterMode::kEngaged;
     (engaged ? engaged_s : waited_s) += station.control_period_s();
     progress.mode.store(out.mode, std::memory_order_relaxed);
     progress.engaged_s.store(engaged_s, std::memory_order_relaxed);
-    progress.constraint.store(station.node().tick(), constraint_values(out));
+    progress.values.store(station.node().tick(), master_values(out, task ? task->guide.beta : 1.0));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
     return !done && !stop_requested() && !contour.refused();
   });

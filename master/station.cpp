@@ -20,7 +20,7 @@ Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 void StationSettings::declare(Settings& settings) {
   settings.add("robot", robot, "robot: a shipped name or a file");
-  settings.add("beta", beta, {.min = 0.01, .max = 10}, "slave motion = beta x master motion");
+  settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta}, "slave motion = beta x master motion");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot and hand");
@@ -92,8 +92,8 @@ Station::Station(const StationSettings& settings)
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
-std::unique_ptr<Task> Station::prepare(const ContourMessage& contour) const {
-  Guide guide = make_guide(contour, settings_.beta, settings_.node.constraint);
+std::unique_ptr<Task> Station::prepare(const ContourMessage& contour, std::optional<double> beta) const {
+  Guide guide = make_guide(contour, beta.value_or(settings_.beta), settings_.node.constraint);
   require_reach(model_, guide, settings_.node.constraint.corridor_m);
   SimulatedHand hand(guide.curve.line(), settings_.hand, settings_.seed);
   return std::make_unique<Task>(Task{std::move(guide), std::move(hand)});
@@ -125,7 +125,8 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
   robot_.set_tool_force(hand.force_n);
   recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(tool_m), triple(hand.force_n),
                   out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
-                  triple(out.observed.slave.position_m), out.observed.joined});
+                  triple(out.observed.slave.position_m), out.observed.joined,
+                  task != nullptr ? task->guide.beta : settings_.beta});
   robot_.advance(control_period_s());
   return out;
 }

@@ -17,6 +17,9 @@
 
 namespace telekerf::master {
 
+inline constexpr double kSmallestBeta = 0.01;
+inline constexpr double kLargestBeta = 10.0;
+
 struct StationSettings {
   MasterSettings node;
   std::string robot = "master-horizontal";
@@ -47,8 +50,9 @@ class Station {
  public:
   explicit Station(const StationSettings& settings);
 
-  /// Allocates: call it outside the loop. Throws Refusal if the robot cannot take the scaled contour.
-  std::unique_ptr<Task> prepare(const ContourMessage& contour) const;
+  /// Allocates: call it outside the loop. `beta`: another one than the settings'. Throws Refusal if the robot
+  /// cannot take the scaled contour.
+  std::unique_ptr<Task> prepare(const ContourMessage& contour, std::optional<double> beta = {}) const;
 
   /// One control step: read, decide, write, and let the simulated plant move. `task` may be null.
   MasterOutputs step(std::int64_t now_ns, Task* task, bool engage,

@@ -2,13 +2,10 @@
 // telekerf-netem switch PROFILE: the processes of a running cell put another emulated network in place.
 #include <fmt/format.h>
 
-#include <chrono>
 #include <memory>
-#include <thread>
 
 #include "common/bus/bus_flags.h"
-#include "common/bus/endpoints.h"
-#include "common/runtime/refusal.h"
+#include "common/bus/tell.h"
 #include "netem/commands.h"
 #include "netem/profile.h"
 
@@ -25,18 +22,10 @@ int run(Options& options) {
   options.settings.fill();
   (void)load_profile(options.profile);  // refused here rather than by everyone in the cell
   Bus bus(options.bus.bus_settings(Site::kOperator, "netem-switch"));
-  Writer<EventMessage> writer(bus);
-  const std::size_t others = bus.others().size();
-  if (others == 0 || !writer.wait_for_reader(std::chrono::seconds(5))) {
-    throw Refusal(
-        fmt::format("nobody listens in cell '{}' of domain {}", bus.settings().cell, bus.settings().domain));
-  }
   EventMessage event;
   event.kind = EventMessage::Kind::kSetNetem;
   event.text = options.profile;
-  if (!writer.write(event)) throw Refusal("the event could not be sent");
-  // Reliable delivery needs the writer alive, over slow links too.
-  std::this_thread::sleep_for(std::chrono::seconds(2));
+  const std::size_t others = tell(bus, event);
   fmt::print("told {} processes of cell '{}': {}\n", others, bus.settings().cell, options.profile);
   return 0;
 }

@@ -2,6 +2,8 @@
 // Prepares each newly published contour outside the control loop and hands it over by pointer.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -38,6 +40,9 @@ class ContourWatch {
     const std::lock_guard lock(mutex_);
     return refusal_;
   }
+  /// Prepares the newest contour once more, for what has changed in its preparation. Wait-free. If it is
+  /// refused now, what was in force stays, and the refusal's sentence goes to stderr.
+  void again() noexcept { again_.store(true, std::memory_order_release); }
   /// The message behind current().
   ContourMessage message() const {
     const std::lock_guard lock(mutex_);
@@ -49,19 +54,29 @@ class ContourWatch {
     while (!stop.stop_requested()) {
       while (const auto received = reader_.take()) {
         try {
-          auto prepared = prepare_(received->value);
-          const std::lock_guard lock(mutex_);
-          message_ = received->value;
-          all_.push_back(std::move(prepared));
-          current_.store(all_.back().get(), std::memory_order_release);
+          take_over(received->value);
         } catch (const Refusal& refusal) {
           const std::lock_guard lock(mutex_);
           refusal_ = refusal.what();
           refused_.store(true, std::memory_order_release);
         }
       }
+      if (again_.exchange(false, std::memory_order_acq_rel) && current() != nullptr) {
+        try {
+          take_over(message_);
+        } catch (const Refusal& refusal) {
+          fmt::print(stderr, "{}: stays as it is: {}\n", message_.source, refusal.what());
+        }
+      }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
+  }
+  void take_over(const ContourMessage& message) {
+    auto prepared = prepare_(message);
+    const std::lock_guard lock(mutex_);
+    if (&message != &message_) message_ = message;
+    all_.push_back(std::move(prepared));
+    current_.store(all_.back().get(), std::memory_order_release);
   }
 
   Reader<ContourMessage> reader_;
@@ -72,6 +87,7 @@ class ContourWatch {
   std::string refusal_;
   std::atomic<Prepared*> current_{nullptr};
   std::atomic<bool> refused_{false};
+  std::atomic<bool> again_{false};
   std::jthread thread_;  ///< last: starts when everything else is there, ends first
 };
 

@@ -127,6 +127,19 @@ bool Writer<T>::wait_for_reader(std::chrono::nanoseconds timeout, int count) con
 }
 
 template <class T>
+bool Writer<T>::wait_until_received(std::chrono::nanoseconds timeout) const {
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  for (dds::DataWriter* lane : impl_->lanes) {
+    const std::chrono::duration<double> left = end - std::chrono::steady_clock::now();
+    if (lane->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(std::max(left.count(), 1e-3))) !=
+        ReturnCode_t::RETCODE_OK) {
+      return false;
+    }
+  }
+  return true;
+}
+
+template <class T>
 struct Reader<T>::Impl : dds::DataReaderListener {
   Impl(Bus& bus, std::size_t capacity)
       : participant(bus.participant()), ring(capacity == 0 ? bus::Topic<T>::kRing : capacity) {

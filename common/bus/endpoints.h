@@ -34,6 +34,8 @@ class Writer {
   /// What is written before a reader is matched is lost for it, unless latched. The reader's side may learn
   /// of the match a little later than this side: blocks may still be lost in between, events are not.
   [[nodiscard]] bool wait_for_reader(std::chrono::nanoseconds timeout, int count = 1) const;
+  /// Until every reliable reader has said that it has what was written.
+  [[nodiscard]] bool wait_until_received(std::chrono::nanoseconds timeout) const;
 
   struct Impl;
 

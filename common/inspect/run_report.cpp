@@ -41,10 +41,10 @@ struct Spread {
 
 Vec2 plane(const Triple& point) { return {point[0], point[1]}; }
 
-Polyline contour_of(const RunRecord& record, double scale) {
+Polyline contour_of(const RunRecord& record) {
   Polyline line;
   line.closed = record.contour_closed;
-  for (const auto& point : record.contour_m) line.points_m.emplace_back(scale * point[0], scale * point[1]);
+  for (const auto& point : record.contour_m) line.points_m.emplace_back(point[0], point[1]);
   return line;
 }
 
@@ -75,6 +75,11 @@ bool joined_at(const RunRecord& record, double tick) {
   if (!master_at(record, tick, &MasterRow::tool_m)) return false;
   return record.master[static_cast<std::size_t>(tick - static_cast<double>(record.master.front().tick))]
       .joined;
+}
+
+/// Slave motion = beta x master motion at that tick, which the record holds.
+double beta_at(const RunRecord& record, double tick) {
+  return record.master[static_cast<std::size_t>(tick - static_cast<double>(record.master.front().tick))].beta;
 }
 
 /// Which stretches of the contour the laser reached, in bins of arc length.
@@ -122,14 +127,13 @@ double tick_s(const std::vector<SlaveRow>& rows) {
 
 nlohmann::ordered_json make_report(const RunRecord& record) {
   if (record.contour_m.size() < 2) throw Refusal("the run has no contour: nothing to report");
-  const double beta = figure(record.master_figures, "beta", 1.0);
-  const geometry::NearestIndex contour(contour_of(record, 1.0));
-  const geometry::NearestIndex guide(contour_of(record, 1.0 / beta));
+  const geometry::NearestIndex contour(contour_of(record));
   const double dt_s = figure(record.slave_figures, "control_period_s", tick_s(record.slave));
 
   Spread constraint;
   for (const auto& row : record.master) {
-    if (row.guided) constraint.add(guide.find(plane(row.tool_m)).distance_m);
+    // In the master's size: to contour / beta.
+    if (row.guided) constraint.add(contour.find(row.beta * plane(row.tool_m)).distance_m / row.beta);
   }
 
   Spread tracking;
@@ -143,7 +147,8 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   for (const auto& row : record.slave) {
     if (row.settled && row.applied >= 0.0 && joined_at(record, row.applied)) {
       const Vec3 tool(row.tool_m[0], row.tool_m[1], row.tool_m[2]);
-      tracking.add((tool - beta * *master_at(record, row.applied, &MasterRow::tool_m)).norm());
+      const Vec3 master = *master_at(record, row.applied, &MasterRow::tool_m);
+      tracking.add((tool - beta_at(record, row.applied) * master).norm());
       prediction.add((tool - *master_at(record, row.applied, &MasterRow::predicted_m)).norm());
     }
     if (row.laser_w <= 0.0) {
@@ -176,7 +181,7 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
                        {"closed", record.contour_closed},
                        {"image", word(record, "image")},
                        {"mode", word(record, "mode")}};
-  report["beta"] = beta;
+  report["beta"] = figure(record.master_figures, "beta", 1.0);
   report["law"] = word(record, "law");
   report["estimator"] = word(record, "estimator");
   report["constraint"] = constraint.json();

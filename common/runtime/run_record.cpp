@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kMasterColumns =
     "tick,t_s,tool_x_m,tool_y_m,tool_z_m,hand_x_n,hand_y_n,hand_z_n,constraint_n,guided,engaged,button,"
-    "predicted_x_m,predicted_y_m,predicted_z_m,joined";
+    "predicted_x_m,predicted_y_m,predicted_z_m,joined,beta";
 constexpr const char* kSlaveColumns =
     "tick,t_s,applied_tick,ref_x_m,ref_y_m,ref_z_m,tool_x_m,tool_y_m,tool_z_m,laser_w,interlock,settled";
 constexpr const char* kContourColumns = "x_m,y_m";
@@ -123,7 +123,8 @@ void write_master(const fs::path& folder, const RunRecord& record) {
   for (const auto& r : record.master) {
     append(text, {static_cast<double>(r.tick), r.t_s, r.tool_m[0], r.tool_m[1], r.tool_m[2], r.hand_n[0],
                   r.hand_n[1], r.hand_n[2], r.constraint_n, double(r.guided), double(r.engaged),
-                  double(r.button), r.predicted_m[0], r.predicted_m[1], r.predicted_m[2], double(r.joined)});
+                  double(r.button), r.predicted_m[0], r.predicted_m[1], r.predicted_m[2], double(r.joined),
+                  r.beta});
   }
   write_whole(folder / "master.csv", text);
   write_whole(
@@ -158,7 +159,8 @@ RunRecord read_run(const fs::path& folder) {
                              v[10] != 0,
                              v[11] != 0,
                              {v[12], v[13], v[14]},
-                             v[15] != 0});
+                             v[15] != 0,
+                             v[16]});
   }
   for (const auto& v : read_table(folder / "slave.csv", kSlaveColumns)) {
     record.slave.push_back({static_cast<std::uint64_t>(v[0]),

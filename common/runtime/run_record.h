@@ -27,6 +27,7 @@ struct MasterRow {
   bool button = false;
   Triple predicted_m{};  ///< slave's tool when it applies this tick, as predicted; slave's workpiece frame
   bool joined = false;   ///< engaged, and nothing is left of the approach of the slave to the master
+  double beta = 1.0;     ///< slave motion = beta x master motion; may change during a run
 };
 
 struct SlaveRow {

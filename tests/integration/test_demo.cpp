@@ -85,6 +85,40 @@ TEST(Demo, TheNetworkIsSwitchedInMidRun) {
   EXPECT_TRUE(master.says("the network is now 'geo'", seconds(10))) << master.output();
 }
 
+TEST(Demo, TheOperatorEngagesChangesTheScaleAndStops) {
+  const std::string out = (Program::scratch() / "told").string();
+  Program vision("telekerf-vision", bus("none", {"--image", "heart"}));
+  Program slave("telekerf-slave", bus("none", {"--record", out}));
+  Program master("telekerf-master", bus("none", {"--record", out}));
+  const auto tell = [](std::vector<std::string> what) {
+    what.insert(what.end(), {"--domain", own_domain(), "--cell", "test"});
+    Program told("telekerf-tell", what);
+    EXPECT_EQ(told.wait(seconds(20)), 0) << told.output();
+  };
+  ASSERT_TRUE(master.says("moving to the contour", seconds(20))) << master.output();
+  tell({"engage"});
+  ASSERT_TRUE(master.says("engaged: the slave follows", seconds(20))) << master.output();
+  tell({"beta", "0.05"});  // 31 mm / 0.05 is no place for any robot
+  EXPECT_TRUE(master.says("stays as it is", seconds(10))) << master.output();
+  tell({"beta", "0.8"});
+  std::this_thread::sleep_for(seconds(5));
+  tell({"stop"});
+  EXPECT_TRUE(master.says("stopped", seconds(10))) << master.output();
+  master.interrupt();
+  slave.interrupt();
+  ASSERT_EQ(master.wait(seconds(20)), 0) << master.output();
+  ASSERT_EQ(slave.wait(seconds(20)), 0) << slave.output();
+  Program inspect("telekerf-inspect", {"run", out});
+  ASSERT_EQ(inspect.wait(seconds(30)), 0) << inspect.output();
+  const auto report = nlohmann::json::parse(std::ifstream(out + "/report.json"));
+  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0) << "at either scale";
+  EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
+  std::ifstream rows(out + "/master.csv");
+  const std::string all{std::istreambuf_iterator<char>(rows), {}};
+  EXPECT_NE(all.find(",0.5\n"), std::string::npos);
+  EXPECT_NE(all.find(",0.8\n"), std::string::npos) << "the record says which scale was in force";
+}
+
 TEST(Demo, AMasterAloneGivesUpWithAHint) {
   Program master("telekerf-master", {"--domain", own_domain(), "--cell", "empty", "--engage", "--duration-s",
                                      "1", "--wait-s", "1"});

@@ -27,6 +27,7 @@ RunRecord circle_run(double out, double off) {
     row.t_s = i * 1e-3;
     row.tool_m = {(0.02 + out) * std::cos(angle), (0.02 + out) * std::sin(angle), 0.0};
     row.guided = row.engaged = row.joined = true;
+    row.beta = 0.5;
     const double predicted = 0.5 * (0.02 + out) + off - 7e-6;
     row.predicted_m = {predicted * std::cos(angle), predicted * std::sin(angle), 0.0};
     record.master.push_back(row);
@@ -46,6 +47,19 @@ RunRecord circle_run(double out, double off) {
   }
   record.master_figures["beta"] = 0.5;
   return record;
+}
+
+TEST(RunReport, ABetaThatChangesInMidRunChangesNoFigureAtTheWorkpiece) {
+  RunRecord record = circle_run(100e-6, 30e-6);
+  for (std::size_t i = 400; i < record.master.size(); ++i) {
+    record.master[i].beta = 1.0;
+    for (double& at : record.master[i].tool_m) at *= 0.5;
+  }
+  const auto report = make_report(record);
+  EXPECT_NEAR(report["tracking"]["rms_um"].get<double>(), 30.0, 0.01);
+  EXPECT_NEAR(report["cut"]["rms_um"].get<double>(), 80.0, 0.1);
+  EXPECT_NEAR(report["constraint"]["max_um"].get<double>(), 100.0, 0.1) << "at beta 0.5";
+  EXPECT_LT(report["constraint"]["rms_um"].get<double>(), 90.0) << "at beta 1 the same motion is 50 um off";
 }
 
 TEST(RunReport, MeasuresConstraintTrackingAndCutWithoutAnyFittedShift) {

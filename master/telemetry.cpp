@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/constraint_telemetry.h"
+#include "master/telemetry.h"
 
 namespace telekerf::master {
 
-ConstraintValues constraint_values(const MasterOutputs& out) noexcept {
+MasterValues master_values(const MasterOutputs& out, double beta) noexcept {
   const GuidePiece& piece = out.active.piece;
   const geometry::CircleOrLine& shape = piece.shape;
   const Vec2 centre = shape.is_line ? shape.point_m : shape.centre_m;
   const Vec2 tangent = shape.tangent(piece.point_m);
+  const Motion& slave = out.observed.slave;
   return {static_cast<double>(out.mode),
           out.tool_m.x(),
           out.tool_m.y(),
@@ -21,12 +22,27 @@ ConstraintValues constraint_values(const MasterOutputs& out) noexcept {
           tangent.x(),
           tangent.y(),
           piece.arc_m,
-          out.active.limit.m_per_s};
+          out.active.limit.m_per_s,
+          beta,
+          slave.position_m.x(),
+          slave.position_m.y(),
+          slave.position_m.z(),
+          slave.velocity_m_per_s.x(),
+          slave.velocity_m_per_s.y(),
+          slave.velocity_m_per_s.z(),
+          out.observed.disturbance_m_per_s2.x(),
+          out.observed.disturbance_m_per_s2.y(),
+          out.observed.disturbance_m_per_s2.z(),
+          out.observed.innovation_m.x(),
+          out.observed.innovation_m.y(),
+          out.observed.innovation_m.z(),
+          out.observed.delay_s,
+          out.observed.joined ? 1.0 : 0.0};
 }
 
 // A sequence lock whose data are atomics, so that a torn reading is noticed and never undefined: who has read
 // a value of the next writing also sees that writing's odd version.
-void ConstraintSnapshot::store(Tick tick, const ConstraintValues& values) noexcept {
+void Snapshot::store(Tick tick, const MasterValues& values) noexcept {
   const std::uint64_t version = version_.load(std::memory_order_relaxed);
   version_.store(version + 1, std::memory_order_relaxed);
   tick_.store(tick, std::memory_order_release);
@@ -34,14 +50,14 @@ void ConstraintSnapshot::store(Tick tick, const ConstraintValues& values) noexce
   version_.store(version + 2, std::memory_order_release);
 }
 
-std::optional<TelemetryMessage> ConstraintSnapshot::load() const {
+std::optional<TelemetryMessage> Snapshot::load() const {
   const std::uint64_t before = version_.load(std::memory_order_acquire);
   if (before == 0 || before % 2 != 0) return std::nullopt;
   TelemetryMessage message;
   message.role = "master";
   message.tick = tick_.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    message.values.emplace_back(kConstraintValues[i], values_[i].load(std::memory_order_acquire));
+    message.values.emplace_back(kMasterValueNames[i], values_[i].load(std::memory_order_acquire));
   }
   if (version_.load(std::memory_order_relaxed) != before) return std::nullopt;
   return message;

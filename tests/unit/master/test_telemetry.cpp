@@ -4,23 +4,27 @@
 #include <set>
 #include <thread>
 
-#include "master/constraint_telemetry.h"
+#include "master/telemetry.h"
 
 namespace telekerf::master {
 namespace {
 
-TEST(ConstraintTelemetry, NamesAreUniqueAndTheCircleIsTheOneInForce) {
-  EXPECT_EQ(std::set<std::string>(kConstraintValues.begin(), kConstraintValues.end()).size(),
-            kConstraintValues.size());
+TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
+  EXPECT_EQ(std::set<std::string>(kMasterValueNames.begin(), kMasterValueNames.end()).size(),
+            kMasterValueNames.size());
   MasterOutputs out;
   out.corridor_m = 0.5e-3;
   out.constraint_n = 2.5;
   out.active.phi_m = 7e-6;
   out.active.piece.point_m = {0.01, 0.0};
   out.active.piece.shape = geometry::osculating({0.01, 0.0}, {0.0, 1.0}, 100.0);
-  ConstraintSnapshot snapshot;
+  out.observed.slave.velocity_m_per_s = {0.0, 0.02, 0.0};
+  out.observed.innovation_m = {0.0, 0.0, 3e-6};
+  out.observed.delay_s = 0.12;
+  out.observed.joined = true;
+  Snapshot snapshot;
   EXPECT_FALSE(snapshot.load()) << "nothing stored yet";
-  snapshot.store(42, constraint_values(out));
+  snapshot.store(42, master_values(out, 0.25));
   const auto message = snapshot.load();
   ASSERT_TRUE(message);
   EXPECT_EQ(message->role, "master");
@@ -39,14 +43,19 @@ TEST(ConstraintTelemetry, NamesAreUniqueAndTheCircleIsTheOneInForce) {
   EXPECT_NEAR(value("circle_x_m"), 0.0, 1e-12);
   EXPECT_NEAR(value("circle_radius_m"), 0.01, 1e-12);
   EXPECT_NEAR(value("tangent_y"), 1.0, 1e-12);
+  EXPECT_EQ(value("beta"), 0.25);
+  EXPECT_EQ(value("slave_y_m_per_s"), 0.02);
+  EXPECT_EQ(value("innovation_z_m"), 3e-6);
+  EXPECT_EQ(value("delay_s"), 0.12);
+  EXPECT_EQ(value("joined"), 1.0);
 }
 
 // All values of one store are the same number: a reader that sees two of them has read across a writing.
-TEST(ConstraintTelemetry, AReaderNeverSeesHalfAWriting) {
-  ConstraintSnapshot snapshot;
+TEST(MasterTelemetry, AReaderNeverSeesHalfAWriting) {
+  Snapshot snapshot;
   constexpr int kReadings = 20'000;
   std::jthread writer([&](const std::stop_token& stop) {
-    ConstraintValues values;
+    MasterValues values;
     for (Tick tick = 1; !stop.stop_requested(); ++tick) {
       values.fill(static_cast<double>(tick));
       snapshot.store(tick, values);

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/tell.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "common/bus/endpoints.h"
+#include "common/runtime/refusal.h"
+
+namespace telekerf {
+
+std::size_t tell(Bus& bus, const EventMessage& event) {
+  Writer<EventMessage> writer(bus);
+  constexpr std::chrono::seconds kPatience{5};
+  const std::size_t others = bus.others().size();
+  // Everyone listens; but one who is just leaving must not hold up the rest.
+  if (others == 0 ||
+      (!writer.wait_for_reader(kPatience, static_cast<int>(others)) && writer.readers() == 0)) {
+    throw Refusal(
+        fmt::format("nobody listens in cell '{}' of domain {}: start its processes first, or give "
+                    "their --cell and --domain",
+                    bus.settings().cell, bus.settings().domain));
+  }
+  if (!writer.write(event)) throw Refusal("the event could not be sent");
+  if (!writer.wait_until_received(kPatience))
+    throw Refusal(
+        fmt::format("not everyone in cell '{}' has confirmed it within {} s: see to it at the machine",
+                    bus.settings().cell, kPatience.count()));
+  return others;
+}
+
+}  // namespace telekerf

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the constraint does and what the network observer thinks, as named numbers for console and recorder,
+// handed from the loop to another thread without a lock.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "common/bus/messages.h"
+#include "master/master_node.h"
+
+namespace telekerf::master {
+
+inline constexpr std::array kMasterValueNames{
+    // The constraint.
+    "mode", "tool_x_m", "tool_y_m", "constraint_n", "phi_m", "corridor_m", "circle_is_line", "circle_x_m",
+    "circle_y_m", "circle_radius_m", "tangent_x", "tangent_y", "arc_m", "speed_limit_m_per_s", "beta",
+    // The network observer.
+    "slave_x_m", "slave_y_m", "slave_z_m", "slave_x_m_per_s", "slave_y_m_per_s", "slave_z_m_per_s",
+    "disturbance_x_m_per_s2", "disturbance_y_m_per_s2", "disturbance_z_m_per_s2", "innovation_x_m",
+    "innovation_y_m", "innovation_z_m", "delay_s", "joined"};
+using MasterValues = std::array<double, kMasterValueNames.size()>;
+
+/// In the order of kMasterValueNames. Circle and tangent in the master's workpiece frame; of a line,
+/// circle_x_m and circle_y_m are a point on it and the radius is zero. `slave_`: predicted for the tick at
+/// which the command made now acts, slave's workpiece frame.
+MasterValues master_values(const MasterOutputs& out, double beta) noexcept;
+
+/// The newest values of one writer, for any number of readers. The writer never waits.
+class Snapshot {
+ public:
+  void store(Tick tick, const MasterValues& values) noexcept;
+  /// None while the writer is just at it (ask again later) or has not begun.
+  std::optional<TelemetryMessage> load() const;
+
+ private:
+  std::atomic<std::uint64_t> version_{0};  // odd while values change
+  std::atomic<Tick> tick_{0};
+  std::array<std::atomic<double>, kMasterValueNames.size()> values_{};
+};
+
+}  // namespace telekerf::master
