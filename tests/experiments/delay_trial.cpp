@@ -114,6 +114,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
   std::vector<Vec3> predicted(hand.tool.size());
+  std::vector<bool> joined(hand.tool.size());
   DelayResult result;
   result.error_m.assign(hand.tool.size(), std::numeric_limits<double>::quiet_NaN());
   result.prediction_error_m = result.error_m;
@@ -129,6 +130,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
         now_ns, tick,
         {.tool = hand.tool[tick], .beta = hand.beta, .contour_id = hand.contour.id, .engaged = heard});
     predicted[tick] = stream.observed().slave.position_m;
+    joined[tick] = stream.observed().joined;
     if (block) {
       bytes += block->payload.size;
       forward.push(now_ns, *block, block->payload.size + lap::kBesidePayload);
@@ -142,6 +144,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     if (out.state) backward.push(now_ns, *out.state, out.state->payload.size + lap::kBesidePayload);
     if (out.applied_tick < 0.0) continue;
     const auto applied = static_cast<std::size_t>(std::llround(out.applied_tick));
+    if (!joined[applied]) continue;  // the master itself is still leading the slave to its motion
     result.error_m[applied] = (tool_m - hand.beta * hand.true_tool_m[applied]).norm();
     result.prediction_error_m[applied] = (tool_m - predicted[applied]).norm();
   }
