@@ -235,7 +235,7 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
                    .agrees =
                        [&](const Vec2& corner, const Vec2& outwards) {
                          const auto ink = ink_ends(field, corner, outwards, 3.0 * w);
-                         return ink && *ink > 0.25 * w;
+                         return ink && *ink > pen_inset(field, w) - 0.1 * w - 0.2;
                        },
                    .tip = [&](const Vec2& rounded, const Vec2& outwards) -> std::optional<Vec2> {
                      const auto ink = ink_ends(field, rounded, outwards, 6.0 * w);

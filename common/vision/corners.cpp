@@ -66,9 +66,8 @@ class Sharpener {
 
   /// The straight line through the side that begins `from` points away and ends before the next corner's
   /// middle.
-  std::optional<geometry::CircleOrLine> side(std::ptrdiff_t corner, int direction,
-                                             std::ptrdiff_t room) const {
-    const auto skip = static_cast<std::ptrdiff_t>(std::lround(rule_.rounded_px));
+  std::optional<geometry::CircleOrLine> side(std::ptrdiff_t corner, int direction, std::ptrdiff_t room,
+                                             std::ptrdiff_t skip) const {
     auto count = static_cast<std::ptrdiff_t>(std::lround(rule_.side_px));
     count = std::min(count, std::max<std::ptrdiff_t>(room - 2 * skip + 1, 3));
     if (room < skip + 3 || (!closed_ && (corner + direction * (skip + count) < 0 ||
@@ -122,19 +121,35 @@ class Sharpener {
     return Corner{i - skip / 2, i + skip / 2, *tip};
   }
 
+  /// How far the level half way between inside and outside of a wedge lies from its tip after a Gaussian (to
+  /// 2 % of the integral). Directions towards the tip.
+  double retreat(const Vec2& a, const Vec2& b) const {
+    const double half = std::max(0.1, 0.5 * std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+    return rule_.blur_px * (0.675 + 0.123 * std::sin(half)) / std::tan(half);
+  }
+
   /// Where the straight continuations of both sides cross.
   std::optional<Corner> crossing_at(std::ptrdiff_t i, std::ptrdiff_t before, std::ptrdiff_t after,
                                     std::ptrdiff_t skip) const {
-    const auto a = side(i, -1, before);
-    const auto b = side(i, +1, after);
+    auto a = side(i, -1, before, skip);
+    auto b = side(i, +1, after, skip);
     if (!a || !b) return std::nullopt;
+    double furthest = rule_.furthest_px;
+    if (rule_.blur_px > 0.0) {
+      const double rounded = retreat(a->direction, b->direction);
+      furthest = 1.15 * rounded + 0.3;
+      skip = std::max(skip, std::lround(rounded + 2.0 * rule_.blur_px));
+      a = side(i, -1, before, skip);
+      b = side(i, +1, after, skip);
+      if (!a || !b) return std::nullopt;
+    }
     const double det = geometry::cross(a->direction, b->direction);
     if (std::abs(det) < 0.3) return std::nullopt;  // too flat or too sharp for a crossing point to be good
     const double along = geometry::cross(b->point_m - a->point_m, b->direction) / det;
     const Vec2 corner = a->point_m + along * a->direction;
     const double back = (corner - b->point_m).dot(b->direction);
     const double distance = (corner - at(i)).norm();
-    if (along < 0.0 || back < 0.0 || distance > rule_.furthest_px || distance < 0.15) return std::nullopt;
+    if (along < 0.0 || back < 0.0 || distance > furthest || distance < 0.15) return std::nullopt;
     const Vec2 outwards = (a->direction + b->direction).normalized();
     if (rule_.agrees && !rule_.agrees(corner, outwards)) return std::nullopt;
     return Corner{i - skip + 1, i + skip - 1, corner};

@@ -77,7 +77,32 @@ std::optional<std::string> clutter(const Field& field, const Outlines& outlines)
       size);
 }
 
-tl::expected<Contours, std::string> outline_mode(Outlines found, const ExtractSettings& settings) {
+/// Sigma of lens and filter together, from how steep the picture is along the borders.
+double blur_of(const Field& field, const Contours& contours) {
+  std::vector<double> slopes;
+  std::size_t points = 0;
+  for (const PixelContour& c : contours) points += c.points_px.size();
+  const std::size_t step = points / 2000 + 1;
+  std::size_t next = 0;
+  for (const PixelContour& c : contours) {
+    for (; next < c.points_px.size(); next += step) {
+      const int x = static_cast<int>(std::lround(c.points_px[next].x()));
+      const int y = static_cast<int>(std::lround(c.points_px[next].y()));
+      if (x < 1 || y < 1 || x + 1 >= field.smooth.cols || y + 1 >= field.smooth.rows) continue;
+      slopes.push_back(0.5 * std::hypot(field.value(x + 1, y) - field.value(x - 1, y),
+                                        field.value(x, y + 1) - field.value(x, y - 1)));
+    }
+    next -= c.points_px.size();
+  }
+  if (slopes.empty()) return field.sigma_px;
+  std::nth_element(slopes.begin(), slopes.begin() + slopes.size() / 2, slopes.end());
+  const double slope = std::max(1e-3, slopes[slopes.size() / 2]);
+  return std::clamp(field.contrast / (std::sqrt(2.0 * M_PI) * slope), field.sigma_px, 5.0);
+}
+
+tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines found,
+                                                 const ExtractSettings& settings) {
+  const double blur_px = blur_of(field, found.contours);
   for (PixelContour& contour : found.contours) {
     // Pixels run downwards, so what is anticlockwise to the eye has a negative area here.
     contour.hole = geometry::signed_area_m2({contour.points_px, true}) > 0.0;
@@ -86,7 +111,7 @@ tl::expected<Contours, std::string> outline_mode(Outlines found, const ExtractSe
       finished(std::move(found.contours), settings.smallest_share, 1.0,
                found.cut_off > 0 ? kCutOff : "the picture holds specks only, no shape with an outline");
   if (contours) {
-    for (PixelContour& contour : *contours) sharpen_corners(contour.points_px, true, {});
+    for (PixelContour& contour : *contours) sharpen_corners(contour.points_px, true, {.blur_px = blur_px});
   }
   return contours;
 }
@@ -214,7 +239,7 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   }
   auto contours = out.mode == Mode::kStroke   ? stroke_mode(*field, outlines, settings)
                   : out.mode == Mode::kThesis ? thesis_mode(*field, outlines, settings)
-                                              : outline_mode(std::move(outlines), settings);
+                                              : outline_mode(*field, std::move(outlines), settings);
   if (!contours) return tl::unexpected(contours.error());
   out.contours = std::move(*contours);
   apply_ends(out.contours, settings.start_px, settings.end_px);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "common/vision/modes.h"
 
@@ -22,6 +24,8 @@ class BorderWalk {
 
   Outlines all() {
     Outlines out;
+    std::vector<cv::Point> seeds;
+    std::vector<cv::Point> cut;
     for (int y = 0; y < drawn_.rows; ++y) {
       unsigned char before = 0;
       auto* row = drawn_.ptr<unsigned char>(y);
@@ -39,17 +43,36 @@ class BorderWalk {
           PixelContour contour;
           if (walk(x, y, contour.points_px)) {
             out.contours.push_back(std::move(contour));
+            seeds.emplace_back(x, y);
           } else {
             ++out.cut_off;
+            cut.emplace_back(x, y);
           }
         }
         before = row[x];
       }
     }
+    if (!cut.empty()) drop_parts_of(cut, seeds, out.contours);
     return out;
   }
 
  private:
+  /// Holes in ink that runs over the border are not whole either.
+  void drop_parts_of(const std::vector<cv::Point>& cut, const std::vector<cv::Point>& seeds,
+                     Contours& contours) const {
+    cv::Mat labels;
+    const int count = cv::connectedComponents(field_.drawn, labels, 8, CV_32S);
+    std::vector<bool> is_cut(static_cast<std::size_t>(count), false);
+    for (const cv::Point& p : cut) is_cut[labels.at<int>(p)] = true;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < contours.size(); ++i) {
+      if (is_cut[labels.at<int>(seeds[i])]) continue;
+      if (kept != i) contours[kept] = std::move(contours[i]);
+      ++kept;
+    }
+    contours.resize(kept);
+  }
+
   bool drawn(int x, int y) const noexcept {
     return x >= 0 && y >= 0 && x < drawn_.cols && y < drawn_.rows && drawn_.at<unsigned char>(y, x) != 0;
   }

@@ -14,6 +14,9 @@ namespace {
 constexpr double kMostTurn =
     1.75;  ///< radians: two branches that turn more than 100 degrees are not one stroke
 
+constexpr double kForks = 0.8;           ///< cosine
+constexpr double kLongestOverlap = 10.0;  ///< stroke widths
+
 /// One end of one line.
 struct End {
   int line = -1;
@@ -50,12 +53,23 @@ class Router {
     cluster_.resize(graph_.nodes.size());
     std::iota(cluster_.begin(), cluster_.end(), 0);
     used_.assign(graph_.lines.size(), false);
+    at_node_.resize(graph_.nodes.size());
+    for (int i = 0; i < static_cast<int>(graph_.lines.size()); ++i) {
+      const SkeletonGraph::Line& line = graph_.lines[i];
+      if (line.from >= 0) at_node_[line.from].push_back(code({i, false, {}}));
+      if (line.to >= 0) at_node_[line.to].push_back(code({i, true, {}}));
+    }
     for (std::size_t i = 0; i < graph_.lines.size(); ++i) {
       const SkeletonGraph::Line& line = graph_.lines[i];
       if (line.from < 0 || line.to < 0 || line.from == line.to) continue;
       if (graph_.nodes[line.from].degree < 3 || graph_.nodes[line.to].degree < 3) continue;
       const auto length = static_cast<double>(line.pixels.size());
       double least = std::numeric_limits<double>::infinity();
+      if (forks(line, false) && forks(line, true) && length <= kLongestOverlap * width_) {
+        cluster_[root(line.from)] = root(line.to);
+        used_[i] = true;
+        continue;
+      }
       if (length > 5.0 * width_) continue;
       for (const cv::Point& p : line.pixels) least = std::min(least, double(half_width_.at<float>(p)));
       const bool thick = line.pixels.empty() || least > 0.58 * width_;
@@ -66,11 +80,37 @@ class Router {
     }
   }
 
+  /// The two other lines at this end of `line` run on as it came: two strokes that had lain on each other.
+  bool forks(const SkeletonGraph::Line& line, bool at_to) const {
+    const int node = at_to ? line.to : line.from;
+    if (graph_.nodes[node].degree != 3 || line.pixels.size() < 2) return false;
+    const int self = static_cast<int>(&line - graph_.lines.data());
+    const Vec2 onwards = -outwards({self, at_to, {}});
+    int ends = 0;
+    for (const int end_code : at_node_[node]) {
+      const End other{end_code / 2, end_code % 2 == 1, {}};
+      if (other.line == self) continue;
+      if (static_cast<double>(graph_.lines[other.line].pixels.size()) < 3.0 * width_) return false;
+      if (outwards(other).dot(onwards) < kForks) return false;
+      ++ends;
+    }
+    return ends == 2;
+  }
+
   Vec2 point(const End& end, std::size_t steps) const {
     const auto& pixels = graph_.lines[end.line].pixels;
     const std::size_t i = std::min(steps, pixels.size() - 1);
     const cv::Point& p = end.at_to ? pixels[pixels.size() - 1 - i] : pixels[i];
     return {double(p.x), double(p.y)};
+  }
+
+  /// Direction away from the junction: within about one width of it the thinned line leans towards it.
+  Vec2 outwards(const End& end) const {
+    const std::size_t last = graph_.lines[end.line].pixels.size() - 1;
+    const auto near = static_cast<std::size_t>(std::lround(0.8 * width_));
+    const auto far = static_cast<std::size_t>(std::lround(2.5 * width_)) + 3;
+    const Vec2 d = point(end, std::min(far, last)) - point(end, std::min(near, last / 2));
+    return d.norm() > 0.0 ? Vec2(d.normalized()) : d;
   }
 
   /// Straightest pairs first is not always best: with four ends all three pairings are tried.
@@ -82,14 +122,7 @@ class Router {
       if (used_[i] || line.from < 0 || line.to < 0) continue;
       for (const bool at_to : {false, true}) {
         End end{i, at_to};
-        if (!line.pixels.empty()) {
-          // Within about one width of the junction the thinned line leans towards it.
-          const auto near = static_cast<std::size_t>(std::lround(0.8 * width_));
-          const auto far = static_cast<std::size_t>(std::lround(2.5 * width_)) + 3;
-          end.outwards = point(end, std::min(far, line.pixels.size() - 1)) -
-                         point(end, std::min(near, (line.pixels.size() - 1) / 2));
-          if (end.outwards.norm() > 0.0) end.outwards.normalize();
-        }
+        if (!line.pixels.empty()) end.outwards = outwards(end);
         meeting[root(at_to ? line.to : line.from)].push_back(end);
       }
     }
@@ -209,6 +242,7 @@ class Router {
   const SkeletonGraph& graph_;
   const cv::Mat& half_width_;
   double width_;
+  std::vector<std::vector<int>> at_node_;  ///< codes of the ends that meet there
   std::vector<int> cluster_;
   std::vector<bool> used_;
   std::vector<int> partner_;
