@@ -24,12 +24,22 @@ double field_at(const Field& field, const Vec2& p) {
          v * ((1 - u) * field.value(x, y + 1) + u * field.value(x + 1, y + 1));
 }
 
-/// Distance from `p` along `direction` to where the ink ends, if that is within `most`.
-std::optional<double> ink_ends(const Field& field, const Vec2& p, const Vec2& direction, double most) {
+/// Distance from `p` along `direction` to where the ink ends, if that is within `most`. Within `sure` of `p`
+/// a gap would be a blemish.
+std::optional<double> ink_ends(const Field& field, const Vec2& p, const Vec2& direction, double most,
+                               double sure = 0.0) {
   constexpr double kStep = 1.0;
   double before = field_at(field, p);
   if (before <= 0.0) return std::nullopt;
-  for (double t = kStep; t < most + kStep; t += kStep) {
+  double from = 0.0;
+  if (sure > kStep) {
+    const double there = field_at(field, p + sure * direction);
+    if (there > 0.0) {
+      before = there;
+      from = sure;
+    }
+  }
+  for (double t = from + kStep; t < most + kStep; t += kStep) {
     const double here = field_at(field, p + t * direction);
     if (here <= 0.0) return t - kStep * here / (here - before);
     before = here;
@@ -102,8 +112,8 @@ double centre_once(const Field& field, std::vector<Vec2>& p, const std::vector<b
   for (std::size_t i = 0; i < n; ++i) {
     if (junction[i]) continue;
     const Vec2 normal(-tangents[i].y(), tangents[i].x());
-    const auto left = ink_ends(field, p[i], normal, 1.2 * width_px + 2.0);
-    const auto right = ink_ends(field, p[i], -normal, 1.2 * width_px + 2.0);
+    const auto left = ink_ends(field, p[i], normal, 1.2 * width_px + 2.0, 0.3 * width_px);
+    const auto right = ink_ends(field, p[i], -normal, 1.2 * width_px + 2.0, 0.3 * width_px);
     if (!left || !right) continue;
     const double width = *left + *right;
     if (width > 1.45 * width_px + 1.0) continue;
@@ -232,10 +242,11 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
                   {.rounded_px = std::max(4.0, 1.3 * w),
                    .side_px = std::max(8.0, 1.5 * w),
                    .furthest_px = 1.6 * w + 3.0,
+                   .pen_px = w,
                    .agrees =
                        [&](const Vec2& corner, const Vec2& outwards) {
                          const auto ink = ink_ends(field, corner, outwards, 3.0 * w);
-                         return ink && *ink > pen_inset(field, w) - 0.1 * w - 0.2;
+                         return ink && *ink > pen_inset(field, w) - 0.1 * w - 0.2 && *ink < 0.8 * w + 0.5;
                        },
                    .tip = [&](const Vec2& rounded, const Vec2& outwards) -> std::optional<Vec2> {
                      const auto ink = ink_ends(field, rounded, outwards, 6.0 * w);
@@ -243,6 +254,36 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
                      return rounded + (*ink - pen_inset(field, w)) * outwards;
                    }});
   out.points_px = std::move(p);
+  return out;
+}
+
+PixelContour on_border(const Field& field, const Route& route) {
+  constexpr double kFurthest = 4.0;
+  constexpr double kStep = 0.5;
+  PixelContour out;
+  out.closed = route.closed;
+  out.points_px = geometry::resampled({route.points_px, route.closed}, 1.0).points_m;
+  smooth_and_resample(out, 1.0);
+  const std::vector<Vec2> tangents = tangents_of(out.points_px, out.closed, 2);
+  for (std::size_t i = 0; i < out.points_px.size(); ++i) {
+    Vec2& p = out.points_px[i];
+    const Vec2 normal(-tangents[i].y(), tangents[i].x());
+    const double here = field_at(field, p);
+    const double inwards = here > 0.0 ? 1.0 : -1.0;
+    for (const double side : {1.0, -1.0}) {  // towards the other side of the border, whichever way that is
+      double before = here;
+      double s = kStep;
+      double value = field_at(field, p + side * s * normal);
+      while (s < kFurthest && value * inwards > 0.0) {
+        before = value;
+        s += kStep;
+        value = field_at(field, p + side * s * normal);
+      }
+      if (value * inwards > 0.0) continue;
+      p += side * (s - kStep * value / (value - before)) * normal;
+      break;
+    }
+  }
   return out;
 }
 

@@ -11,7 +11,6 @@ namespace telekerf::vision {
 namespace {
 
 constexpr double kStraight = 0.3;
-constexpr double kSharpTurn = 2.0;   ///< radians
 constexpr double kRightAngle = 1.4;  ///< radians, about
 
 struct Corner {
@@ -101,7 +100,6 @@ class Sharpener {
     const auto skip = static_cast<std::ptrdiff_t>(std::lround(rule_.rounded_px));
     // Sides of a very sharp corner have grown together; those of a wide one with a bent side only say less.
     const double sharpness = tip_turn(i, before, after, skip);
-    if (sharpness > kSharpTurn) return tip_at(i, skip);
     const auto crossing = crossing_at(i, before, after, skip);
     return crossing || sharpness < kRightAngle ? crossing : tip_at(i, skip);
   }
@@ -121,27 +119,37 @@ class Sharpener {
     return Corner{i - skip / 2, i + skip / 2, *tip};
   }
 
+  /// Half the angle between two directions towards a corner.
+  static double half_angle(const Vec2& a, const Vec2& b) {
+    return std::max(0.1, 0.5 * std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)));
+  }
+
   /// How far the level half way between inside and outside of a wedge lies from its tip after a Gaussian (to
-  /// 2 % of the integral). Directions towards the tip.
-  double retreat(const Vec2& a, const Vec2& b) const {
-    const double half = std::max(0.1, 0.5 * std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+  /// 2 % of the integral).
+  double retreat(double half) const {
     return rule_.blur_px * (0.675 + 0.123 * std::sin(half)) / std::tan(half);
   }
 
   /// Where the straight continuations of both sides cross.
   std::optional<Corner> crossing_at(std::ptrdiff_t i, std::ptrdiff_t before, std::ptrdiff_t after,
-                                    std::ptrdiff_t skip) const {
-    auto a = side(i, -1, before, skip);
-    auto b = side(i, +1, after, skip);
-    if (!a || !b) return std::nullopt;
+                                    std::ptrdiff_t rounded) const {
+    std::optional<geometry::CircleOrLine> a;
+    std::optional<geometry::CircleOrLine> b;
+    std::ptrdiff_t skip = rounded;
     double furthest = rule_.furthest_px;
-    if (rule_.blur_px > 0.0) {
-      const double rounded = retreat(a->direction, b->direction);
-      furthest = 1.15 * rounded + 0.3;
-      skip = std::max(skip, std::lround(rounded + 2.0 * rule_.blur_px));
+    double half = half_angle(at(i - skip / 2) - at(i - 2 * skip), at(i + skip / 2) - at(i + 2 * skip));
+    for (int pass = 0; pass < 2; ++pass) {
+      if (rule_.blur_px > 0.0) {
+        furthest = 1.15 * retreat(half) + 0.3;
+        skip = std::max(rounded, std::lround(retreat(half) + 2.0 * rule_.blur_px));
+      } else if (rule_.pen_px > 0.0) {
+        furthest = std::max(rule_.furthest_px, 0.6 * rule_.pen_px / std::sin(half) + 3.0);
+        skip = std::max(rounded, std::lround(0.5 * rule_.pen_px * (1.0 / std::tan(half) + 1.0)));
+      }
       a = side(i, -1, before, skip);
       b = side(i, +1, after, skip);
       if (!a || !b) return std::nullopt;
+      half = half_angle(a->direction, b->direction);
     }
     const double det = geometry::cross(a->direction, b->direction);
     if (std::abs(det) < 0.3) return std::nullopt;  // too flat or too sharp for a crossing point to be good
@@ -151,6 +159,7 @@ class Sharpener {
     const double distance = (corner - at(i)).norm();
     if (along < 0.0 || back < 0.0 || distance > furthest || distance < 0.15) return std::nullopt;
     const Vec2 outwards = (a->direction + b->direction).normalized();
+    if ((corner - at(i)).dot(outwards) < 0.0) return std::nullopt;  // bent sides meet too early
     if (rule_.agrees && !rule_.agrees(corner, outwards)) return std::nullopt;
     return Corner{i - skip + 1, i + skip - 1, corner};
   }
@@ -172,15 +181,22 @@ void sharpen_corners(std::vector<Vec2>& points, bool closed, const CornerRule& r
   const std::ptrdiff_t seam = closed ? corners.front().first : 0;
   std::vector<Vec2> out;
   out.reserve(points.size() + corners.size());
+  const auto straight_to = [&](const Vec2& p) {  // about one point a pixel
+    if (out.empty()) return out.push_back(p);
+    const Vec2 from = out.back();
+    const auto steps = static_cast<int>(std::ceil((p - from).norm() / 1.5));
+    for (int k = 1; k < steps; ++k) out.push_back(from + double(k) / steps * (p - from));
+    out.push_back(p);
+  };
   std::size_t next = 0;
   for (std::ptrdiff_t i = seam; i < seam + n; ++i) {
     if (next < corners.size() && i >= corners[next].first) {
-      out.push_back(corners[next].at);
+      straight_to(corners[next].at);
       i = corners[next].last;
       ++next;
       continue;
     }
-    out.push_back(points[((i % n) + n) % n]);
+    straight_to(points[((i % n) + n) % n]);
   }
   points = std::move(out);
 }

@@ -47,6 +47,15 @@ void keep_large(Contours& contours, double smallest_share) {
 constexpr double kThinnest =
     0.06;  ///< a drawing whose line is thinner than this share of its size is a stroke
 
+/// Most of the picture's border is drawn.
+bool frames(const cv::Mat& drawn) {
+  const int last_row = drawn.rows - 1;
+  const int last_column = drawn.cols - 1;
+  const int along = cv::countNonZero(drawn.row(0)) + cv::countNonZero(drawn.row(last_row)) +
+                    cv::countNonZero(drawn.col(0)) + cv::countNonZero(drawn.col(last_column));
+  return along > drawn.rows + drawn.cols;
+}
+
 tl::expected<Contours, std::string> finished(Contours contours, double smallest_share, double sigma_px,
                                              const char* complaint) {
   keep_large(contours, smallest_share);
@@ -139,11 +148,15 @@ tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlin
       if (distance(p) < distance(*start)) start = p;
     }
   }
-  Contours out{follow_band(band, *start, is_stroke ? width : 3.0, is_stroke)};
+  const Route route = follow_band(band, *start, is_stroke ? width : 3.0, is_stroke);
+  Contours out{is_stroke ? centred(field, route, width) : on_border(field, route)};
+  const double blur_px = blur_of(field, out);
   auto contours =
-      finished(std::move(out), settings.smallest_share, 1.5,
+      finished(std::move(out), settings.smallest_share, 1.0,
                "the window found too little to follow from its start; give --start on the contour");
-  if (contours && !is_stroke) sharpen_corners(contours->front().points_px, contours->front().closed, {});
+  if (contours && !is_stroke) {
+    sharpen_corners(contours->front().points_px, contours->front().closed, {.blur_px = blur_px});
+  }
   return contours;
 }
 
@@ -218,10 +231,11 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   Outlines outlines = outlines_of(*field);
   if (const auto complaint = clutter(*field, outlines)) {
     // Perhaps drawing and background are the other way round: a lit plate in a dark frame.
+    const bool framed = frames(field->drawn);
     invert(*field);
     outlines = outlines_of(*field);
     const double diagonal = std::hypot(image.cols, image.rows);
-    if (clutter(*field, outlines) || drawing_size_of(outlines) < 0.2 * diagonal)
+    if (!framed || clutter(*field, outlines) || drawing_size_of(outlines) < 0.2 * diagonal)
       return tl::unexpected(*complaint);
   }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -31,14 +32,20 @@ cv::Mat to_eight_bits(const cv::Mat& image) {
 }
 
 std::array<double, 256> histogram_of(const cv::Mat& plane) {
-  const int channel = 0;
-  const int bins = 256;
-  const std::array<float, 2> range{0.0F, 256.0F};
-  const float* ranges = range.data();
-  cv::Mat counts;
-  cv::calcHist(&plane, 1, &channel, cv::Mat(), counts, 1, &bins, &ranges);
+  // Every other row of a large picture says as much. Four counters in turn, so that equal neighbours don't
+  // wait for each other.
+  const int step = plane.rows >= 1000 ? 2 : 1;
+  std::array<std::array<std::uint32_t, 256>, 4> counts{};
+  for (int y = 0; y < plane.rows; y += step) {
+    const auto* row = plane.ptr<unsigned char>(y);
+    int x = 0;
+    for (; x + 4 <= plane.cols; x += 4) {
+      for (int k = 0; k < 4; ++k) ++counts[k][row[x + k]];
+    }
+    for (; x < plane.cols; ++x) ++counts[0][row[x]];
+  }
   std::array<double, 256> out{};
-  for (int i = 0; i < 256; ++i) out[i] = counts.at<float>(i);
+  for (int i = 0; i < 256; ++i) out[i] = double(counts[0][i]) + counts[1][i] + counts[2][i] + counts[3][i];
   return out;
 }
 
@@ -168,7 +175,7 @@ double noise_of(const cv::Mat& grey) {
   // |1 -2 1; -2 4 -2; 1 -2 1|: blind to planes and straight edges; its standard deviation is 6 sigma.
   std::array<double, 2048> counts{};
   double total = 0.0;
-  const int step = std::max(1, grey.rows / 256);
+  const int step = std::max(1, grey.rows / 128);
   for (int y = 1; y + 1 < grey.rows; y += step) {
     const auto* a = grey.ptr<unsigned char>(y - 1);
     const auto* b = grey.ptr<unsigned char>(y);
@@ -314,7 +321,8 @@ bool separate_from_background(const std::array<double, 256>& counts, double back
 /// Smooths and finds the level half way between drawing and background, where a blurred border lies.
 void separate(const cv::Mat& grey, double sigma_px, const Eigen::Matrix<double, 6, 1>* light, Field& field) {
   field.sigma_px = sigma_px;
-  cv::GaussianBlur(grey, field.smooth, {}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
+  const int size = 2 * static_cast<int>(std::ceil(2.0 * sigma_px)) + 1;
+  cv::GaussianBlur(grey, field.smooth, {size, size}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
   if (light != nullptr && light->tail<5>().cwiseAbs().maxCoeff() > 4.0)
     field.smooth = flattened(field.smooth, *light);
   const auto counts = histogram_of(field.smooth);

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMostTurn =
     1.75;  ///< radians: two branches that turn more than 100 degrees are not one stroke
 
-constexpr double kForks = 0.8;           ///< cosine
+constexpr double kForks = 0.8;            ///< cosine
 constexpr double kLongestOverlap = 10.0;  ///< stroke widths
 
 /// One end of one line.

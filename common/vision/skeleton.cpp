@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 
 namespace telekerf::vision {
 namespace {
@@ -27,6 +28,29 @@ Table guo_hall(bool first) {
     table[n] = crossings == 1 && least >= 2 && least <= 3 && !side;
   }
   return table;
+}
+
+/// Pixels that are not zero, row by row; empty stretches are passed eight pixels at a time.
+std::vector<cv::Point> pixels_of(const cv::Mat& image) {
+  std::vector<cv::Point> out;
+  for (int y = 0; y < image.rows; ++y) {
+    const auto* row = image.ptr<unsigned char>(y);
+    int x = 0;
+    while (x < image.cols) {
+      std::uint64_t eight = 0;
+      if (x + 8 <= image.cols) {
+        std::memcpy(&eight, row + x, 8);
+        if (eight == 0) {
+          x += 8;
+          continue;
+        }
+      }
+      for (const int end = std::min(x + 8, image.cols); x < end; ++x) {
+        if (row[x] != 0) out.emplace_back(x, y);
+      }
+    }
+  }
+  return out;
 }
 
 /// Neighbours in the sense of the graph: a diagonal one counts only when no straight neighbour leads there.
@@ -59,9 +83,7 @@ void thin(cv::Mat& drawn) {
 
   constexpr unsigned char kListed = 1;  // on the border list; 255: inside; 0: gone
   std::vector<std::ptrdiff_t> border;
-  std::vector<cv::Point> ink;
-  cv::findNonZero(image, ink);
-  for (const cv::Point& p : ink) {
+  for (const cv::Point& p : pixels_of(image)) {
     const std::ptrdiff_t at = p.y * stride + p.x;
     if (data[at - 1] == 0 || data[at + 1] == 0 || data[at - stride] == 0 || data[at + stride] == 0)
       border.push_back(at);
@@ -89,7 +111,8 @@ void thin(cv::Mat& drawn) {
       }
     }
   }
-  drawn = cv::Mat(image != 0)(cv::Rect(1, 1, drawn.cols, drawn.rows)).clone();
+  for (const std::ptrdiff_t at : border) data[at] = 255;
+  drawn = image(cv::Rect(1, 1, drawn.cols, drawn.rows));
 }
 
 geometry::Vec2 SkeletonGraph::Node::position() const {
@@ -100,8 +123,7 @@ geometry::Vec2 SkeletonGraph::Node::position() const {
 
 SkeletonGraph graph_of(const cv::Mat& skeleton) {
   SkeletonGraph graph;
-  std::vector<cv::Point> on;
-  cv::findNonZero(skeleton, on);
+  const std::vector<cv::Point> on = pixels_of(skeleton);
   // Node of a pixel; -1: none yet, -2: on a line already walked. Only skeleton pixels are ever looked at.
   cv::Mat owner(skeleton.size(), CV_32S);
   for (const cv::Point& p : on) owner.at<int>(p) = -1;
@@ -208,9 +230,8 @@ bool is_corner_spur(const SkeletonGraph& graph, std::size_t spur, int junction, 
 
 }  // namespace
 
-void prune_spurs(cv::Mat& skeleton, const cv::Mat& half_width) {
+SkeletonGraph pruned(SkeletonGraph graph, cv::Mat& skeleton, const cv::Mat& half_width) {
   for (int pass = 0; pass < 3; ++pass) {
-    const SkeletonGraph graph = graph_of(skeleton);
     bool changed = false;
     for (std::size_t i = 0; i < graph.lines.size(); ++i) {
       const SkeletonGraph::Line& line = graph.lines[i];
@@ -230,7 +251,9 @@ void prune_spurs(cv::Mat& skeleton, const cv::Mat& half_width) {
     }
     if (!changed) break;
     thin(skeleton);  // a junction that lost its branch may be two pixels thick
+    graph = graph_of(skeleton);
   }
+  return graph;
 }
 
 }  // namespace telekerf::vision

@@ -30,8 +30,8 @@ struct SkeletonGraph {
 };
 SkeletonGraph graph_of(const cv::Mat& skeleton);
 
-/// Erases branches that are no longer than what the stroke's own width grows (1.5 x half width + 2 pixels), a
-/// few times over.
-void prune_spurs(cv::Mat& skeleton, const cv::Mat& half_width);
+/// The graph without branches that are no longer than what the stroke's own width grows (1.5 x half width + 2
+/// pixels); erases them from the skeleton, a few times over.
+SkeletonGraph pruned(SkeletonGraph graph, cv::Mat& skeleton, const cv::Mat& half_width);
 
 }  // namespace telekerf::vision

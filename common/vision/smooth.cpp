@@ -35,7 +35,7 @@ std::vector<Vec2> filtered(const std::vector<Vec2>& p, bool closed, const std::v
 
 void smooth_and_resample(PixelContour& contour, double sigma_px) {
   const geometry::Polyline raw{std::move(contour.points_px), contour.closed};
-  geometry::Polyline even = geometry::resampled(raw, 0.5);
+  geometry::Polyline even = geometry::resampled(raw, std::clamp(0.25 * sigma_px, 0.5, 1.0));
   const double spacing =
       geometry::length_m(even) / static_cast<double>(std::max<std::size_t>(1, even.segments()));
   if (even.size() >= 8 && spacing > 0.0) {

@@ -128,9 +128,9 @@ Contours strokes_of(const Field& field, const Outlines& outlines) {
   cv::copyMakeBorder(drawn, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   cv::Mat skeleton = padded.clone();
   thin(skeleton);
-  const cv::Mat half_width = half_width_at_junctions(padded, graph_of(skeleton), width);
-  prune_spurs(skeleton, half_width);
-  const SkeletonGraph graph = graph_of(skeleton);
+  SkeletonGraph graph = graph_of(skeleton);
+  const cv::Mat half_width = half_width_at_junctions(padded, graph, width);
+  graph = pruned(std::move(graph), skeleton, half_width);
 
   Contours out;
   for (Route& route : routes_through(graph, half_width, width)) {

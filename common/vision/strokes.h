@@ -33,4 +33,7 @@ void bridge(std::vector<Vec2>& points, const std::vector<bool>& junction, bool c
 /// unsmoothed.
 PixelContour centred(const Field& field, const Route& route, double width_px);
 
+/// Moves each point of a way along an edge onto the border between drawing and background.
+PixelContour on_border(const Field& field, const Route& route);
+
 }  // namespace telekerf::vision

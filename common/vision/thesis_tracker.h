@@ -7,6 +7,7 @@
 
 #include "common/vision/extract.h"
 #include "common/vision/picture.h"
+#include "common/vision/strokes.h"
 
 namespace telekerf::vision {
 
@@ -21,8 +22,9 @@ std::optional<cv::Point> first_in_evolving_square(const cv::Mat& band);
 
 /// Follows the band from `start` in both directions. The tangent is the structure tensor's eigenvector of the
 /// smallest eigenvalue (eq. 1 has two unknowns and fails on straight edges), its sign kept by t . t_before >=
-/// 0; where strokes cross it is undefined and the window goes straight on. Pixels passed are removed, except
-/// from crossings. An empty contour is returned when there is nothing to follow.
-PixelContour follow_band(const cv::Mat& band, const cv::Point& start, double band_width_px, bool is_stroke);
+/// 0; where strokes cross it is undefined and the window goes straight on; where the band ends in a corner,
+/// the way there is hidden from the window until it has left. Pixels passed are removed, except from
+/// crossings. An empty route is returned when there is nothing to follow.
+Route follow_band(const cv::Mat& band, const cv::Point& start, double band_width_px, bool is_stroke);
 
 }  // namespace telekerf::vision

@@ -73,8 +73,85 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"spiral", Mode::kThesis, Mode::kThesis},
                     Case{"script-e", Mode::kThesis, Mode::kThesis},
                     Case{"letter-s", Mode::kThesis, Mode::kThesis}, Case{"cam", Mode::kThesis, Mode::kThesis},
-                    Case{"octagon", Mode::kThesis, Mode::kThesis}),
+                    Case{"octagon", Mode::kThesis, Mode::kThesis}, Case{"gear", Mode::kThesis, Mode::kThesis},
+                    Case{"blob", Mode::kThesis, Mode::kThesis}),
     name_of_case);
+
+/// A pen drawing of straight lines between points of a unit circle's size.
+drawing::Drawing penned(std::vector<Vec2> points, bool closed, double pen_px) {
+  for (Vec2& p : points) p = Vec2(319.5, 239.5) + 180.0 * Vec2(p.x(), -p.y());
+  return {{{std::move(points), closed}}, false, pen_px};
+}
+
+std::vector<Vec2> star_points(int stride, double inner) {
+  std::vector<Vec2> out;
+  for (int i = 0; i < (inner > 0.0 ? 10 : 5); ++i) {
+    const double a = 0.2 + (inner > 0.0 ? M_PI / 5.0 * i : 2.0 * M_PI / 5.0 * stride * i);
+    out.push_back((inner > 0.0 && i % 2 == 1 ? inner : 1.0) * Vec2(std::cos(a), std::sin(a)));
+  }
+  return out;
+}
+
+TEST(Extract, SharpCornersOfAStrokeAreGoneRound) {
+  for (const double pen : {3.0, 5.0, 8.0}) {
+    const std::vector<drawing::Drawing> drawings{
+        penned({{-1, -.5}, {-.6, .5}, {-.2, -.5}, {.2, .5}, {.6, -.5}, {1, .5}}, false, pen),  // 44 degrees
+        penned({{-.6, -.8}, {-.6, .8}, {.6, -.8}, {.6, .8}}, false, pen),                      // 37
+        penned(star_points(1, 0.42), true, pen),                                               // 43
+        penned(star_points(2, 0.0), true, pen)};  // 36, and five crossings
+    for (const drawing::Drawing& drawing : drawings) {
+      for (const Mode mode : {Mode::kStroke, Mode::kThesis}) {
+        const auto found = extract(drawing::render(drawing, hard_look(2)), {.mode = mode});
+        ASSERT_TRUE(found) << found.error();
+        const PixelContour& contour = found->contours.front();
+        EXPECT_EQ(contour.closed, drawing.lines_px.front().closed);
+        const Comparison c = compare(contour, drawing.lines_px.front());
+        const auto what = testing::Message() << name_of(mode) << ", pen " << pen << ", "
+                                             << drawing.lines_px.front().size() << " corners";
+        EXPECT_LT(c.rms_px, 0.5) << what;
+        EXPECT_LT(c.max_px, 2.0) << what;
+        EXPECT_NEAR(c.length_ratio, 1.0, 0.02) << what;
+        EXPECT_NEAR(c.once, 1.0, 0.03) << what;
+      }
+    }
+  }
+}
+
+TEST(Extract, StrokesThatCrossAtASmallAngleGoStraightOn) {
+  for (const double pen : {3.0, 6.0, 9.0}) {
+    drawing::Drawing drawing{{{{}, true}}, false, pen};
+    for (int i = 0; i < 1800; ++i) {
+      const double a = 2.0 * M_PI * i / 1800.0;
+      drawing.lines_px[0].points_m.emplace_back(319.5 + 190.0 * std::sin(3 * a + 0.4),
+                                                239.5 + 180.0 * std::sin(2 * a));
+    }
+    const auto found = extract(drawing::render(drawing, hard_look(1)));
+    ASSERT_TRUE(found) << found.error();
+    const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
+    EXPECT_TRUE(found->contours.front().closed);
+    EXPECT_LT(c.rms_px, 0.5) << pen;
+    EXPECT_NEAR(c.length_ratio, 1.0, 0.02) << pen;
+    EXPECT_LT(c.missed_px, 4.0) << pen;
+  }
+}
+
+TEST(Extract, CornersOfARegionAreSharpAndCurvesStayRound) {
+  drawing::Drawing star = penned(star_points(1, 0.42), true, 1.0);
+  star.filled = true;
+  drawing::Drawing waves{{{{}, true}}, true, 1.0};
+  for (int i = 0; i < 2400; ++i) {
+    const double a = 2.0 * M_PI * i / 2400.0;
+    const double r = 180.0 * (0.9 + 0.08 * std::sin(24 * a));
+    waves.lines_px[0].points_m.emplace_back(319.5 + r * std::cos(a), 239.5 + r * std::sin(a));
+  }
+  for (const drawing::Drawing& drawing : {star, waves}) {
+    const auto found = extract(drawing::render(drawing, hard_look(1)), {.mode = Mode::kOutline});
+    ASSERT_TRUE(found) << found.error();
+    const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
+    EXPECT_LT(c.max_px, 1.5);
+    EXPECT_LT(c.missed_px, 2.0);
+  }
+}
 
 TEST(Extract, PensOfAnyWidthAndFaintLines) {
   for (const double pen : {1.0, 2.0, 3.0, 8.0, 14.0, 20.0}) {
@@ -212,6 +289,13 @@ TEST(Extract, StrokesThatRunOffThePictureAreRefused) {
   cv::line(cut, {-10, 200}, {660, 260}, cv::Scalar(40), 6, cv::LINE_AA);
   EXPECT_NE(complaint(cut).find("border"), std::string::npos);
   EXPECT_NE(complaint(cut, Mode::kStroke).find("border"), std::string::npos);
+  // A loop whose tail runs off the picture: its inside is no contour of its own.
+  cv::Mat loop(480, 640, CV_8U, cv::Scalar(220));
+  cv::circle(loop, {300, 240}, 120, cv::Scalar(40), 6, cv::LINE_AA);
+  cv::line(loop, {420, 240}, {660, 240}, cv::Scalar(40), 6, cv::LINE_AA);
+  for (const Mode mode : {Mode::kAuto, Mode::kOutline, Mode::kStroke, Mode::kThesis}) {
+    EXPECT_NE(complaint(loop, mode).find("border"), std::string::npos) << name_of(mode);
+  }
 }
 
 TEST(Scaling, CirclesStayRoundAndLettersReadable) {
