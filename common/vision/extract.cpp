@@ -45,7 +45,7 @@ void keep_large(Contours& contours, double smallest_share) {
 }
 
 constexpr double kThinnest =
-    0.06;  ///< a drawing whose line is thinner than this share of its size is a stroke
+    0.075;  ///< a drawing whose line is thinner than this share of its size is a stroke
 
 /// Most of the picture's border is drawn.
 bool frames(const cv::Mat& drawn) {
@@ -54,14 +54,6 @@ bool frames(const cv::Mat& drawn) {
   const int along = cv::countNonZero(drawn.row(0)) + cv::countNonZero(drawn.row(last_row)) +
                     cv::countNonZero(drawn.col(0)) + cv::countNonZero(drawn.col(last_column));
   return along > drawn.rows + drawn.cols;
-}
-
-tl::expected<Contours, std::string> finished(Contours contours, double smallest_share, double sigma_px,
-                                             const char* complaint) {
-  keep_large(contours, smallest_share);
-  if (contours.empty()) return tl::unexpected<std::string>(complaint);
-  for (PixelContour& contour : contours) smooth_and_resample(contour, sigma_px);
-  return contours;
 }
 
 /// Says why the picture is no drawing on a background: nothing whole stands out, or next to nothing beside
@@ -84,6 +76,31 @@ std::optional<std::string> clutter(const Field& field, const Outlines& outlines)
       "most of what is drawn runs over the picture's border and the largest whole shape is only {:.0f} px "
       "across; show the shape with background all around it",
       size);
+}
+
+/// Second thoughts on a picture without a whole drawing: drawing and background the other way round (a lit
+/// plate in a dark frame), or lines across the edge of a shadow.
+bool separated_otherwise(const cv::Mat& grey, Field& field, Outlines& outlines) {
+  const double large = 0.2 * std::hypot(grey.cols, grey.rows);
+  if (frames(field.drawn)) {
+    invert(field);
+    outlines = outlines_of(field);
+    if (!clutter(field, outlines) && drawing_size_of(outlines) >= large) return true;
+  }
+  auto lines = make_field(without_shadows(grey));
+  if (!lines) return false;
+  field = std::move(*lines);
+  outlines = outlines_of(field);
+  return !clutter(field, outlines) && drawing_size_of(outlines) >= large &&
+         stroke_width_of(outlines) < kThinnest * drawing_size_of(outlines);
+}
+
+tl::expected<Contours, std::string> finished(Contours contours, double smallest_share, double sigma_px,
+                                             const char* complaint) {
+  keep_large(contours, smallest_share);
+  if (contours.empty()) return tl::unexpected<std::string>(complaint);
+  for (PixelContour& contour : contours) smooth_and_resample(contour, sigma_px);
+  return contours;
 }
 
 /// Sigma of lens and filter together, from how steep the picture is along the borders.
@@ -230,13 +247,7 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   if (!field) return tl::unexpected(field.error());
   Outlines outlines = outlines_of(*field);
   if (const auto complaint = clutter(*field, outlines)) {
-    // Perhaps drawing and background are the other way round: a lit plate in a dark frame.
-    const bool framed = frames(field->drawn);
-    invert(*field);
-    outlines = outlines_of(*field);
-    const double diagonal = std::hypot(image.cols, image.rows);
-    if (!framed || clutter(*field, outlines) || drawing_size_of(outlines) < 0.2 * diagonal)
-      return tl::unexpected(*complaint);
+    if (!separated_otherwise(*grey, *field, outlines)) return tl::unexpected(*complaint);
   }
 
   Extraction out;

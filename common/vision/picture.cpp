@@ -349,7 +349,12 @@ tl::expected<Field, std::string> make_field(const cv::Mat& grey) {
   separate(grey, 1.0, even ? &light : nullptr, field);
   if (field.noise > 0.08 * field.contrast && field.noise > 1.0)
     separate(grey, 1.6, even ? &light : nullptr, field);
-  const double smoothed_noise = field.noise / (2.0 * field.sigma_px * std::sqrt(M_PI));
+  double smoothed_noise = field.noise / (2.0 * field.sigma_px * std::sqrt(M_PI));
+  if (field.contrast > 6.0 * smoothed_noise && field.contrast < 14.0 * smoothed_noise + 8.0 &&
+      field.noise > 1.0) {
+    separate(grey, 2.6, even ? &light : nullptr, field);
+    smoothed_noise = field.noise / (2.0 * field.sigma_px * std::sqrt(M_PI));
+  }
   // Two halves of plain noise are 1.6 standard deviations apart.
   if (field.contrast < 6.0) {
     return tl::unexpected(fmt::format(
@@ -365,6 +370,34 @@ tl::expected<Field, std::string> make_field(const cv::Mat& grey) {
   cv::threshold(field.smooth, field.drawn, std::floor(field.level), 255,
                 field.dark ? cv::THRESH_BINARY_INV : cv::THRESH_BINARY);
   return field;
+}
+
+cv::Mat without_shadows(const cv::Mat& grey) {
+  // The paper alone, in small: lines are filled up from their sides. Dark ones by a closing, light ones by an
+  // opening; the one that takes more away has found the drawing.
+  constexpr int kSmallSide = 160;
+  constexpr int kWidestLine = 15;
+  const double scale = std::min(1.0, double(kSmallSide) / std::min(grey.cols, grey.rows));
+  cv::Mat small;
+  cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
+  const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_ELLIPSE, {kWidestLine, kWidestLine});
+  cv::Mat closed;
+  cv::Mat opened;
+  cv::morphologyEx(small, closed, cv::MORPH_CLOSE, kernel);
+  cv::morphologyEx(small, opened, cv::MORPH_OPEN, kernel);
+  const bool dark = cv::norm(closed, small, cv::NORM_L2) >= cv::norm(small, opened, cv::NORM_L2);
+  cv::Mat paper;
+  cv::GaussianBlur(dark ? closed : opened, paper, {}, 2.0);
+  cv::resize(paper, paper, grey.size(), 0, 0, cv::INTER_LINEAR);
+  cv::Mat out;
+  if (dark) {
+    cv::subtract(paper, grey, out);
+    cv::subtract(cv::Scalar(230), out, out);
+  } else {
+    cv::subtract(grey, paper, out);
+    cv::add(out, cv::Scalar(25), out);
+  }
+  return out;
 }
 
 void invert(Field& field) {

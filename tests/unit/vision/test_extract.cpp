@@ -168,6 +168,40 @@ TEST(Extract, PensOfAnyWidthAndFaintLines) {
   }
 }
 
+TEST(Extract, FaintDrawingsShadowsAndUnevenLight) {
+  const drawing::Drawing circle = turned("circle", 1);
+  const geometry::Polyline& truth = circle.lines_px.front();
+  drawing::Look faint = hard_look(1);
+  faint.paper = 140.0;
+  faint.ink = 118.0;
+  faint.shading = 0.0;
+  const cv::Mat clean = drawing::render(circle, {.blur_px = 1.0, .noise = 0.0});
+  cv::Mat shadow(clean.size(), CV_8U);
+  cv::Mat lamp(clean.size(), CV_8U);
+  cv::Mat noise(clean.size(), CV_32F);
+  cv::RNG(3).fill(noise, cv::RNG::NORMAL, 0.0, 6.0);
+  for (int y = 0; y < clean.rows; ++y) {
+    for (int x = 0; x < clean.cols; ++x) {
+      const double across = 1.0 / (1.0 + std::exp((400.0 - x - 0.3 * y) / 8.0));
+      const double far = std::hypot(x - 100, y - 80) / 700.0;
+      const double value = clean.at<unsigned char>(y, x);
+      shadow.at<unsigned char>(y, x) =
+          cv::saturate_cast<unsigned char>(value * (1.0 - 0.4 * across) + noise.at<float>(y, x));
+      lamp.at<unsigned char>(y, x) =
+          cv::saturate_cast<unsigned char>(value * (1.0 - 0.6 * far) + noise.at<float>(y, x));
+    }
+  }
+  for (const cv::Mat& picture : {drawing::render(circle, faint), shadow, lamp}) {
+    const auto found = extract(picture);
+    ASSERT_TRUE(found) << found.error();
+    EXPECT_EQ(found->mode, Mode::kStroke);
+    const Comparison c = compare(found->contours.front(), truth);
+    EXPECT_LT(c.rms_px, 0.5);
+    EXPECT_LT(c.max_px, 2.0);
+    EXPECT_LT(c.missed_px, 2.0);
+  }
+}
+
 TEST(Extract, LightOnDarkIsTheSameDrawing) {
   const drawing::Drawing drawing = turned("script-e", 1);
   const cv::Mat picture = drawing::render(drawing, hard_look(1));
