@@ -62,9 +62,7 @@ vision::LoadRequest request_of(const Options& o) {
   if (!o.end.empty()) request.extract.end_px = vision::Vec2(o.end[0], o.end[1]);
   if (o.width_mm > 0.0) request.scale.picture_width_m = 1e-3 * o.width_mm;
   request.scale.workspace_radius_m = 1e-3 * o.workspace_mm;
-  request.scale.anchor = o.anchor == "box"     ? vision::AnchorMode::kBoundingBox
-                         : o.anchor == "first" ? vision::AnchorMode::kFirstPoint
-                                               : vision::AnchorMode::kImageCentre;
+  request.scale.anchor = *vision::anchor_of(o.anchor);
   request.select = o.select;
   return request;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "common/vision/extract.h"
 
@@ -11,6 +12,8 @@ namespace telekerf::vision {
 
 /// Which point of the picture is put on the workpiece's origin.
 enum class AnchorMode { kBoundingBox, kFirstPoint, kImageCentre };
+/// box, first, image
+std::optional<AnchorMode> anchor_of(std::string_view name);
 
 struct ScaleRequest {
   /// Width of the whole picture; wins over the fit.

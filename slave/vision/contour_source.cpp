@@ -4,43 +4,76 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 
 #include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
-#include "common/vision/load.h"
 
 namespace telekerf::vision {
+namespace {
+
+/// FNV-1a: the same contour has the same id after a restart, another one has another. Never 0, which is
+/// nobody's.
+std::uint32_t digest_of(const geometry::Polyline& line) {
+  std::uint32_t hash = line.closed ? 2166136261U : 2166136261U ^ 1U;
+  for (const Vec2& p : line.points_m) {
+    for (const double value : {p.x(), p.y()}) {
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, &value, sizeof bits);
+      for (int byte = 0; byte < 8; ++byte)
+        hash = (hash ^ static_cast<unsigned char>(bits >> (8 * byte))) * 16777619U;
+    }
+  }
+  return std::max(1U, hash);
+}
+
+}  // namespace
+
+LoadRequest load_request(const ContourRequest& request) {
+  const auto mode = mode_of(request.mode);
+  if (!mode) throw Refusal(fmt::format("mode = {}: must be auto, outline, stroke or thesis", request.mode));
+  const auto anchor = anchor_of(request.anchor);
+  if (!anchor) throw Refusal(fmt::format("anchor = {}: must be box, first or image", request.anchor));
+  LoadRequest load;
+  load.extract.mode = *mode;
+  load.scale.anchor = *anchor;
+  load.scale.picture_width_m = request.width_m;
+  load.scale.workspace_radius_m = request.workspace_radius_m;
+  load.select = request.select;
+  return load;
+}
+
+tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const std::string& source,
+                                                     double workspace_radius_m) {
+  const geometry::Polyline& line = loaded.contours[loaded.selected];
+  double reach_m = 0.0;
+  for (const auto& point : line.points_m) reach_m = std::max(reach_m, point.norm());
+  if (reach_m > workspace_radius_m) {
+    return tl::unexpected(fmt::format(
+        "{}: the contour reaches {:.1f} mm from the workspace's centre, but the slave only {:.1f} mm; "
+        "use a smaller --width-mm",
+        source, reach_m * 1e3, workspace_radius_m * 1e3));
+  }
+  ContourMessage message;
+  message.id = digest_of(line);
+  message.closed = line.closed;
+  message.source = source;
+  message.mode = loaded.mode;
+  message.metres_per_pixel = loaded.metres_per_pixel;
+  message.deviation_m = loaded.noise_m[loaded.selected];
+  message.points_m = line.points_m;
+  return message;
+}
 
 ContourMessage find_contour(const ContourRequest& request) {
   const std::string file = find_resource("pictures", request.image, ".png").string();
-  const auto mode = mode_of(request.mode);
-  if (!mode) throw Refusal(fmt::format("mode = {}: must be auto, outline, stroke or thesis", request.mode));
-  LoadRequest load;
-  load.extract.mode = *mode;
-  load.scale.picture_width_m = request.width_m;
-  load.scale.workspace_radius_m = request.workspace_radius_m;
-  const auto loaded = load_contours(file, load);
+  const auto loaded = load_contours(file, load_request(request));
   if (!loaded) throw Refusal(loaded.error());
-
-  const geometry::Polyline& line = loaded->contours[loaded->selected];
-  double reach_m = 0.0;
-  for (const auto& point : line.points_m) reach_m = std::max(reach_m, point.norm());
-  if (reach_m > request.workspace_radius_m) {
-    throw Refusal(
-        fmt::format("{}: the contour reaches {:.1f} mm from its centre, but the slave's workspace only "
-                    "{:.1f} mm; use a smaller --width-mm",
-                    file, reach_m * 1e3, request.workspace_radius_m * 1e3));
-  }
-  ContourMessage message;
-  message.id = 1;
-  message.closed = line.closed;
-  message.source = std::filesystem::path(file).filename().string();
-  message.mode = loaded->mode;
-  message.metres_per_pixel = loaded->metres_per_pixel;
-  message.deviation_m = loaded->noise_m[loaded->selected];
-  message.points_m = line.points_m;
-  return message;
+  const auto message =
+      message_of(*loaded, std::filesystem::path(file).filename().string(), request.workspace_radius_m);
+  if (!message) throw Refusal(message.error());
+  return *message;
 }
 
 }  // namespace telekerf::vision

@@ -4,20 +4,31 @@
 
 #include <optional>
 #include <string>
+#include <tl/expected.hpp>
 
 #include "common/bus/messages.h"
+#include "common/vision/load.h"
 
 namespace telekerf::vision {
 
 struct ContourRequest {
   std::string image;              ///< a shipped picture's name, or a path to a picture, SVG or DXF
   std::string mode = "auto";      ///< auto, outline, stroke, thesis
+  std::string anchor = "box";     ///< what lies on the workpiece's origin: box, first, image
+  std::size_t select = 0;         ///< which contour; 0 is the largest
   std::optional<double> width_m;  ///< of the whole picture; otherwise the contour is fitted to the workspace
   double workspace_radius_m = 0.02;  ///< of the slave
 };
 
-/// Reads, extracts, scales: the contour that is longest. Throws Refusal: no such file, no picture, no
-/// contour, or larger than the workspace.
+/// What the vision library is asked for. Throws Refusal: an unknown mode or anchor.
+LoadRequest load_request(const ContourRequest& request);
+/// The selected contour as it is published, its id a digest of its points. The error is one sentence: it does
+/// not fit into the workspace.
+tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const std::string& source,
+                                                     double workspace_radius_m);
+
+/// Reads, extracts, scales. Throws Refusal: no such file, no picture, no contour, or larger than the
+/// workspace.
 ContourMessage find_contour(const ContourRequest& request);
 
 }  // namespace telekerf::vision

@@ -10,7 +10,10 @@
 #include "common/geometry/polyline.h"
 #include "common/robot/robot_model.h"
 #include "common/runtime/loop.h"
-#include "slave/vision/contour_source.h"
+#include "common/runtime/refusal.h"
+#include "common/runtime/resources.h"
+#include "slave/vision/camera.h"
+#include "slave/vision/vision_node.h"
 
 namespace telekerf::vision {
 namespace {
@@ -18,10 +21,24 @@ namespace {
 struct Flags {
   BusFlags bus;
   std::string image = "heart";
+  int camera = -1;
   std::string mode = "auto";
+  std::string anchor = "box";
+  int select = 0;
   double width_mm = 0.0;
   std::string robot = "slave-keops";
 };
+
+ContourRequest request_of(const Flags& flags) {
+  ContourRequest request;
+  request.image = flags.image;
+  request.mode = flags.mode;
+  request.anchor = flags.anchor;
+  request.select = static_cast<std::size_t>(flags.select);
+  if (flags.width_mm > 0.0) request.width_m = flags.width_mm * 1e-3;
+  request.workspace_radius_m = robot::load_robot(flags.robot).workspace.radius_m;
+  return request;
+}
 
 void say(const ContourMessage& contour) {
   const geometry::Polyline line{contour.points_m, contour.closed};
@@ -33,19 +50,29 @@ void say(const ContourMessage& contour) {
 }
 
 int run(const Flags& flags) {
-  ContourRequest request;
-  request.image = flags.image;
-  request.mode = flags.mode;
-  if (flags.width_mm > 0.0) request.width_m = flags.width_mm * 1e-3;
-  request.workspace_radius_m = robot::load_robot(flags.robot).workspace.radius_m;
-  const ContourMessage contour = find_contour(request);
-  say(contour);
+  const auto camera = flags.camera >= 0 ? open_device(flags.camera)
+                                        : open_image(find_resource("pictures", flags.image, ".png").string());
+  VisionNode node(request_of(flags));
+  Camera::Look look = camera->next();
+  VisionNode::Outcome outcome = node.step(look);
+  // A file's first look decides; what lies under a camera may come later.
+  if (flags.camera < 0 && node.state() == VisionNode::State::kNoContour) throw Refusal(outcome.remark);
 
   catch_stop_signals();
   Bus bus(flags.bus.bus_settings(Site::kSlave, "vision"));
   Writer<ContourMessage> writer(bus);
-  writer.write(contour);
-  while (!stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (!stop_requested()) {
+    if (!outcome.remark.empty()) fmt::print(stderr, "vision: {}\n", outcome.remark);
+    if (outcome.publish) {
+      writer.write(*outcome.publish);
+      say(*outcome.publish);
+    }
+    // A live camera sets the pace; for files and for what is gone, now and then will do.
+    const bool live = look && *look && (*look)->settles;
+    std::this_thread::sleep_for(std::chrono::milliseconds(live ? 1 : 200));
+    look = camera->next();
+    outcome = node.step(look);
+  }
   return 0;
 }
 
@@ -56,8 +83,15 @@ int main(int argc, char** argv) {
   CLI::App app("Finds the contour in a picture and publishes it", "telekerf-vision");
   telekerf::vision::Flags flags;
   telekerf::Settings settings;
-  settings.add("image", flags.image, "picture: a shipped name or a file");
+  settings.add("image", flags.image,
+               "a shipped picture's name, a picture, SVG or DXF file, a folder of them, or a video");
+  settings.add("camera", flags.camera, {.min = -1, .max = 255},
+               "number of a /dev/video device; -1: none, use image");
   settings.add("mode", flags.mode, "from pixels to points", {"auto", "outline", "stroke", "thesis"});
+  settings.add("anchor", flags.anchor,
+               "what lies on the workpiece's origin: the contour's box or first point, or the image's centre",
+               {"box", "first", "image"});
+  settings.add("select", flags.select, {.min = 0, .max = 9999}, "which contour, 0 is the largest");
   settings.add("width_mm", flags.width_mm, {.min = 0, .max = 10000},
                "width of the whole picture; 0: the contour is fitted to 60 % of the workspace");
   settings.add("robot", flags.robot, "the slave's robot: a shipped name or a file");

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the camera shows -> which contour is published, and when: on change only.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "slave/vision/camera.h"
+#include "slave/vision/contour_source.h"
+
+namespace telekerf::vision {
+
+/// The same drawing: no point of one lies further than `tolerance_m` from the other, and both are as long.
+/// The start and the direction do not matter.
+bool same_contour(const ContourMessage& a, const ContourMessage& b, double tolerance_m);
+
+class VisionNode {
+ public:
+  enum class State {
+    kWaiting,    ///< nothing seen yet
+    kSeeing,     ///< the newest frame shows the published contour, or one that is about to be
+    kNoContour,  ///< the newest frame shows none that can be machined; the published one stands
+    kGone,       ///< no camera; the published one stands
+  };
+  /// Frames of a live camera that must agree before a contour counts: a hand in the picture is none.
+  static constexpr int kAgreeing = 3;
+
+  explicit VisionNode(ContourRequest request) : request_(std::move(request)) {}
+
+  struct Outcome {
+    std::optional<ContourMessage> publish;
+    std::string remark;  ///< for people, when something has changed; else empty
+  };
+  Outcome step(const Camera::Look& look);
+
+  State state() const noexcept { return state_; }
+  int frames() const noexcept { return frames_; }
+  int published() const noexcept { return published_count_; }
+  int losses() const noexcept { return losses_; }  ///< times the camera was gone
+
+ private:
+  tl::expected<ContourMessage, std::string> contour_in(const Frame& frame) const;
+  Outcome enter(State state, const std::string& reason);
+
+  ContourRequest request_;
+  State state_ = State::kWaiting;
+  std::string reason_;
+  std::optional<ContourMessage> published_;
+  std::optional<ContourMessage> candidate_;
+  int agreeing_ = 0;
+  int frames_ = 0;
+  int published_count_ = 0;
+  int losses_ = 0;
+};
+
+}  // namespace telekerf::vision
