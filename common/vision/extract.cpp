@@ -28,6 +28,8 @@ double size_of(const PixelContour& contour) {
   return geometry::bounding_box(contour.points_px).size().norm();
 }
 
+constexpr int kMostSpecks = 60;
+
 /// Largest first; specks go.
 void keep_large(Contours& contours, double smallest_share) {
   std::vector<std::pair<double, std::size_t>> order;
@@ -56,6 +58,13 @@ bool frames(const cv::Mat& drawn) {
   return along > drawn.rows + drawn.cols;
 }
 
+/// Shapes as thin as the filter lets them be, none of which stands out among the others.
+int specks_in(const Outlines& outlines, double largest) {
+  if (stroke_width_of(outlines) > 4.0) return 0;
+  return static_cast<int>(std::count_if(outlines.contours.begin(), outlines.contours.end(),
+                                        [&](const PixelContour& c) { return size_of(c) > 0.3 * largest; }));
+}
+
 /// Says why the picture is no drawing on a background: nothing whole stands out, or next to nothing beside
 /// what runs over the border.
 std::optional<std::string> clutter(const Field& field, const Outlines& outlines) {
@@ -65,6 +74,11 @@ std::optional<std::string> clutter(const Field& field, const Outlines& outlines)
   if (size < std::max(12.0, 0.02 * diagonal)) {
     return fmt::format(
         "the largest whole shape is only {:.0f} px across; nothing stands out from the background", size);
+  }
+  if (const int specks = specks_in(outlines, size); specks > kMostSpecks && size < 0.4 * diagonal) {
+    return fmt::format(
+        "the picture is full of specks ({}, none larger than {:.0f} px): noise or texture, no drawing",
+        specks, size);
   }
   if (outlines.cut_off == 0 || size > 0.2 * diagonal) return std::nullopt;
   double whole = 0.0;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
 
 namespace telekerf::vision {
@@ -16,9 +17,34 @@ namespace {
 
 constexpr int kSmallestSide = 8;
 
+/// Values that all but a few pixels lie between: hot pixels must not take the contrast.
+std::pair<double, double> range_of(const cv::Mat& wide) {
+  std::vector<std::uint32_t> counts(65536, 0);
+  const cv::Mat flat = wide.reshape(1);
+  for (int y = 0; y < flat.rows; ++y) {
+    const auto* row = flat.ptr<std::uint16_t>(y);
+    for (int x = 0; x < flat.cols; ++x) ++counts[row[x]];
+  }
+  const double few = 2e-5 * static_cast<double>(flat.total());
+  int low = 0;
+  int high = 65535;
+  for (double seen = counts[low]; seen <= few && low < high; seen += counts[++low]) {
+  }
+  for (double seen = counts[high]; seen <= few && high > low; seen += counts[--high]) {
+  }
+  return {low, high};
+}
+
 /// Any depth -> 8 bits; more than 8 bits are stretched from their smallest to their largest value.
 cv::Mat to_eight_bits(const cv::Mat& image) {
   if (image.depth() == CV_8U) return image;
+  if (image.depth() == CV_16U) {
+    const auto [low, high] = range_of(image);
+    const double gain = high > low ? 255.0 / (high - low) : 0.0;
+    cv::Mat out;
+    image.convertTo(out, CV_8U, gain, -low * gain);
+    return out;
+  }
   cv::Mat flat;
   image.convertTo(flat, CV_32F);
   cv::patchNaNs(flat, 0.0);

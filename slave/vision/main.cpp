@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 #include <thread>
 
 #include "common/bus/bus_flags.h"
@@ -40,6 +41,10 @@ ContourRequest request_of(const Flags& flags) {
   return request;
 }
 
+std::string path_of(const std::string& image) {
+  return std::filesystem::is_directory(image) ? image : find_resource("pictures", image, ".png").string();
+}
+
 void say(const ContourMessage& contour) {
   const geometry::Polyline line{contour.points_m, contour.closed};
   const Vec2 size = geometry::bounding_box(line.points_m).size() * 1e3;
@@ -50,8 +55,7 @@ void say(const ContourMessage& contour) {
 }
 
 int run(const Flags& flags) {
-  const auto camera = flags.camera >= 0 ? open_device(flags.camera)
-                                        : open_image(find_resource("pictures", flags.image, ".png").string());
+  const auto camera = flags.camera >= 0 ? open_device(flags.camera) : open_image(path_of(flags.image));
   VisionNode node(request_of(flags));
   Camera::Look look = camera->next();
   VisionNode::Outcome outcome = node.step(look);

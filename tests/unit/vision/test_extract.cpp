@@ -308,6 +308,9 @@ TEST(Extract, WhatIsNoDrawingIsRefusedWithAReason) {
   cv::Mat uniform_noise(480, 640, CV_8U);
   rng.fill(uniform_noise, cv::RNG::UNIFORM, 0, 256);
   EXPECT_NE(complaint(uniform_noise), "");
+  cv::Mat blurred = uniform_noise.clone();
+  cv::GaussianBlur(blurred, blurred, {}, 1.0);
+  EXPECT_NE(complaint(blurred).find("specks"), std::string::npos);
   cv::Mat ramp(480, 640, CV_8U);
   for (int x = 0; x < 640; ++x) ramp.col(x) = x * 255 / 640;
   EXPECT_NE(complaint(ramp), "");
