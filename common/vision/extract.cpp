@@ -59,8 +59,8 @@ bool frames(const cv::Mat& drawn) {
 }
 
 /// Shapes as thin as the filter lets them be, none of which stands out among the others.
-int specks_in(const Outlines& outlines, double largest) {
-  if (stroke_width_of(outlines) > 4.0) return 0;
+int specks_in(const Field& field, const Outlines& outlines, double largest) {
+  if (stroke_width_of(outlines) > 2.0 * field.sigma_px + 1.5) return 0;
   return static_cast<int>(std::count_if(outlines.contours.begin(), outlines.contours.end(),
                                         [&](const PixelContour& c) { return size_of(c) > 0.3 * largest; }));
 }
@@ -75,7 +75,7 @@ std::optional<std::string> clutter(const Field& field, const Outlines& outlines)
     return fmt::format(
         "the largest whole shape is only {:.0f} px across; nothing stands out from the background", size);
   }
-  if (const int specks = specks_in(outlines, size); specks > kMostSpecks && size < 0.4 * diagonal) {
+  if (const int specks = specks_in(field, outlines, size); specks > kMostSpecks && size < 0.4 * diagonal) {
     return fmt::format(
         "the picture is full of specks ({}, none larger than {:.0f} px): noise or texture, no drawing",
         specks, size);

@@ -253,16 +253,26 @@ bool border_is_dark(const cv::Mat& smooth, double level) {
   return dark >= rows + cols;
 }
 
-/// Slow change of the light over the background: a parabola in x and y through the picture's block means,
+/// Slow change of the light over the background: a parabola in x and y through the picture's block medians,
 /// fitted again and again without the blocks that lie off it. False when the background is not the larger
 /// part of the picture.
 bool light_of(const cv::Mat& grey, double noise, Eigen::Matrix<double, 6, 1>& light) {
   constexpr int kBlocks = 32;
-  cv::Mat small;
-  // Every few pixels are enough for a mean.
-  const int skip = std::max(1, std::min(grey.cols, grey.rows) / 240);
-  cv::resize(grey, small, {grey.cols / skip, grey.rows / skip}, 0, 0, cv::INTER_NEAREST);
-  cv::resize(small, small, {kBlocks, kBlocks}, 0, 0, cv::INTER_AREA);
+  // A block's median, from a few of its pixels: the paper's, even where a good part of the block is drawn on.
+  constexpr int kSide = 5;
+  cv::Mat small(kBlocks, kBlocks, CV_8U);
+  std::array<unsigned char, kSide * kSide> sample{};
+  for (int y = 0; y < kBlocks; ++y) {
+    for (int x = 0; x < kBlocks; ++x) {
+      for (int k = 0; k < kSide * kSide; ++k) {
+        const int row = (y * kSide + k / kSide) * (grey.rows - 1) / (kBlocks * kSide - 1);
+        const int column = (x * kSide + k % kSide) * (grey.cols - 1) / (kBlocks * kSide - 1);
+        sample[k] = grey.at<unsigned char>(row, column);
+      }
+      std::nth_element(sample.begin(), sample.begin() + sample.size() / 2, sample.end());
+      small.at<unsigned char>(y, x) = sample[sample.size() / 2];
+    }
+  }
   using Row = Eigen::Matrix<double, 6, 1>;
   const auto row_at = [&](int x, int y) {
     const double u = (x + 0.5) / kBlocks - 0.5;

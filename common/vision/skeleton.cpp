@@ -81,7 +81,11 @@ void thin(cv::Mat& drawn) {
   std::array<std::ptrdiff_t, 8> offset;
   for (int i = 0; i < 8; ++i) offset[i] = kDy[i] * stride + kDx[i];
 
-  constexpr unsigned char kListed = 1;  // on the border list; 255: inside; 0: gone
+  // A pixel's fate depends on its neighbours and on which of the two tables is asked: one that has outlived
+  // both is not asked again until a neighbour goes.
+  constexpr unsigned char kInside = 255;  // 0: gone
+  constexpr unsigned char kListed = 1;
+  constexpr unsigned char kOutlivedBoth = kListed + 2;
   std::vector<std::ptrdiff_t> border;
   for (const cv::Point& p : pixels_of(image)) {
     const std::ptrdiff_t at = p.y * stride + p.x;
@@ -90,9 +94,9 @@ void thin(cv::Mat& drawn) {
   }
   for (const std::ptrdiff_t at : border) data[at] = kListed;
 
+  std::vector<std::ptrdiff_t> reached = border;
   std::vector<std::ptrdiff_t> gone;
-  int idle = 0;
-  for (int pass = 0; idle < 2; ++pass) {
+  for (int pass = 0; !border.empty(); ++pass) {
     const Table& table = kTables[pass % 2];
     gone.clear();
     for (const std::ptrdiff_t at : border) {
@@ -100,18 +104,21 @@ void thin(cv::Mat& drawn) {
       for (int i = 0; i < 8; ++i) n |= (data[at + offset[i]] != 0 ? 1u : 0u) << i;
       if (table[n]) gone.push_back(at);
     }
-    idle = gone.empty() ? idle + 1 : 0;
     for (const std::ptrdiff_t at : gone) data[at] = 0;
-    std::erase_if(border, [&](std::ptrdiff_t at) { return data[at] == 0; });
+    std::erase_if(border, [&](std::ptrdiff_t at) {
+      if (data[at] != 0) ++data[at];
+      return data[at] == 0 || data[at] == kOutlivedBoth;
+    });
     for (const std::ptrdiff_t at : gone) {
       for (const std::ptrdiff_t o : offset) {
-        if (data[at + o] != 255) continue;
-        data[at + o] = kListed;
-        border.push_back(at + o);
+        unsigned char& neighbour = data[at + o];
+        if (neighbour == kInside) reached.push_back(at + o);
+        if (neighbour == kInside || neighbour == kOutlivedBoth) border.push_back(at + o);
+        if (neighbour != 0) neighbour = kListed;
       }
     }
   }
-  for (const std::ptrdiff_t at : border) data[at] = 255;
+  for (const std::ptrdiff_t at : reached) data[at] = data[at] != 0 ? kInside : 0;
   drawn = image(cv::Rect(1, 1, drawn.cols, drawn.rows));
 }
 

@@ -366,7 +366,8 @@ tl::expected<VectorDrawing, std::string> read_svg(std::string_view text, const V
   }
   tinyxml2::XMLDocument document;
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    return tl::unexpected(fmt::format("not an SVG file: its XML is damaged in line {}", document.ErrorLineNum()));
+    return tl::unexpected(
+        fmt::format("not an SVG file: its XML is damaged in line {}", document.ErrorLineNum()));
   }
   const tinyxml2::XMLElement* root = document.RootElement();
   if (root == nullptr || std::string_view(root->Name()).find("svg") == std::string_view::npos) {
