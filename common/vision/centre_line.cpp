@@ -20,8 +20,11 @@ double field_at(const Field& field, const Vec2& p) {
   if (x < 0 || y < 0 || x + 1 >= field.smooth.cols || y + 1 >= field.smooth.rows) return -1.0;
   const double u = p.x() - x;
   const double v = p.y() - y;
-  return (1 - v) * ((1 - u) * field.value(x, y) + u * field.value(x + 1, y)) +
-         v * ((1 - u) * field.value(x, y + 1) + u * field.value(x + 1, y + 1));
+  const auto* upper = field.smooth.ptr<unsigned char>(y) + x;
+  const auto* lower = field.smooth.ptr<unsigned char>(y + 1) + x;
+  const double grey =
+      (1 - v) * (upper[0] + u * (upper[1] - upper[0])) + v * (lower[0] + u * (lower[1] - lower[0]));
+  return field.dark ? field.level - grey : grey - field.level;
 }
 
 /// Distance from `p` along `direction` to where the ink ends, if that is within `most`. Within `sure` of `p`
@@ -39,9 +42,14 @@ std::optional<double> ink_ends(const Field& field, const Vec2& p, const Vec2& di
       from = sure;
     }
   }
-  for (double t = from + kStep; t < most + kStep; t += kStep) {
+  // Two pixels at a time, then the one of the two where the ink ends.
+  for (double t = from + 2.0 * kStep; t < most + 2.0 * kStep; t += 2.0 * kStep) {
     const double here = field_at(field, p + t * direction);
-    if (here <= 0.0) return t - kStep * here / (here - before);
+    if (here <= 0.0) {
+      const double between = field_at(field, p + (t - kStep) * direction);
+      if (between <= 0.0) return t - kStep - kStep * between / (between - before);
+      return t - kStep * here / (here - between);
+    }
     before = here;
   }
   return std::nullopt;

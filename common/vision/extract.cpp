@@ -60,7 +60,7 @@ bool frames(const cv::Mat& drawn) {
 
 /// Shapes as thin as the filter lets them be, none of which stands out among the others.
 int specks_in(const Field& field, const Outlines& outlines, double largest) {
-  if (stroke_width_of(outlines) > 2.0 * field.sigma_px + 1.5) return 0;
+  if (outlines.width_px > 2.0 * field.sigma_px + 1.5) return 0;
   return static_cast<int>(std::count_if(outlines.contours.begin(), outlines.contours.end(),
                                         [&](const PixelContour& c) { return size_of(c) > 0.3 * largest; }));
 }
@@ -69,7 +69,7 @@ int specks_in(const Field& field, const Outlines& outlines, double largest) {
 /// what runs over the border.
 std::optional<std::string> clutter(const Field& field, const Outlines& outlines) {
   const double diagonal = std::hypot(field.drawn.cols, field.drawn.rows);
-  const double size = drawing_size_of(outlines);
+  const double size = outlines.size_px;
   if (outlines.contours.empty()) return outlines.cut_off > 0 ? kCutOff : "nothing in the picture stands out";
   if (size < std::max(12.0, 0.02 * diagonal)) {
     return fmt::format(
@@ -82,9 +82,7 @@ std::optional<std::string> clutter(const Field& field, const Outlines& outlines)
   }
   if (outlines.cut_off == 0 || size > 0.2 * diagonal) return std::nullopt;
   double whole = 0.0;
-  for (const PixelContour& c : outlines.contours) {
-    whole += std::max(0.0, -geometry::signed_area_m2({c.points_px, true}));
-  }
+  for (const double area : outlines.areas_px) whole += std::max(0.0, area);
   if (cv::countNonZero(field.drawn) < 4.0 * whole) return std::nullopt;
   return fmt::format(
       "most of what is drawn runs over the picture's border and the largest whole shape is only {:.0f} px "
@@ -99,14 +97,14 @@ bool separated_otherwise(const cv::Mat& grey, Field& field, Outlines& outlines) 
   if (frames(field.drawn)) {
     invert(field);
     outlines = outlines_of(field);
-    if (!clutter(field, outlines) && drawing_size_of(outlines) >= large) return true;
+    if (!clutter(field, outlines) && outlines.size_px >= large) return true;
   }
   auto lines = make_field(without_shadows(grey));
   if (!lines) return false;
   field = std::move(*lines);
   outlines = outlines_of(field);
-  return !clutter(field, outlines) && drawing_size_of(outlines) >= large &&
-         stroke_width_of(outlines) < kThinnest * drawing_size_of(outlines);
+  return !clutter(field, outlines) && outlines.size_px >= large &&
+         outlines.width_px < kThinnest * outlines.size_px;
 }
 
 tl::expected<Contours, std::string> finished(Contours contours, double smallest_share, double sigma_px,
@@ -143,10 +141,7 @@ double blur_of(const Field& field, const Contours& contours) {
 tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines found,
                                                  const ExtractSettings& settings) {
   const double blur_px = blur_of(field, found.contours);
-  for (PixelContour& contour : found.contours) {
-    // Pixels run downwards, so what is anticlockwise to the eye has a negative area here.
-    contour.hole = geometry::signed_area_m2({contour.points_px, true}) > 0.0;
-  }
+  for (std::size_t i = 0; i < found.contours.size(); ++i) found.contours[i].hole = found.areas_px[i] < 0.0;
   auto contours =
       finished(std::move(found.contours), settings.smallest_share, 1.0,
                found.cut_off > 0 ? kCutOff : "the picture holds specks only, no shape with an outline");
@@ -164,8 +159,8 @@ tl::expected<Contours, std::string> stroke_mode(const Field& field, const Outlin
 
 tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlines& found,
                                                 const ExtractSettings& settings) {
-  const double width = stroke_width_of(found);
-  const bool is_stroke = width < kThinnest * std::max(1.0, drawing_size_of(found));
+  const double width = found.width_px;
+  const bool is_stroke = width < kThinnest * std::max(1.0, found.size_px);
   const cv::Mat band = edge_band(field, width, is_stroke);
   std::optional<cv::Point> start = first_in_evolving_square(band);
   if (!start) return tl::unexpected<std::string>("Canny finds no edge in the picture");
@@ -270,8 +265,8 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   out.mode = settings.mode;
   out.why = "asked for";
   if (settings.mode == Mode::kAuto) {
-    const double width = stroke_width_of(outlines);
-    const double size = std::max(1.0, drawing_size_of(outlines));
+    const double width = outlines.width_px;
+    const double size = std::max(1.0, outlines.size_px);
     out.mode = width < kThinnest * size ? Mode::kStroke : Mode::kOutline;
     out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", width, size,
                           out.mode == Mode::kStroke ? "stroke" : "region");

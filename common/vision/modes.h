@@ -18,15 +18,14 @@ using Contours = std::vector<PixelContour>;
 /// is not whole.
 struct Outlines {
   Contours contours;
+  std::vector<double> areas_px;  ///< of each contour; negative: a hole
   int cut_off = 0;
+  /// Twice the area over the perimeter of everything drawn: the width of a stroke, or about a third of a
+  /// region's.
+  double width_px = 0.0;
+  double size_px = 0.0;  ///< diagonal of the largest shape's box
 };
 Outlines outlines_of(const Field& field);
-
-/// Twice the area over the perimeter of everything drawn: the width of a stroke, or about a third of a
-/// region's.
-double stroke_width_of(const Outlines& outlines);
-/// Diagonal of the largest shape's box.
-double drawing_size_of(const Outlines& outlines);
 
 /// Centre lines of everything drawn, one pass each, crossings straight on; unsorted and unsmoothed.
 Contours strokes_of(const Field& field, const Outlines& outlines);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -118,6 +119,24 @@ class BorderWalk {
 
 }  // namespace
 
-Outlines outlines_of(const Field& field) { return BorderWalk(field).all(); }
+Outlines outlines_of(const Field& field) {
+  Outlines out = BorderWalk(field).all();
+  double area = 0.0;
+  double perimeter = 0.0;
+  for (const PixelContour& c : out.contours) {
+    double twice = 0.0;
+    Vec2 before = c.points_px.back();
+    for (const Vec2& p : c.points_px) {
+      twice -= geometry::cross(before - c.points_px[0], p - c.points_px[0]);  // y runs downwards
+      perimeter += (p - before).norm();
+      before = p;
+    }
+    out.areas_px.push_back(0.5 * twice);
+    area += 0.5 * twice;
+    if (twice > 0.0) out.size_px = std::max(out.size_px, geometry::bounding_box(c.points_px).size().norm());
+  }
+  out.width_px = perimeter > 0.0 ? 2.0 * std::max(0.0, area) / perimeter : 0.0;
+  return out;
+}
 
 }  // namespace telekerf::vision

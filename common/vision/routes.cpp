@@ -28,8 +28,8 @@ int code(const End& end) { return 2 * end.line + (end.at_to ? 1 : 0); }
 
 class Router {
  public:
-  Router(const SkeletonGraph& graph, const cv::Mat& half_width, double width_px)
-      : graph_(graph), half_width_(half_width), width_(width_px) {}
+  Router(const SkeletonGraph& graph, const cv::Mat& drawn, double width_px)
+      : graph_(graph), drawn_(drawn), width_(width_px) {}
 
   std::vector<Route> routes() {
     join_clusters();
@@ -71,7 +71,7 @@ class Router {
         continue;
       }
       if (length > 5.0 * width_) continue;
-      for (const cv::Point& p : line.pixels) least = std::min(least, double(half_width_.at<float>(p)));
+      for (const cv::Point& p : line.pixels) least = std::min(least, half_width_at(drawn_, p));
       const bool thick = line.pixels.empty() || least > 0.58 * width_;
       if (length <= 1.2 * width_ + 1.0 || thick) {
         cluster_[root(line.from)] = root(line.to);
@@ -240,7 +240,7 @@ class Router {
   }
 
   const SkeletonGraph& graph_;
-  const cv::Mat& half_width_;
+  const cv::Mat& drawn_;
   double width_;
   std::vector<std::vector<int>> at_node_;  ///< codes of the ends that meet there
   std::vector<int> cluster_;
@@ -250,8 +250,8 @@ class Router {
 
 }  // namespace
 
-std::vector<Route> routes_through(const SkeletonGraph& graph, const cv::Mat& half_width, double width_px) {
-  return Router(graph, half_width, width_px).routes();
+std::vector<Route> routes_through(const SkeletonGraph& graph, const cv::Mat& drawn, double width_px) {
+  return Router(graph, drawn, width_px).routes();
 }
 
 }  // namespace telekerf::vision

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 namespace telekerf::vision {
 namespace {
@@ -71,7 +73,7 @@ int graph_neighbours(const cv::Mat& s, cv::Point p, std::array<cv::Point, 8>& ou
 
 }  // namespace
 
-void thin(cv::Mat& drawn) {
+cv::Mat thinned(const cv::Mat& drawn) {
   static const std::array<Table, 2> kTables{guo_hall(true), guo_hall(false)};
   // One pixel of margin all around, so that no neighbour needs a bound.
   cv::Mat image;
@@ -119,7 +121,22 @@ void thin(cv::Mat& drawn) {
     }
   }
   for (const std::ptrdiff_t at : reached) data[at] = data[at] != 0 ? kInside : 0;
-  drawn = image(cv::Rect(1, 1, drawn.cols, drawn.rows));
+  return image(cv::Rect(1, 1, drawn.cols, drawn.rows));
+}
+
+double half_width_at(const cv::Mat& drawn, const cv::Point& p) {
+  const auto empty = [&](int x, int y) {
+    return x < 0 || y < 0 || x >= drawn.cols || y >= drawn.rows || drawn.at<unsigned char>(y, x) == 0;
+  };
+  int best = std::numeric_limits<int>::max();                                    // squared
+  for (int r = 0; r * r < best && r <= std::max(drawn.cols, drawn.rows); ++r) {  // rings of a square
+    for (int i = -r; i <= r; ++i) {
+      if (empty(p.x + i, p.y - r) || empty(p.x + i, p.y + r) || empty(p.x - r, p.y + i) ||
+          empty(p.x + r, p.y + i))
+        best = std::min(best, r * r + i * i);
+    }
+  }
+  return std::sqrt(static_cast<double>(best));
 }
 
 geometry::Vec2 SkeletonGraph::Node::position() const {
@@ -237,7 +254,7 @@ bool is_corner_spur(const SkeletonGraph& graph, std::size_t spur, int junction, 
 
 }  // namespace
 
-SkeletonGraph pruned(SkeletonGraph graph, cv::Mat& skeleton, const cv::Mat& half_width) {
+SkeletonGraph pruned(SkeletonGraph graph, cv::Mat& skeleton, const cv::Mat& drawn) {
   for (int pass = 0; pass < 3; ++pass) {
     bool changed = false;
     for (std::size_t i = 0; i < graph.lines.size(); ++i) {
@@ -249,7 +266,7 @@ SkeletonGraph pruned(SkeletonGraph graph, cv::Mat& skeleton, const cv::Mat& half
       if (from_end == (b.degree == 1)) continue;  // a stroke of its own, or no free end
       const auto& junction = from_end ? b : a;
       double grown = 0.0;
-      for (const cv::Point& p : junction.pixels) grown = std::max(grown, double(half_width.at<float>(p)));
+      for (const cv::Point& p : junction.pixels) grown = std::max(grown, half_width_at(drawn, p));
       const bool short_one = static_cast<double>(line.pixels.size()) <= 1.5 * grown + 2.0;
       if (!short_one && !is_corner_spur(graph, i, from_end ? line.to : line.from, grown)) continue;
       for (const cv::Point& p : line.pixels) skeleton.at<unsigned char>(p) = 0;
@@ -257,7 +274,7 @@ SkeletonGraph pruned(SkeletonGraph graph, cv::Mat& skeleton, const cv::Mat& half
       changed = true;
     }
     if (!changed) break;
-    thin(skeleton);  // a junction that lost its branch may be two pixels thick
+    skeleton = thinned(skeleton);  // a junction that lost its branch may be two pixels thick
     graph = graph_of(skeleton);
   }
   return graph;

@@ -11,7 +11,10 @@ namespace telekerf::vision {
 
 /// Guo and Hall's parallel thinning on a list of border pixels: cost is proportional to the ink. CV_8U, 0 and
 /// 255.
-void thin(cv::Mat& drawn);
+cv::Mat thinned(const cv::Mat& drawn);
+
+/// Distance from a pixel to the nearest one that is not drawn, in pixels.
+double half_width_at(const cv::Mat& drawn, const cv::Point& p);
 
 /// Lines between ends and junctions. Pixels of a line exclude those of its nodes.
 struct SkeletonGraph {
@@ -32,6 +35,6 @@ SkeletonGraph graph_of(const cv::Mat& skeleton);
 
 /// The graph without branches that are no longer than what the stroke's own width grows (1.5 x half width + 2
 /// pixels); erases them from the skeleton, a few times over.
-SkeletonGraph pruned(SkeletonGraph graph, cv::Mat& skeleton, const cv::Mat& half_width);
+SkeletonGraph pruned(SkeletonGraph graph, cv::Mat& skeleton, const cv::Mat& drawn);
 
 }  // namespace telekerf::vision

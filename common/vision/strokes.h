@@ -23,7 +23,7 @@ struct Route {
 /// Every line of the graph once, joined at junctions so that the path turns as little as possible. Junctions
 /// that a flat crossing has pulled apart are joined first: up to five stroke widths, as long as the ink
 /// between is wider than one stroke. `width_px` is the stroke's.
-std::vector<Route> routes_through(const SkeletonGraph& graph, const cv::Mat& half_width, double width_px);
+std::vector<Route> routes_through(const SkeletonGraph& graph, const cv::Mat& drawn, double width_px);
 
 /// Replaces the marked points by a cubic that continues the directions on both sides.
 void bridge(std::vector<Vec2>& points, const std::vector<bool>& junction, bool closed);
