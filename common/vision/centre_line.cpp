@@ -91,10 +91,10 @@ std::vector<std::pair<std::size_t, std::size_t>> runs_of_bad(const std::vector<b
 }
 
 /// Keeps each point's mark while the line is given evenly spaced points.
-void space_evenly(std::vector<Vec2>& p, std::vector<bool>& junction, bool closed) {
+void space_evenly(std::vector<Vec2>& p, std::vector<bool>& junction, bool closed, double spacing_px) {
   const geometry::Polyline line{p, closed};
   const std::vector<double> s = geometry::arc_lengths(line);
-  geometry::Polyline even = geometry::resampled(line, 1.0);
+  geometry::Polyline even = geometry::resampled(line, spacing_px);
   std::vector<bool> marks(even.size(), false);
   std::size_t at = 0;
   for (std::size_t i = 0; i < even.size(); ++i) {
@@ -110,9 +110,9 @@ void space_evenly(std::vector<Vec2>& p, std::vector<bool>& junction, bool closed
 /// The middle between the two borders, and the width, at each point. Where the borders are not found at about
 /// one width from each other (corners, overlaps), the shift of the neighbours is carried over.
 double centre_once(const Field& field, std::vector<Vec2>& p, const std::vector<bool>& junction, bool closed,
-                   double width_px) {
+                   double width_px, double spacing_px) {
   const std::size_t n = p.size();
-  const auto reach = static_cast<std::size_t>(std::lround(std::max(2.0, 0.6 * width_px)));
+  const auto reach = static_cast<std::size_t>(std::lround(std::max(2.0, 0.6 * width_px / spacing_px)));
   const std::vector<Vec2> tangents = tangents_of(p, closed, reach);
   std::vector<bool> good(n, false);
   std::vector<double> shift(n, 0.0);
@@ -231,11 +231,10 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
   }
   bridge(p, junction, out.closed);
   for (int pass = 0; pass < 2; ++pass) {
-    space_evenly(p, junction, out.closed);
-    PixelContour rough{p, out.closed};
-    smooth_and_resample(rough, std::max(1.0, 0.35 * width_px));
-    if (rough.points_px.size() == p.size()) p = rough.points_px;
-    out.width_px = centre_once(field, p, junction, out.closed, out.width_px);
+    const double spacing_px = pass == 0 && width_px > 5.0 ? 2.0 : 1.0;
+    space_evenly(p, junction, out.closed, spacing_px);
+    smooth(p, out.closed, std::max(1.0, 0.35 * width_px) / spacing_px);
+    out.width_px = centre_once(field, p, junction, out.closed, out.width_px, spacing_px);
     bridge(p, junction, out.closed);
   }
   if (!out.closed) {

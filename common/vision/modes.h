@@ -30,8 +30,10 @@ Outlines outlines_of(const Field& field);
 /// Centre lines of everything drawn, one pass each, crossings straight on; unsorted and unsmoothed.
 Contours strokes_of(const Field& field, const Outlines& outlines);
 
-/// Low-pass along the contour that leaves circles of more than a few pixels as they are (twice a Gaussian
-/// minus its square), then about one point a pixel. Fills `noise_px`.
+/// Low-pass along evenly spaced points that leaves circles of more than a few spacings as they are (twice a
+/// Gaussian minus its square); sigma in spacings. What it took away, rms.
+double smooth(std::vector<Vec2>& points, bool closed, double sigma);
+/// The same along any contour, then about one point a pixel. Fills `noise_px`.
 void smooth_and_resample(PixelContour& contour, double sigma_px);
 
 }  // namespace telekerf::vision

@@ -96,27 +96,37 @@ cv::Mat thinned(const cv::Mat& drawn) {
   }
   for (const std::ptrdiff_t at : border) data[at] = kListed;
 
+  cv::Mat codes(image.size(), CV_8U);  // of each reached pixel: which neighbours are left
+  auto* left = codes.data;
+  const auto code = [&](std::ptrdiff_t at) {
+    unsigned n = 0;
+    for (int i = 0; i < 8; ++i) n |= (data[at + offset[i]] != 0 ? 1u : 0u) << i;
+    return static_cast<unsigned char>(n);
+  };
   std::vector<std::ptrdiff_t> reached = border;
+  for (const std::ptrdiff_t at : border) left[at] = code(at);
   std::vector<std::ptrdiff_t> gone;
   for (int pass = 0; !border.empty(); ++pass) {
     const Table& table = kTables[pass % 2];
     gone.clear();
-    for (const std::ptrdiff_t at : border) {
-      unsigned n = 0;
-      for (int i = 0; i < 8; ++i) n |= (data[at + offset[i]] != 0 ? 1u : 0u) << i;
-      if (table[n]) gone.push_back(at);
-    }
-    for (const std::ptrdiff_t at : gone) data[at] = 0;
     std::erase_if(border, [&](std::ptrdiff_t at) {
-      if (data[at] != 0) ++data[at];
-      return data[at] == 0 || data[at] == kOutlivedBoth;
+      const bool goes = table[left[at]];
+      if (goes) gone.push_back(at);
+      return goes || ++data[at] == kOutlivedBoth;
     });
+    for (const std::ptrdiff_t at : gone) data[at] = 0;
     for (const std::ptrdiff_t at : gone) {
-      for (const std::ptrdiff_t o : offset) {
-        unsigned char& neighbour = data[at + o];
-        if (neighbour == kInside) reached.push_back(at + o);
-        if (neighbour == kInside || neighbour == kOutlivedBoth) border.push_back(at + o);
-        if (neighbour != 0) neighbour = kListed;
+      for (int i = 0; i < 8; ++i) {
+        const std::ptrdiff_t neighbour = at + offset[i];
+        unsigned char& state = data[neighbour];
+        if (state == 0) continue;
+        if (state == kInside) {
+          reached.push_back(neighbour);
+          left[neighbour] = code(neighbour);
+        }
+        left[neighbour] &= static_cast<unsigned char>(~(1u << ((i + 4) % 8)));
+        if (state == kInside || state == kOutlivedBoth) border.push_back(neighbour);
+        state = kListed;
       }
     }
   }

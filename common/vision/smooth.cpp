@@ -33,33 +33,35 @@ std::vector<Vec2> filtered(const std::vector<Vec2>& p, bool closed, const std::v
 
 }  // namespace
 
+double smooth(std::vector<Vec2>& points, bool closed, double sigma) {
+  if (points.size() < 8 || !(sigma > 0.0)) return 0.0;
+  std::vector<double> kernel(static_cast<std::size_t>(std::ceil(4.0 * sigma)) + 1);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < kernel.size(); ++k) {
+    kernel[k] = std::exp(-0.5 * static_cast<double>(k * k) / (sigma * sigma));
+    sum += (k == 0 ? 1.0 : 2.0) * kernel[k];
+  }
+  for (double& w : kernel) w /= sum;
+
+  std::vector<Vec2> once = filtered(points, closed, kernel);
+  std::vector<Vec2> rest(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) rest[i] = points[i] - once[i];
+  const std::vector<Vec2> back = filtered(rest, closed, kernel);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    once[i] += back[i];
+    squares += (points[i] - once[i]).squaredNorm();
+  }
+  points = std::move(once);
+  return std::sqrt(0.5 * squares / static_cast<double>(points.size()));  // one axis of two
+}
+
 void smooth_and_resample(PixelContour& contour, double sigma_px) {
   const geometry::Polyline raw{std::move(contour.points_px), contour.closed};
-  geometry::Polyline even = geometry::resampled(raw, std::clamp(0.25 * sigma_px, 0.5, 1.0));
+  geometry::Polyline even = geometry::resampled(raw, 0.5);
   const double spacing =
       geometry::length_m(even) / static_cast<double>(std::max<std::size_t>(1, even.segments()));
-  if (even.size() >= 8 && spacing > 0.0) {
-    const double sigma = sigma_px / spacing;
-    std::vector<double> kernel(static_cast<std::size_t>(std::ceil(4.0 * sigma)) + 1);
-    double sum = 0.0;
-    for (std::size_t k = 0; k < kernel.size(); ++k) {
-      kernel[k] = std::exp(-0.5 * static_cast<double>(k * k) / (sigma * sigma));
-      sum += (k == 0 ? 1.0 : 2.0) * kernel[k];
-    }
-    for (double& w : kernel) w /= sum;
-
-    std::vector<Vec2> once = filtered(even.points_m, even.closed, kernel);
-    std::vector<Vec2> rest(even.size());
-    for (std::size_t i = 0; i < even.size(); ++i) rest[i] = even.points_m[i] - once[i];
-    const std::vector<Vec2> back = filtered(rest, even.closed, kernel);
-    double squares = 0.0;
-    for (std::size_t i = 0; i < even.size(); ++i) {
-      once[i] += back[i];
-      squares += (even.points_m[i] - once[i]).squaredNorm();
-    }
-    contour.noise_px = std::sqrt(0.5 * squares / static_cast<double>(even.size()));  // one axis of two
-    even.points_m = std::move(once);
-  }
+  if (spacing > 0.0) contour.noise_px = smooth(even.points_m, even.closed, sigma_px / spacing);
   contour.points_px = geometry::resampled(even, 1.0).points_m;
 }
 
