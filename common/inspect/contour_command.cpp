@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/geometry/cutting_order.h"
 #include "common/geometry/elliptic_fourier.h"
 #include "common/inspect/commands.h"
 #include "common/runtime/refusal.h"
@@ -104,6 +105,9 @@ int inspect(const Options& o) {
   json["height_m"] = box.size().y();
   json["contours"] = loaded->contours.size();
   json["selected"] = loaded->selected;
+  json["order"] = geometry::cutting_order(loaded->contours).order;
+  json["contrast"] = loaded->contrast;
+  json["picture_noise"] = loaded->picture_noise;
   json["noise_m"] = loaded->noise_m[loaded->selected];
   json["metres_per_pixel"] =
       loaded->metres_per_pixel > 0.0 ? nlohmann::json(loaded->metres_per_pixel) : nlohmann::json();

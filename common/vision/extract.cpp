@@ -262,6 +262,8 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   Extraction out;
   out.picture_width_px = image.cols;
   out.picture_height_px = image.rows;
+  out.contrast = field->contrast;
+  out.noise = field->noise;
   out.mode = settings.mode;
   out.why = "asked for";
   if (settings.mode == Mode::kAuto) {

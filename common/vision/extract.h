@@ -50,6 +50,8 @@ struct Extraction {
   std::string why;             ///< one clause: why this mode
   int picture_width_px = 0;
   int picture_height_px = 0;
+  double contrast = 0.0;               ///< of drawing and background, grey levels
+  double noise = 0.0;                  ///< of the picture, standard deviation in grey levels
   std::vector<PixelContour> contours;  ///< largest first, never empty
 };
 

@@ -62,6 +62,8 @@ tl::expected<Loaded, std::string> contours_of(const cv::Mat& image, const LoadRe
   out.mode = name_of(found->mode);
   out.why = found->why;
   out.selected = request.select;
+  out.contrast = found->contrast;
+  out.picture_noise = found->noise;
   out.picture_width_px = found->picture_width_px;
   out.picture_height_px = found->picture_height_px;
   out.scale = scale_for(found->contours[request.select], found->picture_width_px, found->picture_height_px,

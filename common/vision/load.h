@@ -27,6 +27,8 @@ struct Loaded {
   std::vector<double> noise_m;               ///< quality of each contour's points
   std::size_t selected = 0;
   double metres_per_pixel = 0.0;  ///< 0 for vector drawings
+  double contrast = 0.0;          ///< grey levels; 0 for vector drawings
+  double picture_noise = 0.0;     ///< standard deviation, grey levels
   int picture_width_px = 0;
   int picture_height_px = 0;
   Scale scale;      ///< pictures only: from the pixels of `picture`

@@ -65,11 +65,17 @@ int run(const Flags& flags) {
   catch_stop_signals();
   Bus bus(flags.bus.bus_settings(Site::kSlave, "vision"));
   Writer<ContourMessage> writer(bus);
+  Writer<TelemetryMessage> telemetry(bus);
+  auto report_at = std::chrono::steady_clock::now();
   while (!stop_requested()) {
     if (!outcome.remark.empty()) fmt::print(stderr, "vision: {}\n", outcome.remark);
     if (outcome.publish) {
       writer.write(*outcome.publish);
       say(*outcome.publish);
+    }
+    if (const auto now = std::chrono::steady_clock::now(); now >= report_at) {
+      telemetry.write(node.record());
+      report_at = now + std::chrono::seconds(1);
     }
     // A live camera sets the pace; for files and for what is gone, now and then will do.
     const bool live = look && *look && (*look)->settles;

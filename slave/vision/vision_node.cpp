@@ -36,11 +36,31 @@ bool same_contour(const ContourMessage& a, const ContourMessage& b, double toler
   return furthest(a.points_m, line_b) <= tolerance_m && furthest(b.points_m, line_a) <= tolerance_m;
 }
 
-tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& frame) const {
+tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& frame) {
   const LoadRequest load = load_request(request_);
   const auto loaded = frame.file.empty() ? contours_of(frame.image, load) : load_contours(frame.file, load);
   if (!loaded) return tl::unexpected(loaded.error());
+  contrast_ = loaded->contrast;
+  noise_ = loaded->picture_noise;
   return message_of(*loaded, frame.source, request_.workspace_radius_m);
+}
+
+TelemetryMessage VisionNode::record() const {
+  TelemetryMessage out;
+  out.role = "vision";
+  out.tick = static_cast<Tick>(frames_);
+  out.values = {{"frames", frames_},        {"published", published_count_},
+                {"camera_losses", losses_}, {"camera_gone", state_ == State::kGone},
+                {"contrast", contrast_},    {"picture_noise", noise_}};
+  if (!published_) return out;
+  const geometry::Polyline line{published_->points_m, published_->closed};
+  const Vec2 size = geometry::bounding_box(line.points_m).size();
+  out.values.insert(out.values.end(), {{"contour_id", published_->id},
+                                       {"deviation_mm", 1e3 * published_->deviation_m},
+                                       {"length_mm", 1e3 * geometry::length_m(line)},
+                                       {"width_mm", 1e3 * size.x()},
+                                       {"height_mm", 1e3 * size.y()}});
+  return out;
 }
 
 VisionNode::Outcome VisionNode::enter(State state, const std::string& reason) {

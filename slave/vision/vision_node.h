@@ -37,9 +37,11 @@ class VisionNode {
   int frames() const noexcept { return frames_; }
   int published() const noexcept { return published_count_; }
   int losses() const noexcept { return losses_; }  ///< times the camera was gone
+  /// The quality record: deviation and size of what is published, contrast and noise of the newest picture.
+  TelemetryMessage record() const;
 
  private:
-  tl::expected<ContourMessage, std::string> contour_in(const Frame& frame) const;
+  tl::expected<ContourMessage, std::string> contour_in(const Frame& frame);
   Outcome enter(State state, const std::string& reason);
 
   ContourRequest request_;
@@ -47,6 +49,8 @@ class VisionNode {
   std::string reason_;
   std::optional<ContourMessage> published_;
   std::optional<ContourMessage> candidate_;
+  double contrast_ = 0.0;
+  double noise_ = 0.0;
   int agreeing_ = 0;
   int frames_ = 0;
   int published_count_ = 0;

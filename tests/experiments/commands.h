@@ -9,6 +9,7 @@ namespace telekerf::experiments {
 void add_closed_contour_command(CLI::App& app, Action& action);
 void add_codec_command(CLI::App& app, Action& action);
 void add_constraint_command(CLI::App& app, Action& action);
+void add_contours_command(CLI::App& app, Action& action);
 void add_delay_command(CLI::App& app, Action& action);
 void add_kinematics_command(CLI::App& app, Action& action);
 void add_lap_command(CLI::App& app, Action& action);

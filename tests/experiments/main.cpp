@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   telekerf::experiments::add_closed_contour_command(app, action);
   telekerf::experiments::add_codec_command(app, action);
   telekerf::experiments::add_constraint_command(app, action);
+  telekerf::experiments::add_contours_command(app, action);
   telekerf::experiments::add_delay_command(app, action);
   telekerf::experiments::add_kinematics_command(app, action);
   telekerf::experiments::add_lap_command(app, action);

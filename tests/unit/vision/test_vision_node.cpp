@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -60,6 +61,14 @@ TEST(VisionNode, ALiveContourIsPublishedOnceWhenFramesAgree) {
   }
   EXPECT_EQ(published, 1);
   EXPECT_EQ(node.frames(), 12);
+  const auto values = node.record().values;
+  const std::map<std::string, double> record(values.begin(), values.end());
+  EXPECT_EQ(record.at("frames"), 12.0);
+  EXPECT_NEAR(record.at("picture_noise"), 6.0, 1.0);
+  EXPECT_GT(record.at("contrast"), 100.0);  // ink 40 on paper 228, a thin pen, blurred
+  EXPECT_LT(record.at("contrast"), 190.0);
+  EXPECT_GT(record.at("width_mm"), 10.0);
+  EXPECT_LT(record.at("deviation_mm"), 0.01);
 }
 
 TEST(VisionNode, WhatPassesIsIgnoredAndWhatStaysIsPublished) {
