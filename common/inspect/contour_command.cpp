@@ -25,6 +25,7 @@ struct Options {
   std::vector<double> start;
   std::vector<double> end;
   double width_mm = 0.0;
+  double height_mm = 0.0;
   double workspace_mm = 20.0;
   std::string anchor = "box";
   std::string harmonics = "auto";
@@ -62,6 +63,7 @@ vision::LoadRequest request_of(const Options& o) {
   if (!o.start.empty()) request.extract.start_px = vision::Vec2(o.start[0], o.start[1]);
   if (!o.end.empty()) request.extract.end_px = vision::Vec2(o.end[0], o.end[1]);
   if (o.width_mm > 0.0) request.scale.picture_width_m = 1e-3 * o.width_mm;
+  if (o.height_mm > 0.0) request.scale.picture_height_m = 1e-3 * o.height_mm;
   request.scale.workspace_radius_m = 1e-3 * o.workspace_mm;
   request.scale.anchor = *vision::anchor_of(o.anchor);
   request.select = o.select;
@@ -141,7 +143,11 @@ void add_contour_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   sub->add_option("--start", o->start, "where the path starts, pixels X,Y")->delimiter(',')->expected(2);
   sub->add_option("--end", o->end, "where an open path ends, pixels X,Y")->delimiter(',')->expected(2);
-  sub->add_option("--width-mm", o->width_mm, "true width of the whole picture")->check(CLI::PositiveNumber);
+  auto* width = sub->add_option("--width-mm", o->width_mm, "true width of the whole picture")
+                    ->check(CLI::PositiveNumber);
+  sub->add_option("--height-mm", o->height_mm, "and its true height, where pixels are not square")
+      ->check(CLI::PositiveNumber)
+      ->needs(width);
   sub->add_option("--workspace-mm", o->workspace_mm,
                   "without --width-mm the contour fills 60 % of this radius")
       ->check(CLI::PositiveNumber)

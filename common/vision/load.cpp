@@ -29,6 +29,10 @@ tl::expected<Loaded, std::string> vector_contours(const std::string& path, const
         fmt::format("{}: contour {} is asked for, there are {}", path, request.select, out.contours.size()));
   }
   const geometry::Polyline& chosen = out.contours[out.selected];
+  if (request.scale.picture_height_m) {
+    return tl::unexpected(
+        fmt::format("{}: a drawing is stretched by its width only; leave out the height", path));
+  }
   double gain = 1.0;
   if (request.scale.picture_width_m) {
     std::vector<Vec2> all;

@@ -17,6 +17,9 @@ Scale scale_for(const PixelContour& contour, int picture_width_px, int picture_h
     scale.metres_per_pixel = *request.metres_per_pixel;
   } else if (request.picture_width_m) {
     scale.metres_per_pixel = *request.picture_width_m / picture_width_px;
+    if (request.picture_height_m) {
+      scale.pixel_aspect = *request.picture_height_m / picture_height_px / scale.metres_per_pixel;
+    }
   } else {
     const double radius_px = geometry::bounding_circle(contour.points_px).radius_m;
     if (radius_px > 0.0) scale.metres_per_pixel = request.fill * request.workspace_radius_m / radius_px;

@@ -356,6 +356,17 @@ TEST(Scaling, CirclesStayRoundAndLettersReadable) {
   EXPECT_NEAR(scale.to_workpiece({639.5, 0}).x() - scale.to_workpiece({-0.5, 0}).x(), 0.064, 1e-15);
 }
 
+TEST(Scaling, PixelsThatAreNotSquareHaveTwoScales) {
+  PixelContour ring;
+  for (int i = 0; i < 360; ++i)
+    ring.points_px.emplace_back(320 + 100 * std::cos(i * M_PI / 180), 240 + 50 * std::sin(i * M_PI / 180));
+  const Scale scale = scale_for(ring, 640, 480, {.picture_width_m = 0.064, .picture_height_m = 0.096});
+  const Vec2 size = geometry::bounding_box(to_workpiece(ring, scale).points_m).size();
+  EXPECT_NEAR(size.x(), 0.02, 1e-15);
+  EXPECT_NEAR(size.x() / size.y(), 1.0, 1e-12);
+  EXPECT_LT((scale.to_picture(scale.to_workpiece({12, 34})) - Vec2(12, 34)).norm(), 1e-10);
+}
+
 TEST(Scaling, WithoutAWidthTheContourFillsSixtyPerCent) {
   PixelContour shape;
   shape.points_px = {{10, 10}, {210, 20}, {200, 110}, {20, 100}};
