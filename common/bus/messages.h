@@ -100,6 +100,16 @@ struct StateBlock {
 
 /// Vision -> everyone, latched and reliable. Points in drawing order; a closed contour does not repeat its
 /// first.
+/// Bounds of a published contour (telekerf.idl).
+inline constexpr std::size_t kMostContourPoints =
+    100000;  ///< of the contour, and of all further lines together
+inline constexpr std::size_t kMostContourLines = 1000;
+
+struct ContourLine {
+  bool closed = true;
+  std::vector<Vec2> points_m;
+};
+
 struct ContourMessage {
   std::uint32_t id = 0;
   bool closed = true;
@@ -108,6 +118,7 @@ struct ContourMessage {
   double metres_per_pixel = 0.0;
   double deviation_m = 0.0;  ///< quality record: estimated noise of the points, rms
   std::vector<Vec2> points_m;
+  std::vector<ContourLine> further;  ///< the picture's other contours: a hand follows one, a machine cuts all
 };
 
 /// Modes and events, reliable.

@@ -7,6 +7,7 @@
 #include <array>
 #include <boost/crc.hpp>
 #include <cmath>
+#include <span>
 
 namespace telekerf::bus {
 namespace {
@@ -15,7 +16,7 @@ using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
 
 // Bounds of idl/telekerf.idl; the generated code does not enforce them.
-constexpr std::size_t kMostPoints = 100000;
+
 constexpr std::size_t kMostValues = 256;
 constexpr std::size_t kShortText = 32;
 constexpr std::size_t kName = 64;
@@ -161,8 +162,33 @@ Verdict from_wire(const wire::StateBlock& wire, std::uint16_t contract, StateBlo
   return Verdict::kGood;
 }
 
+namespace {
+
+void append(const std::vector<Vec2>& points_m, std::vector<wire::Point>& wire) {
+  for (const Vec2& point_m : points_m) {
+    wire.emplace_back();
+    wire.back().x_m(point_m.x());
+    wire.back().y_m(point_m.y());
+  }
+}
+
+/// False if a coordinate is not finite.
+bool append(std::span<const wire::Point> wire, std::vector<Vec2>& points_m) {
+  points_m.reserve(points_m.size() + wire.size());
+  for (const wire::Point& point : wire) {
+    if (!std::isfinite(point.x_m()) || !std::isfinite(point.y_m())) return false;
+    points_m.emplace_back(point.x_m(), point.y_m());
+  }
+  return true;
+}
+
+}  // namespace
+
 bool to_wire(const ContourMessage& value, std::uint16_t contract, wire::Contour& wire) {
-  if (value.points_m.size() > kMostPoints || value.source.size() > kLongText ||
+  std::size_t further = 0;
+  for (const ContourLine& line : value.further) further += line.points_m.size();
+  if (value.further.size() > kMostContourLines || further > kMostContourPoints ||
+      value.points_m.size() > kMostContourPoints || value.source.size() > kLongText ||
       value.mode.size() > kShortText)
     return false;
   wire.contract(contract);
@@ -172,17 +198,24 @@ bool to_wire(const ContourMessage& value, std::uint16_t contract, wire::Contour&
   wire.mode(value.mode);
   wire.metres_per_pixel(value.metres_per_pixel);
   wire.deviation_m(value.deviation_m);
-  wire.points().resize(value.points_m.size());
-  for (std::size_t i = 0; i < value.points_m.size(); ++i) {
-    wire.points()[i].x_m(value.points_m[i].x());
-    wire.points()[i].y_m(value.points_m[i].y());
+  wire.points().clear();
+  append(value.points_m, wire.points());
+  wire.further().clear();
+  wire.further_points().clear();
+  for (const ContourLine& line : value.further) {
+    wire.further().emplace_back();
+    wire.further().back().closed(line.closed ? 1 : 0);
+    wire.further().back().points(static_cast<std::uint32_t>(line.points_m.size()));
+    append(line.points_m, wire.further_points());
   }
   return true;
 }
 
 Verdict from_wire(const wire::Contour& wire, std::uint16_t contract, ContourMessage& value) {
   if (wire.contract() != contract) return Verdict::kForeignContract;
-  if (wire.points().size() > kMostPoints) return Verdict::kDamaged;
+  if (wire.points().size() > kMostContourPoints || wire.further().size() > kMostContourLines ||
+      wire.further_points().size() > kMostContourPoints)
+    return Verdict::kDamaged;
   if (!std::isfinite(wire.metres_per_pixel()) || !std::isfinite(wire.deviation_m())) return Verdict::kDamaged;
   value.id = wire.id();
   value.closed = wire.closed() != 0;
@@ -191,12 +224,16 @@ Verdict from_wire(const wire::Contour& wire, std::uint16_t contract, ContourMess
   value.metres_per_pixel = wire.metres_per_pixel();
   value.deviation_m = wire.deviation_m();
   value.points_m.clear();
-  value.points_m.reserve(wire.points().size());
-  for (const wire::Point& point : wire.points()) {
-    if (!std::isfinite(point.x_m()) || !std::isfinite(point.y_m())) return Verdict::kDamaged;
-    value.points_m.emplace_back(point.x_m(), point.y_m());
+  if (!append(wire.points(), value.points_m)) return Verdict::kDamaged;
+  value.further.clear();
+  std::span<const wire::Point> left(wire.further_points());
+  for (const wire::FurtherLine& line : wire.further()) {
+    value.further.push_back({line.closed() != 0, {}});
+    if (line.points() > left.size() || !append(left.first(line.points()), value.further.back().points_m))
+      return Verdict::kDamaged;
+    left = left.subspan(line.points());
   }
-  return Verdict::kGood;
+  return left.empty() ? Verdict::kGood : Verdict::kDamaged;
 }
 
 bool to_wire(const EventMessage& value, std::uint16_t contract, wire::Event& wire) {

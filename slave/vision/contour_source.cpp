@@ -63,6 +63,15 @@ tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const
   message.metres_per_pixel = loaded.metres_per_pixel;
   message.deviation_m = loaded.noise_m[loaded.selected];
   message.points_m = line.points_m;
+  std::size_t points = 0;
+  for (std::size_t i = 0; i < loaded.contours.size(); ++i) {
+    if (i == loaded.selected) continue;
+    const geometry::Polyline& other = loaded.contours[i];
+    points += other.size();
+    // Largest first: what does not fit is dust.
+    if (points > kMostContourPoints || message.further.size() == kMostContourLines) break;
+    message.further.push_back({other.closed, other.points_m});
+  }
   return message;
 }
 

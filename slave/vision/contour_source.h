@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One picture or drawing -> one contour in workpiece metres, ready to be published.
+// One picture or drawing -> its contours in workpiece metres, ready to be published.
 #pragma once
 
 #include <optional>
@@ -22,7 +22,7 @@ struct ContourRequest {
 
 /// What the vision library is asked for. Throws Refusal: an unknown mode or anchor.
 LoadRequest load_request(const ContourRequest& request);
-/// The selected contour as it is published, its id a digest of its points. The error is one sentence: it does
+/// The selected contour as it is published with the others beside it, its id a digest of its points. The error is one sentence: it does
 /// not fit into the workspace.
 tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const std::string& source,
                                                      double workspace_radius_m);

@@ -51,6 +51,7 @@ void say(const ContourMessage& contour) {
   fmt::print("vision: {} ({}): {} points, {:.1f} mm long, {:.1f} x {:.1f} mm, {:.4f} mm a pixel\n",
              contour.source, contour.mode, contour.points_m.size(), geometry::length_m(line) * 1e3, size.x(),
              size.y(), contour.metres_per_pixel * 1e3);
+  if (!contour.further.empty()) fmt::print("vision: {} further contours\n", contour.further.size());
   std::fflush(stdout);
 }
 

@@ -78,6 +78,10 @@ inline ContourMessage contour(Random& random, std::size_t points) {
   message.deviation_m = number(random);
   message.points_m.resize(points);
   for (Vec2& point : message.points_m) point = {number(random), number(random)};
+  for (const std::size_t size : {std::size_t{0}, points / 3, points / 2}) {
+    message.further.push_back({random() % 2 == 0, std::vector<Vec2>(size)});
+    for (Vec2& point : message.further.back().points_m) point = {number(random), number(random)};
+  }
   return message;
 }
 
@@ -91,8 +95,7 @@ inline bool same(const CommandBlock& a, const CommandBlock& b) {
   return a.sequence == b.sequence && a.epoch == b.epoch && a.first_tick == b.first_tick &&
          a.sample_period_ns == b.sample_period_ns && a.ticks_per_sample == b.ticks_per_sample &&
          a.contour_id == b.contour_id && a.beta == b.beta && a.law == b.law && a.engaged == b.engaged &&
-         a.engaged_before == b.engaged_before &&
-         same(a.anchor, b.anchor) && a.sent_ns == b.sent_ns &&
+         a.engaged_before == b.engaged_before && same(a.anchor, b.anchor) && a.sent_ns == b.sent_ns &&
          same(a.payload, b.payload);
 }
 inline bool same(const StateBlock& a, const StateBlock& b) {
@@ -105,10 +108,15 @@ inline bool same(const StateBlock& a, const StateBlock& b) {
          a.echo_sequence == b.echo_sequence && a.echo_sent_ns == b.echo_sent_ns &&
          a.echo_received_ns == b.echo_received_ns && a.sent_ns == b.sent_ns && same(a.payload, b.payload);
 }
+inline bool same(const ContourLine& a, const ContourLine& b) {
+  return a.closed == b.closed && a.points_m == b.points_m;
+}
 inline bool same(const ContourMessage& a, const ContourMessage& b) {
   return a.id == b.id && a.closed == b.closed && a.source == b.source && a.mode == b.mode &&
          a.metres_per_pixel == b.metres_per_pixel && a.deviation_m == b.deviation_m &&
-         a.points_m == b.points_m;
+         a.points_m == b.points_m &&
+         std::equal(a.further.begin(), a.further.end(), b.further.begin(), b.further.end(),
+                    [](const ContourLine& x, const ContourLine& y) { return same(x, y); });
 }
 inline bool same(const EventMessage& a, const EventMessage& b) {
   return a.epoch == b.epoch && a.kind == b.kind && a.value == b.value && a.text == b.text;

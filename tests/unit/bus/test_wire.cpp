@@ -144,6 +144,15 @@ TEST(Wire, ValuesThatNoSenderMakesAreDamage) {
   contour.points_m[1].x() = std::numeric_limits<double>::quiet_NaN();
   ContourMessage back;
   EXPECT_EQ((sent<wire::Contour>(contour, back)), Verdict::kDamaged);
+
+  // Lines that claim more points than came, and points that belong to no line.
+  for (const std::uint32_t claimed : {3u, 1u, 0xffffffffu}) {
+    wire::Contour lines;
+    ASSERT_TRUE(to_wire(samples::contour(random, 4), kContract, lines));
+    ASSERT_EQ(lines.further()[2].points(), 2u);
+    lines.further()[2].points(claimed);
+    EXPECT_EQ(from_wire(lines, kContract, back), Verdict::kDamaged) << claimed;
+  }
 }
 
 TEST(Wire, TheSenderKeepsTheBounds) {
@@ -151,6 +160,9 @@ TEST(Wire, TheSenderKeepsTheBounds) {
   wire::Contour contour;
   EXPECT_TRUE(to_wire(samples::contour(random, 100000), kContract, contour));
   EXPECT_FALSE(to_wire(samples::contour(random, 100001), kContract, contour));
+  ContourMessage many;
+  many.further.resize(1001);
+  EXPECT_FALSE(to_wire(many, kContract, contour));
   EventMessage event;
   event.text.assign(257, 'x');
   wire::Event wire;
