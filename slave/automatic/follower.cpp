@@ -38,15 +38,17 @@ Controller make_controller(ControllerKind kind, bool closed, const FollowerSetti
   return IndependentControl{.bandwidth_rad_s = s.along_rad_s};
 }
 
-DriveSettings drive_settings(ControllerKind kind, bool closed, const FollowerSettings& s) noexcept {
+bool uses_model(ControllerKind kind, const FollowerSettings& s) noexcept {
+  return kind == ControllerKind::kIndependent ? s.independent_model_ahead : s.model_ahead;
+}
+
+DriveSettings drive_settings(ControllerKind kind, const FollowerSettings& s) noexcept {
   DriveSettings drive;
   drive.observer = {.period_s = 1.0 / s.control_hz,
                     .bandwidth_rad_per_s = s.observer_rad_s,
                     .velocity_bandwidth_rad_per_s = s.velocity_rad_s};
   drive.loop_delay = s.loop_delay;
-  // Independent joints know nothing of each other.
-  drive.inertia = resolved(kind, closed) == ControllerKind::kIndependent ? NominalInertia::kDiagonal
-                                                                         : NominalInertia::kModel;
+  drive.inertia = uses_model(kind, s) ? NominalInertia::kModel : NominalInertia::kDiagonal;
   return drive;
 }
 

@@ -21,8 +21,11 @@ struct FollowerSettings {
   double across_rad_s = 240.0;    ///< contouring: across the path
   double observer_rad_s = 400.0;  ///< of the disturbance
   double velocity_rad_s = 900.0;  ///< of the velocity estimate
-  /// Weight, Coriolis force and friction by the robot's file are sent ahead; independent joints never do.
+  /// The robot's file is used: A(q) instead of a constant diagonal, and weight, Coriolis force and friction
+  /// sent ahead. The thesis' independent joints (eq. 21, 32) have neither; `independent_model_ahead` gives
+  /// them both.
   bool model_ahead = true;
+  bool independent_model_ahead = false;
 
   /// Bandwidths of the observer that fit a speed: sensor noise makes the same ripple in m/s at any speed, so
   /// slow paths get a quieter loop; there friction changes its direction more slowly, too. `brisk` keeps the
@@ -33,21 +36,24 @@ struct FollowerSettings {
 
 /// The controller of a kind with gains and preview that match the loop.
 Controller make_controller(ControllerKind kind, bool closed, const FollowerSettings& settings) noexcept;
-DriveSettings drive_settings(ControllerKind kind, bool closed, const FollowerSettings& settings) noexcept;
+DriveSettings drive_settings(ControllerKind kind, const FollowerSettings& settings) noexcept;
+bool uses_model(ControllerKind kind, const FollowerSettings& settings) noexcept;
 
 class Follower {
  public:
   Follower(const robot::RobotModel& nominal, const DriveSettings& drive, const Controller& controller,
-           bool model_ahead = true) noexcept
+           bool model_ahead) noexcept
       : model_(nominal),
         kinematics_(nominal.geometry),
         origin_in_base_m_(nominal.in_base(Vec3::Zero())),
         ahead_(drive.loop_delay + 0.5),
-        model_ahead_(model_ahead && !std::holds_alternative<IndependentControl>(controller)),
+        model_ahead_(model_ahead),
         drive_(nominal, drive),
         controller_(controller) {}
 
   void reset(const Vec3& joints_m) noexcept { drive_.reset(joints_m); }
+  /// Another law from the next step on; at rest it is taken over without a jump.
+  void use(const Controller& controller) noexcept { controller_ = controller; }
   /// Currents in A. A reference that is no pose of the robot gives the currents that hold it where it is.
   Vec3 step(const robot::JointReading& reading, const Track& track, double tick) noexcept;
   /// Observed tool, workpiece frame.

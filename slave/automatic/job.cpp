@@ -83,21 +83,26 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
   if (contours.empty()) return tl::unexpected<std::string>("there is no contour to machine");
   std::vector<std::size_t> order = geometry::cutting_order(contours, Vec2(home_m.head<2>())).order;
   std::vector<Plan> plans;
+  std::vector<geometry::Polyline> lines;
   std::vector<Vec2> all;
   double length_m = 0.0;
   for (const std::size_t which : order) {
-    const auto line = compensated(contours[which], settings.kerf_m, is_hole(contours, which));
-    auto plan = make_plan(line, settings.plan);
+    lines.push_back(compensated(contours[which], settings.kerf_m, is_hole(contours, which)));
+    auto plan = make_plan(lines.back(), settings.plan);
     if (!plan) return tl::unexpected(plan.error());
     length_m += plan->path.length_m();
     plans.push_back(std::move(*plan));
-    all.insert(all.end(), line.points_m.begin(), line.points_m.end());
+    all.insert(all.end(), lines.back().points_m.begin(), lines.back().points_m.end());
   }
 
   Writer writer(settings, home_m);
   if (settings.framing) {
     const geometry::Box box = geometry::bounding_box(all);
-    const auto corner = [&](double x, double y) { return Vec3(x, y, home_m.z()); };
+    const auto corner = [&](double x, double y) {
+      const Vec2 place(x, y);
+      const Vec2 near = place * std::min(1.0, settings.reach_m / std::max(place.norm(), 1e-9));
+      return Vec3(near.x(), near.y(), home_m.z());
+    };
     writer.move(corner(box.min.x(), box.min.y()), JobPhase::kApproach);
     writer.move(corner(box.max.x(), box.min.y()), JobPhase::kFraming);
     writer.move(corner(box.max.x(), box.max.y()), JobPhase::kFraming);
@@ -116,6 +121,7 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
              std::move(writer.phases),
              std::move(order),
              std::move(plans),
+             std::move(lines),
              1.0 / settings.plan.control_hz,
              length_m};
 }

@@ -16,15 +16,17 @@ struct JobSettings {
   double travel_m_per_s2 = 1.0;
   double kerf_m = 0.0;    ///< closed contours are moved by half of it, holes inwards
   double settle_s = 0.3;  ///< at rest before each contour
+  double reach_m = 0.1;   ///< framing stays within this distance of the workpiece's origin
 };
 
 enum class JobPhase : std::uint8_t { kApproach, kFraming, kTravel, kCut, kReturn };
 
 struct Job {
   Track track;
-  std::vector<JobPhase> phases;    ///< one a tick
-  std::vector<std::size_t> order;  ///< contours as they are cut
-  std::vector<Plan> plans;         ///< in that order
+  std::vector<JobPhase> phases;           ///< one a tick
+  std::vector<std::size_t> order;         ///< contours as they are cut
+  std::vector<Plan> plans;                ///< in that order
+  std::vector<geometry::Polyline> lines;  ///< what each of them cuts: the contour, moved by half the kerf
   double period_s = 0.0;
   double cut_length_m = 0.0;
   double time_s() const noexcept { return period_s * static_cast<double>(track.size()); }

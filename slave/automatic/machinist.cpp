@@ -5,16 +5,23 @@
 
 namespace telekerf::slave {
 
-Machinist::Machinist(const robot::RobotModel& nominal, const Job& job, const geometry::NearestIndex& corridor,
-                     bool closed, const MachinistSettings& settings) noexcept
+Machinist::Machinist(const robot::RobotModel& nominal, const Job& job, const MachinistSettings& settings)
     : job_(job),
-      corridor_(corridor),
+      corridors_(job.lines.begin(), job.lines.end()),
+      controllers_{make_controller(settings.controller, false, settings.follower),
+                   make_controller(settings.controller, true, settings.follower)},
       settings_(settings),
       workspace_radius_m_(nominal.workspace.radius_m),
-      follower_(nominal, drive_settings(settings.controller, closed, settings.follower),
-                make_controller(settings.controller, closed, settings.follower),
-                settings.follower.model_ahead),
-      hold_({Reference{}}) {}
+      follower_(nominal, drive_settings(settings.controller, settings.follower), controllers_[0],
+                uses_model(settings.controller, settings.follower)),
+      hold_({Reference{}}) {
+  turn_to(0);
+}
+
+void Machinist::turn_to(std::size_t contour) noexcept {
+  contour_ = contour;
+  follower_.use(controllers_[job_.plans[contour].path.closed() ? 1 : 0]);
+}
 
 MachinistOutputs Machinist::step(const robot::JointReading& reading, bool stop) noexcept {
   MachinistOutputs out;
@@ -29,15 +36,17 @@ MachinistOutputs Machinist::step(const robot::JointReading& reading, bool stop) 
   const Reference& reference = stopped_ ? hold_[0] : job_.track[tick_];
   out.currents_a = stopped_ ? follower_.step(reading, hold_, 0.0)
                             : follower_.step(reading, job_.track, static_cast<double>(tick_));
+  out.saturated = follower_.drive().saturated();
   out.tool_m = follower_.tool_m();
   out.reference_m = reference.position_m;
+  out.tick = tick_;
   out.phase = job_.phases[tick_];
   out.interlock = judge({.stopped = stopped_,
                          .contour_known = true,
                          .engaged = out.phase == JobPhase::kCut,
                          .fresh = reading.valid,
                          .inside_workspace = out.tool_m.head<2>().norm() <= workspace_radius_m_,
-                         .contour_distance_m = corridor_.find(out.tool_m.head<2>()).distance_m,
+                         .contour_distance_m = corridors_[contour_].find(out.tool_m.head<2>()).distance_m,
                          .speed_m_per_s = reference.speed_m_per_s,
                          .tracking_error_m = (out.tool_m - reference.position_m).norm()},
                         settings_.interlock);
@@ -45,7 +54,12 @@ MachinistOutputs Machinist::step(const robot::JointReading& reading, bool stop) 
     out.laser_w = settings_.laser_w * follower_.beam_power(reference);
   out.progress = static_cast<double>(tick_) / static_cast<double>(std::max<std::size_t>(last, 1));
   out.done = tick_ == last;
-  if (!stopped_ && tick_ < last) ++tick_;
+  if (!stopped_ && tick_ < last) {
+    ++tick_;
+    // Contours are apart by a travel, which ends at rest.
+    const bool cut_ends = out.phase == JobPhase::kCut && job_.phases[tick_] != JobPhase::kCut;
+    if (cut_ends && contour_ + 1 < job_.plans.size()) turn_to(contour_ + 1);
+  }
   return out;
 }
 

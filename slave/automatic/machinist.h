@@ -2,6 +2,9 @@
 // Works a job off without bus and clock: follower, interlock and beam, one step at a time.
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "common/geometry/nearest.h"
 #include "slave/automatic/follower.h"
 #include "slave/automatic/job.h"
@@ -21,16 +24,18 @@ struct MachinistOutputs {
   double laser_w = 0.0;
   JobPhase phase = JobPhase::kApproach;
   Interlock interlock = Interlock::kNoContour;
+  std::size_t tick = 0;   ///< of the job's track
   double progress = 0.0;  ///< share of the job's time
   bool done = false;
+  bool saturated = false;  ///< a motor at its limit
   Vec3 reference_m = Vec3::Zero();
   Vec3 tool_m = Vec3::Zero();  ///< measured
 };
 
 class Machinist {
  public:
-  Machinist(const robot::RobotModel& nominal, const Job& job, const geometry::NearestIndex& corridor,
-            bool closed, const MachinistSettings& settings) noexcept;
+  /// The job must outlive the machinist.
+  Machinist(const robot::RobotModel& nominal, const Job& job, const MachinistSettings& settings);
 
   /// At rest at the job's start.
   void reset(const Vec3& joints_m) noexcept { follower_.reset(joints_m); }
@@ -38,13 +43,18 @@ class Machinist {
   MachinistOutputs step(const robot::JointReading& reading, bool stop) noexcept;
 
  private:
+  /// The contour that is cut, or that comes next.
+  void turn_to(std::size_t contour) noexcept;
+
   const Job& job_;
-  const geometry::NearestIndex& corridor_;
+  std::vector<geometry::NearestIndex> corridors_;  ///< of the job's lines
+  std::array<Controller, 2> controllers_;          ///< for open lines, for closed ones
   MachinistSettings settings_;
   double workspace_radius_m_;
   Follower follower_;
   Track hold_;  ///< one point: where the tool is held after a stop
   std::size_t tick_ = 0;
+  std::size_t contour_ = 0;
   bool stopped_ = false;
 };
 

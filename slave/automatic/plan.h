@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slave/automatic/path.h"
+#include "slave/laser/pulsed_source.h"
 
 namespace telekerf::slave {
 
@@ -21,7 +22,7 @@ struct PlanSettings {
   double control_hz = 2400.0;
   double speed_m_per_s = 8e-3;
   CornerPolicy corner = CornerPolicy::kRounded;
-  double tolerance_m = 15e-6;                ///< of kRounded
+  double tolerance_m = 10e-6;                ///< of kRounded
   double slow_acceleration_m_per_s2 = 0.25;  ///< of kSlow: across the path, and along it
   double max_acceleration_m_per_s2 = 10.0;   ///< of the machine, whatever the policy
   double max_speed_m_per_s = 0.3;
@@ -30,6 +31,7 @@ struct PlanSettings {
   double settle_s = 0.15;      ///< at full speed before the beam comes on, but ...
   double settle_m = 2e-3;      ///< ... not longer than this
   double overlap_m = 0.2e-3;   ///< a closed contour is cut this far beyond its start
+  double spot_radius_m = PulsedSourceSettings{}.spot_radius_m;  ///< of the beam, for an even burn
 };
 
 /// What the controllers follow at one tick, workpiece frame.
@@ -45,9 +47,8 @@ struct Reference {
   double speed_rate_m_per_s2 = 0.0;
   double arc_length_m = 0.0;
   bool beam = false;  ///< within the contour: the beam may be on
-  /// Share of the full power: follows the speed, so that each millimetre gets the same energy. Over a closed
-  /// contour's overlap it fades in at the start and out at the end, so that the seam gets no more than the
-  /// rest.
+  /// Share of the full power: follows the speed, so that each millimetre gets the same energy, and goes down
+  /// where the spot meets another part of the path (sharp corners, crossings, a closed contour's overlap).
   double power = 0.0;
 };
 

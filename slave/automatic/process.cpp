@@ -8,8 +8,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <thread>
 #include <vector>
 
@@ -19,26 +17,25 @@
 #include "common/runtime/loop.h"
 #include "common/runtime/refusal.h"
 #include "slave/automatic/machinist.h"
-#include "slave/laser/kerf.h"
+#include "slave/automatic/pass.h"
+#include "slave/laser/material.h"
 
 namespace telekerf::slave {
 namespace {
 
 constexpr double kControlHz = 2400.0;
+constexpr int kHoldTicks = 240;
 
-struct Work {
-  geometry::Polyline contour;
-  geometry::NearestIndex corridor;
-  Job job;
-};
-
+/// A tick of the whole work, in the order of the job's track; tool and velocity are the truth.
 struct Row {
-  Vec3 reference_m, tool_m;  ///< tool: the truth
+  std::size_t tick;
+  Vec3 tool_m, tool_velocity_m_per_s;
   double laser_w;
 };
 
-JobSettings job_settings(const AutomaticSettings& s) {
+JobSettings job_settings(const AutomaticSettings& s, const robot::RobotModel& model) {
   JobSettings job;
+  job.reach_m = model.workspace.radius_m;
   job.plan.control_hz = kControlHz;
   job.plan.speed_m_per_s = s.speed_mm_s * 1e-3;
   job.plan.corner = s.corner == "exact"  ? CornerPolicy::kExact
@@ -72,77 +69,80 @@ const char* name_of(JobPhase phase) {
   return "unknown";
 }
 
-std::unique_ptr<Work> prepare(const ContourMessage& message, const robot::RobotModel& model,
-                              const JobSettings& settings) {
-  geometry::Polyline contour{message.points_m, message.closed};
-  auto job = make_job({contour}, settings);
+std::unique_ptr<Job> prepare(const ContourMessage& message, const robot::RobotModel& model,
+                             const JobSettings& settings) {
+  std::vector<geometry::Polyline> contours{{message.points_m, message.closed}};
+  for (const ContourLine& line : message.further) contours.push_back({line.points_m, line.closed});
+  auto job = make_job(contours, settings);
   if (!job) throw Refusal("the contour cannot be machined: " + job.error());
   for (std::size_t i = 0; i < job->track.size(); i += 8) {
     const Vec3 p = job->track[i].position_m;
-    if (p.head<2>().norm() > model.workspace.radius_m) {
+    if (p.head<2>().norm() > model.workspace.radius_m * (1.0 + 1e-9)) {
       throw Refusal(
           fmt::format("the work reaches {:.1f} mm from the workspace's centre, but {} reaches {:.1f} "
                       "mm; use a smaller --width-mm",
                       p.head<2>().norm() * 1e3, model.name, model.workspace.radius_m * 1e3));
     }
   }
-  fmt::print("slave: {:.1f} mm to cut, about {:.1f} s in all\n", job->cut_length_m * 1e3, job->time_s());
+  fmt::print("slave: {} to cut, {:.1f} mm, about {:.1f} s in all\n",
+             contours.size() == 1 ? "1 contour" : fmt::format("{} contours", contours.size()),
+             job->cut_length_m * 1e3, job->time_s());
   std::fflush(stdout);
-  return std::make_unique<Work>(Work{contour, geometry::NearestIndex(contour), std::move(*job)});
+  return std::make_unique<Job>(std::move(*job));
 }
 
-void report(const std::filesystem::path& folder, const Work& work, const std::vector<Row>& rows,
-            const AutomaticSettings& settings, bool finished, double time_s, const LoopStatistics& loop) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  const geometry::Box box = geometry::bounding_box(work.contour.points_m);
-  const PulsedSourceSettings source;
-  HeightMap map({.centre_m = box.centre(), .half_width_m = 0.5 * box.size().maxCoeff() + 0.5e-3},
-                material(settings.material), source);
-  std::ofstream trace(folder / "trace.csv");
+/// What was cut of each contour.
+std::vector<Pass> passes_of(const Job& job, const std::vector<Row>& rows) {
+  std::vector<Pass> passes;
+  bool cutting = false;
+  for (const Row& row : rows) {
+    const bool cut = job.phases[row.tick] == JobPhase::kCut;
+    if (cut && !cutting) passes.push_back({&job.plans[passes.size()], &job.lines[passes.size()], {}});
+    cutting = cut;
+    const Reference& reference = job.track[row.tick];
+    if (cut && reference.beam)
+      passes.back().rows.push_back(pass_row(reference, row.tool_m, row.tool_velocity_m_per_s, row.laser_w));
+  }
+  return passes;
+}
+
+void write_trace(const std::filesystem::path& file, const Job& job, const std::vector<Row>& rows) {
+  std::ofstream trace(file);
   trace << "t_s,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w\n";
-  double squares = 0.0, worst = 0.0;
-  std::size_t lit = 0;
-  geometry::Polyline path{{}, work.contour.closed};
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Row& row = rows[i];
+    const Vec3& reference_m = job.track[rows[i].tick].position_m;
+    const Vec3& tool_m = rows[i].tool_m;
     trace << fmt::format("{:.7f},{:.12f},{:.12f},{:.12f},{:.12f},{:.12f},{:.6g}\n",
-                         static_cast<double>(i) / kControlHz, row.reference_m.x(), row.reference_m.y(),
-                         row.tool_m.x(), row.tool_m.y(), row.tool_m.z(), row.laser_w);
-    if (!(row.laser_w > 0.0) || i + 1 == rows.size()) continue;
-    map.expose(row.tool_m.head<2>(), rows[i + 1].tool_m.head<2>(), row.laser_w, 1.0 / kControlHz, 0.0,
-               &work.corridor);
-    const double error = work.corridor.find(row.tool_m.head<2>()).distance_m;
-    squares += error * error;
-    worst = std::max(worst, error);
-    ++lit;
-    path.points_m.push_back(row.tool_m.head<2>());
+                         static_cast<double>(i) * job.period_s, reference_m.x(), reference_m.y(), tool_m.x(),
+                         tool_m.y(), tool_m.z(), rows[i].laser_w);
   }
-  const MarkAlongPath mark =
-      path.size() > 2 ? measure_mark(map, path, source.spot_radius_m) : MarkAlongPath{};
-  const nlohmann::ordered_json result{
-      {"finished", finished},
-      {"controller", settings.controller},
-      {"corner", settings.corner},
-      {"speed_mm_s", settings.speed_mm_s},
-      {"length_mm", work.job.cut_length_m * 1e3},
-      {"contour_error_um",
-       {{"rms", lit == 0 ? 0.0 : 1e6 * std::sqrt(squares / static_cast<double>(lit))}, {"max", 1e6 * worst}}},
-      {"time_s", time_s},
-      {"time_estimate_s", work.job.time_s()},
-      {"burn",
-       {{"material", settings.material},
-        {"depth_um", mark.depth_m * 1e6},
-        {"kerf_um", mark.kerf_m * 1e6},
-        {"energy_inside_j", map.energy().inside_j},
-        {"energy_outside_corridor_j", map.energy().outside_j}}},
-      {"loop", {{"rate_hz", loop.rate_hz}, {"overruns", loop.overruns}}}};
-  std::ofstream json(folder / "result.json");
-  json << result.dump(2) << "\n";
-  if (!json.flush() || !trace.flush() || !cv::imwrite((folder / "mark.png").string(), map.picture()) ||
-      !cv::imwrite((folder / "depth.png").string(), map.depth_picture())) {
-    throw Refusal(fmt::format("{}: cannot be written", folder.string()));
-  }
+  if (!trace.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
+}
+
+void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
+  std::ofstream stream(file);
+  stream << json.dump(2) << "\n";
+  if (!stream.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
+}
+
+/// result.json holds nothing of the wall clock; that stands in timing.json.
+void report(const std::filesystem::path& folder, const Job& job, const std::vector<Row>& rows,
+            const AutomaticSettings& settings, int limit_violations, bool finished, double wall_s,
+            const LoopStatistics& loop) {
+  const std::vector<Pass> passes = passes_of(job, rows);
+  nlohmann::ordered_json result{{"finished", finished},          {"controller", settings.controller},
+                                {"corner", settings.corner},     {"sensor", settings.sensor},
+                                {"contours", job.plans.size()},  {"order", job.order},
+                                {"contours_cut", passes.size()}, {"length_mm", job.cut_length_m * 1e3}};
+  result.update(measure(passes, settings.speed_mm_s * 1e-3));
+  result["limit_violations"] = limit_violations;
+  result["time_s"] = static_cast<double>(rows.size()) * job.period_s;
+  result["time_estimate_s"] = job.time_s();
+  result["burn"] = burn(passes, settings.material, folder);
+  write_trace(folder / "trace.csv", job, rows);
+  write_json(folder / "result.json", result);
+  write_json(folder / "timing.json",
+             {{"time_s", wall_s}, {"rate_hz", loop.rate_hz}, {"overruns", loop.overruns}});
   fmt::print("{}\n", result.dump(2));
 }
 
@@ -153,6 +153,7 @@ void AutomaticSettings::declare(Settings& settings) {
   settings.add("controller", controller, "automatic: law", {"auto", "independent", "preview", "contouring"});
   settings.add("corner", corner, "automatic: what to do at corners", {"exact", "rounded", "slow"});
   settings.add("material", material, "automatic: what the beam meets", material_names());
+  settings.add("sensor", sensor, "automatic: what reads the joints", {"hall", "encoder"});
   settings.add("kerf_um", kerf_um, {.min = 0, .max = 2000}, "automatic: width of the cut to compensate");
   settings.add("no_framing", no_framing, "automatic: no run round the work with the pilot beam");
 }
@@ -160,13 +161,19 @@ void AutomaticSettings::declare(Settings& settings) {
 int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
                   const AutomaticRobot& options, const std::string& folder) {
   const robot::RobotModel model = robot::load_robot(options.robot);
-  robot::SimulatedRobot plant(robot::mismatched(model, options.mismatch, options.seed + 1000),
-                              options.seed + 1000, model.in_base(Vec3::Zero()));
-  const JobSettings jobs = job_settings(settings);
+  if (!folder.empty()) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed) throw Refusal(fmt::format("record = {}: {}", folder, failed.message()));
+  }
+  robot::RobotModel worse = robot::mismatched(model, options.mismatch, options.seed + 1000);
+  worse.sensor.kind = settings.sensor == "hall" ? robot::Sensor::Kind::kHall : robot::Sensor::Kind::kEncoder;
+  robot::SimulatedRobot plant(worse, options.seed + 1000, model.in_base(Vec3::Zero()));
+  const JobSettings jobs = job_settings(settings, model);
   catch_stop_signals();
   Bus bus(bus_settings);
   Reader<EventMessage> events(bus);
-  ContourWatch<Work> contour(bus, [&](const ContourMessage& m) { return prepare(m, model, jobs); });
+  ContourWatch<Job> contour(bus, [&](const ContourMessage& m) { return prepare(m, model, jobs); });
   fmt::print("slave: ready in {}, automatic\n", bus_settings.cell);
   std::fflush(stdout);
   while (contour.current() == nullptr && !stop_requested() && !contour.refused()) {
@@ -174,17 +181,17 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   }
   if (contour.refused()) throw Refusal(contour.refusal());
   if (contour.current() == nullptr) return 1;
-  const Work& work = *contour.current();
+  const Job& job = *contour.current();
 
   MachinistSettings machinist_settings;
   machinist_settings.follower.quiet_for(jobs.plan.speed_m_per_s, jobs.plan.corner == CornerPolicy::kSlow);
   machinist_settings.controller = kind_of(settings.controller);
   machinist_settings.laser_w = options.laser_w;
-  Machinist machinist(model, work.job, work.corridor, work.contour.closed, machinist_settings);
+  Machinist machinist(model, job, machinist_settings);
   machinist.reset(plant.read().joints_m);
 
   std::vector<Row> rows;
-  rows.reserve(work.job.track.size() + 1);
+  rows.reserve(job.track.size() + kHoldTicks);
   std::atomic<int> phase{-1};
   std::atomic<double> progress{0.0};
   std::jthread herald([&](const std::stop_token& stop) {
@@ -196,34 +203,41 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
       }
       if (const int now = static_cast<int>(10.0 * progress.load()); now > tenth) {
         tenth = now;
-        fmt::print("slave: {} %, {:.0f} s to go\n", 10 * now, (1.0 - progress.load()) * work.job.time_s());
+        fmt::print("slave: {} %, {:.0f} s to go\n", 10 * now, (1.0 - progress.load()) * job.time_s());
       }
       std::fflush(stdout);
     }
   });
 
   bool stop = false, done = false;
+  int held = 0, limit_violations = 0;
   std::int64_t first_ns = 0, last_ns = 0;
   const LoopStatistics loop = run_loop(kControlHz, [&](std::int64_t now_ns) {
     if (first_ns == 0) first_ns = now_ns;
     last_ns = now_ns;
     while (const auto event = events.take()) stop = stop || event->value.kind == EventMessage::Kind::kStop;
+    stop = stop || stop_requested();
     const Vec3 tool = model.in_workpiece(plant.true_tool_in_base_m());
+    const Vec3 velocity = plant.true_tool_velocity_m_per_s();
     const MachinistOutputs out = machinist.step(plant.read(), stop);
     plant.write(out.currents_a);
     plant.advance(1.0 / kControlHz);
-    if (rows.size() < rows.capacity()) rows.push_back({out.reference_m, tool, out.laser_w});
+    rows.push_back({out.tick, tool, velocity, out.laser_w});
+    if (out.saturated || velocity.norm() > model.limits.velocity_m_per_s) ++limit_violations;
     phase.store(static_cast<int>(out.phase), std::memory_order_relaxed);
     progress.store(out.progress, std::memory_order_relaxed);
     done = out.done;
-    return !done && !stop && !stop_requested();
+    // A stopped tool is held until it stands.
+    if (stop) ++held;
+    return !done && held < kHoldTicks && rows.size() < rows.capacity();
   });
-  const double time_s = static_cast<double>(last_ns - first_ns) * 1e-9;
+  const double wall_s = static_cast<double>(last_ns - first_ns) * 1e-9;
   herald.request_stop();
   herald.join();
-  fmt::print("slave: {}\n", done ? "finished" : "stopped");
-  if (!folder.empty()) report(folder, work, rows, settings, done, time_s, loop);
-  return done ? 0 : 1;
+  const bool finished = done && !stop;
+  fmt::print("slave: {}\n", finished ? "finished" : "stopped");
+  if (!folder.empty()) report(folder, job, rows, settings, limit_violations, finished, wall_s, loop);
+  return finished ? 0 : 1;
 }
 
 }  // namespace telekerf::slave

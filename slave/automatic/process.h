@@ -14,7 +14,8 @@ struct AutomaticSettings {
   std::string controller = "auto";
   std::string corner = "rounded";
   std::string material = "wood";
-  double kerf_um = 0.0;  ///< closed contours are moved by half of it
+  std::string sensor = "hall";  ///< what the simulated robot has, whatever its file says
+  double kerf_um = 0.0;         ///< closed contours are moved by half of it
   bool no_framing = false;
   void declare(Settings& settings);
 };
@@ -27,8 +28,9 @@ struct AutomaticRobot {
   double laser_w = 10.0;
 };
 
-/// Waits for a contour, works it off, writes result.json, trace.csv, mark.png and depth.png into `folder`
-/// (empty: none). Returns 0 when the contour was finished, 1 when it was stopped. Throws Refusal.
+/// Waits for a picture's contours, works them off, writes result.json, timing.json, trace.csv, mark.png and
+/// depth.png into `folder` (empty: none). Returns 0 when all were finished, 1 when it was stopped. Throws
+/// Refusal.
 int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
                   const AutomaticRobot& robot, const std::string& folder);
 

@@ -17,7 +17,7 @@
 #include "common/runtime/resources.h"
 #include "common/runtime/settings.h"
 #include "common/vision/load.h"
-#include "slave/laser/kerf.h"
+#include "slave/laser/material.h"
 #include "tests/experiments/contour_run.h"
 #include "tests/experiments/plot.h"
 
@@ -35,7 +35,7 @@ struct Options {
   std::string plant = "full";
   std::string material = "wood";
   std::string out;
-  double tolerance_um = 15.0;
+  double tolerance_um = 10.0;
   double along_rad_s = 0.0;
   double across_rad_s = 0.0;
   double mismatch = 0.1;
@@ -95,10 +95,15 @@ cv::Mat irregular_outline(std::uint64_t seed) {
   return image;
 }
 
+struct Source {
+  geometry::Polyline contour;
+  cv::Mat picture;  ///< empty for vector drawings
+};
+
 /// The largest contour of the expected kind; if the picture shows none at first sight, it is looked at as
 /// strokes or as outlines. Failing that the largest contour is taken as it is.
-geometry::Polyline contour_of(const std::string& image, const Options& options,
-                              const robot::RobotModel& model, bool closed) {
+Source contour_of(const std::string& image, const Options& options, const robot::RobotModel& model,
+                  bool closed) {
   vision::LoadRequest request;
   request.scale.workspace_radius_m = model.workspace.radius_m;
   if (options.width_mm > 0.0) request.scale.picture_width_m = options.width_mm * 1e-3;
@@ -114,24 +119,24 @@ geometry::Polyline contour_of(const std::string& image, const Options& options,
     return std::find_if(loaded.contours.begin(), loaded.contours.end(),
                         [&](const geometry::Polyline& c) { return c.closed == closed; });
   };
-  if (const auto first = wanted(*found); first != found->contours.end()) return *first;
+  if (const auto first = wanted(*found); first != found->contours.end()) return {*first, found->picture};
   request.extract.mode = closed ? vision::Mode::kOutline : vision::Mode::kStroke;
   if (const auto again = load()) {
-    if (const auto first = wanted(*again); first != again->contours.end()) return *first;
+    if (const auto first = wanted(*again); first != again->contours.end()) return {*first, again->picture};
   }
-  return found->contours[found->selected];
+  return {found->contours[found->selected], found->picture};
 }
 
 /// Rows of a run that a figure shows.
-std::size_t stride_of(const ContourRun& run) { return std::max<std::size_t>(1, run.rows.size() / 4000); }
+std::size_t stride_of(const ContourRun& run) { return std::max<std::size_t>(1, run.pass.rows.size() / 4000); }
 
 Line path_line(const ContourRun& run, const std::string& label, Line::Style style, int colour,
-               const std::function<Vec3(const ContourRow&)>& point, const Vec2* around = nullptr,
+               const std::function<Vec3(const slave::PassRow&)>& point, const Vec2* around = nullptr,
                double reach_m = 0.0) {
   Line line{label, {}, {}, style, colour};
   const std::size_t stride = around == nullptr ? stride_of(run) : 1;
-  for (std::size_t i = 0; i < run.rows.size(); i += stride) {
-    const Vec3 p = point(run.rows[i]);
+  for (std::size_t i = 0; i < run.pass.rows.size(); i += stride) {
+    const Vec3 p = point(run.pass.rows[i]);
     const bool inside = around == nullptr || (p.head<2>() - *around).cwiseAbs().maxCoeff() < reach_m;
     line.x.push_back(inside ? p.x() * 1e3 : NAN);
     line.y.push_back(inside ? p.y() * 1e3 : NAN);
@@ -140,13 +145,37 @@ Line path_line(const ContourRun& run, const std::string& label, Line::Style styl
 }
 
 Line trace_line(const ContourRun& run, const std::string& label, int colour,
-                const std::function<double(const ContourRow&)>& value) {
+                const std::function<double(const slave::PassRow&)>& value) {
   Line line{label, {}, {}, Line::Style::kSolid, colour};
-  for (std::size_t i = 0; i < run.rows.size(); i += stride_of(run)) {
-    line.x.push_back(run.rows[i].t_s);
-    line.y.push_back(value(run.rows[i]));
+  for (std::size_t i = 0; i < run.pass.rows.size(); i += stride_of(run)) {
+    line.x.push_back(static_cast<double>(i) * run.pass.plan->period_s);
+    line.y.push_back(value(run.pass.rows[i]));
   }
   return line;
+}
+
+/// The picture that the contour came from, to the left of the finished panels (A of the thesis' figures).
+void put_beside(const cv::Mat& picture, const std::filesystem::path& png) {
+  if (picture.empty()) return;
+  const cv::Mat panels = cv::imread(png.string(), cv::IMREAD_COLOR);
+  const int side = panels.rows / 2;
+  const double scale = static_cast<double>(side) / std::max(picture.cols, picture.rows);
+  cv::Mat small, colour;
+  cv::resize(picture, small, {}, scale, scale, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  if (small.channels() == 1) {
+    cv::cvtColor(small, colour, cv::COLOR_GRAY2BGR);
+  } else if (small.channels() == 4) {
+    cv::cvtColor(small, colour, cv::COLOR_BGRA2BGR);
+  } else {
+    colour = small;
+  }
+  cv::Mat all(panels.rows, panels.cols + side + 40, CV_8UC3, cv::Scalar::all(255));
+  colour.copyTo(all(
+      cv::Rect(20 + (side - colour.cols) / 2, (panels.rows - colour.rows) / 2, colour.cols, colour.rows)));
+  cv::putText(all, "source picture", {20, (panels.rows - side) / 2 - 12}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
+              cv::Scalar::all(40), 1, cv::LINE_AA);
+  panels.copyTo(all(cv::Rect(side + 40, 0, panels.cols, panels.rows)));
+  if (!cv::imwrite(png.string(), all)) throw Refusal(fmt::format("{}: cannot be written", png.string()));
 }
 
 struct Named {
@@ -156,13 +185,14 @@ struct Named {
 
 void draw(const std::string& title, const std::vector<Named>& runs, const std::filesystem::path& png) {
   const ContourRun& first = *runs.front().run;
-  const auto reference = [](const ContourRow& row) { return row.reference.position_m; };
-  const auto tool = [](const ContourRow& row) { return row.tool_m; };
+  const auto reference = [](const slave::PassRow& row) { return row.reference.position_m; };
+  const auto tool = [](const slave::PassRow& row) { return row.tool_m; };
   // Zoom: where the last run (the baseline, if there are two) is farthest off.
   const ContourRun& last = *runs.back().run;
-  const auto worst = std::max_element(last.rows.begin(), last.rows.end(), [](const auto& a, const auto& b) {
-    return std::abs(a.error_in_frame_m[1]) < std::abs(b.error_in_frame_m[1]);
-  });
+  const auto worst =
+      std::max_element(last.pass.rows.begin(), last.pass.rows.end(), [](const auto& a, const auto& b) {
+        return std::abs(a.error_in_frame_m[1]) < std::abs(b.error_in_frame_m[1]);
+      });
   const Vec2 place = worst->reference.position_m.head<2>();
   constexpr double kReach = 0.25e-3;
 
@@ -182,11 +212,12 @@ void draw(const std::string& title, const std::vector<Named>& runs, const std::f
   // The baseline lies below.
   for (std::size_t i = runs.size(); i-- > 0;) {
     const auto& [name, run] = runs[i];
-    speed.lines.push_back(trace_line(*run, name, static_cast<int>(i), [](const ContourRow& row) {
+    speed.lines.push_back(trace_line(*run, name, static_cast<int>(i), [](const slave::PassRow& row) {
       return 1e3 * row.tool_velocity_m_per_s.dot(row.reference.tangent);
     }));
-    normal.lines.push_back(trace_line(*run, name, static_cast<int>(i),
-                                      [](const ContourRow& row) { return 1e6 * row.error_in_frame_m[1]; }));
+    normal.lines.push_back(trace_line(*run, name, static_cast<int>(i), [](const slave::PassRow& row) {
+      return 1e6 * row.error_in_frame_m[1];
+    }));
   }
   draw_figure({.title = title,
                .panels = {plane, zoom, speed, normal},
@@ -194,37 +225,6 @@ void draw(const std::string& title, const std::vector<Named>& runs, const std::f
                .panel_width_px = 560,
                .panel_height_px = 400},
               png);
-}
-
-/// What the beam left on the workpiece: pictures, joules, depth and kerf along the path.
-ordered_json burn(const ContourRun& run, const slave::Plan& plan, const geometry::Polyline& contour,
-                  const std::string& material, const std::filesystem::path& out) {
-  const geometry::Box box = geometry::bounding_box(contour.points_m);
-  const slave::PulsedSourceSettings source;
-  slave::HeightMap map(
-      {.centre_m = box.centre(), .half_width_m = 0.5 * box.size().maxCoeff() + 0.5e-3, .pixel_m = 7.5e-6},
-      slave::material(material), source);
-  const geometry::NearestIndex corridor(contour);
-  geometry::Polyline path{{}, contour.closed};
-  for (std::size_t i = 0; i + 1 < run.rows.size(); ++i) {
-    const ContourRow& row = run.rows[i];
-    const Vec2 from = row.tool_m.head<2>();
-    map.expose(from, run.rows[i + 1].tool_m.head<2>(), row.laser_w, plan.period_s, 0.0, &corridor);
-    if (row.reference.arc_length_m < plan.path.length_m()) path.points_m.push_back(from);
-  }
-  const slave::MarkAlongPath mark = slave::measure_mark(map, path, source.spot_radius_m);
-  if (!cv::imwrite((out / "mark.png").string(), map.picture()) ||
-      !cv::imwrite((out / "depth.png").string(), map.depth_picture())) {
-    throw Refusal(fmt::format("{}: cannot be written", out.string()));
-  }
-  const auto& energy = map.energy();
-  return {{"material", material},
-          {"depth_um", mark.depth_m * 1e6},
-          {"depth_variation_percent", 100.0 * mark.depth_variation},
-          {"kerf_um", mark.kerf_m * 1e6},
-          {"energy_inside_j", energy.inside_j},
-          {"energy_outside_corridor_j", energy.outside_j},
-          {"absorbed_j", energy.absorbed_j}};
 }
 
 ContourRunSettings run_settings(const Options& options) {
@@ -252,15 +252,39 @@ ordered_json tuning(const ContourRunSettings& s) {
           {"loop_delay", s.follower.loop_delay}};
 }
 
+double ratio(const ordered_json& ours, const ordered_json& theirs) {
+  return ours["normal_error_um"]["rms"].get<double>() / theirs["normal_error_um"]["rms"].get<double>();
+}
+
+/// The same drive for both laws: once without the robot's model (eq. 21-24), once with all of it.
+ordered_json equal_terms(const slave::Plan& plan, const geometry::Polyline& contour,
+                         ContourRunSettings settings) {
+  ordered_json out;
+  for (const bool model : {false, true}) {
+    settings.follower.model_ahead = settings.follower.independent_model_ahead = model;
+    ContourRunSettings other = settings;
+    other.controller = slave::ControllerKind::kIndependent;
+    const auto ours = measure(run_contour(plan, contour, settings), settings);
+    const auto theirs = measure(run_contour(plan, contour, other), other);
+    out[model ? "both_with_model" : "both_without_model"] = {
+        {"normal_error_um", ours["normal_error_um"]},
+        {"independent_normal_error_um", theirs["normal_error_um"]},
+        {"mean_mm_s", ours["tangential_speed"]["mean_mm_s"]},
+        {"independent_mean_mm_s", theirs["tangential_speed"]["mean_mm_s"]},
+        {"normal_error_ratio", ratio(ours, theirs)}};
+  }
+  return out;
+}
+
 ordered_json one_picture(const std::string& image, const Options& options,
                          const ContourExperiment& experiment, const std::filesystem::path& out) {
   const ContourRunSettings settings = run_settings(options);
-  const geometry::Polyline contour =
-      contour_of(image, options, robot::load_robot(settings.robot), experiment.closed);
+  const Source source = contour_of(image, options, robot::load_robot(settings.robot), experiment.closed);
+  const geometry::Polyline& contour = source.contour;
   const auto plan = slave::make_plan(contour, settings.plan);
   if (!plan) throw Refusal(fmt::format("{}: {}", image, plan.error()));
   std::filesystem::create_directories(out);
-  const ContourRun run = run_contour(*plan, settings);
+  const ContourRun run = run_contour(*plan, contour, settings);
   ordered_json result{{"experiment", experiment.name},
                       {"image", image},
                       {"length_mm", plan->path.length_m() * 1e3},
@@ -270,9 +294,9 @@ ordered_json one_picture(const std::string& image, const Options& options,
                       {"plant", options.plant},
                       {"seed", options.seed},
                       {"control_hz", settings.plan.control_hz}};
-  result.update(measure(run, *plan, contour, settings));
+  result.update(measure(run, settings));
   result["tuning"] = tuning(settings);
-  result["burn"] = burn(run, *plan, contour, options.material, out);
+  result["burn"] = slave::burn({&run.pass, 1}, options.material, out);
   write_contour_trace(run, out / "trace.csv");
 
   std::vector<Named> runs{{options.controller, &run}};
@@ -280,15 +304,16 @@ ordered_json one_picture(const std::string& image, const Options& options,
   if (experiment.closed && options.controller != "independent") {
     ContourRunSettings other = settings;
     other.controller = slave::ControllerKind::kIndependent;
-    baseline = run_contour(*plan, other);
+    baseline = run_contour(*plan, contour, other);
     runs.push_back({"independent", &baseline});
-    const auto measured = measure(baseline, *plan, contour, other);
+    const auto measured = measure(baseline, other);
     result["independent"] = {{"normal_error_um", measured["normal_error_um"]},
                              {"tangential_speed", measured["tangential_speed"]}};
-    result["normal_error_ratio"] =
-        result["normal_error_um"]["rms"].get<double>() / measured["normal_error_um"]["rms"].get<double>();
+    result["normal_error_ratio"] = ratio(result, measured);
+    result["equal_terms"] = equal_terms(*plan, contour, settings);
   }
   draw(fmt::format("{} at {:g} mm/s", image, options.speed_mm_s), runs, out / "panels.png");
+  put_beside(source.picture, out / "panels.png");
 
   if (options.sweep) {
     // Contour error against speed.
@@ -300,7 +325,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
       const ContourRunSettings s = run_settings(faster);
       const auto p = slave::make_plan(contour, s.plan);
       if (!p) throw Refusal(p.error());
-      const auto m = measure(run_contour(*p, s), *p, contour, s);
+      const auto m = measure(run_contour(*p, contour, s), s);
       rms.x.push_back(speed);
       max.x.push_back(speed);
       rms.y.push_back(m["contour_error_um"]["rms"]);

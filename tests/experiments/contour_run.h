@@ -9,6 +9,7 @@
 
 #include "common/robot/robot_model.h"
 #include "slave/automatic/follower.h"
+#include "slave/automatic/pass.h"
 
 namespace telekerf::experiments {
 
@@ -24,19 +25,9 @@ struct ContourRunSettings {
   double laser_w = 10.0;
 };
 
-/// One tick of the pass, workpiece frame; tool and its velocity are the truth.
-struct ContourRow {
-  double t_s = 0.0;
-  slave::Reference reference;
-  Vec3 tool_m = Vec3::Zero();
-  Vec3 tool_velocity_m_per_s = Vec3::Zero();
-  double laser_w = 0.0;
-  Vec3 error_in_frame_m = Vec3::Zero();  ///< reference minus tool: along, across, binormal
-};
-
 struct ContourRun {
-  std::vector<ContourRow> rows;  ///< from the contour's start to its end
-  double time_s = 0.0;           ///< run-up, contour, run-out
+  slave::Pass pass;     ///< refers to the plan and the contour that it was given
+  double time_s = 0.0;  ///< run-up, contour, run-out
   int limit_violations =
       0;  ///< ticks with a motor, the speed or the acceleration at its limit, or off stroke
 };
@@ -45,15 +36,12 @@ struct ContourRun {
 robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunSettings& settings);
 
 /// Runs a plan. Throws Refusal if the path leaves the workspace.
-ContourRun run_contour(const slave::Plan& plan, const ContourRunSettings& settings);
+ContourRun run_contour(const slave::Plan& plan, const geometry::Polyline& contour,
+                       const ContourRunSettings& settings);
 
 /// The measures of one run against the extracted points (flat contours), names as in docs/machining.md.
-nlohmann::ordered_json measure(const ContourRun& run, const slave::Plan& plan,
-                               const geometry::Polyline& contour, const ContourRunSettings& settings);
+nlohmann::ordered_json measure(const ContourRun& run, const ContourRunSettings& settings);
 
 void write_contour_trace(const ContourRun& run, const std::filesystem::path& csv);
-
-/// Vertices where the contour turns by more than 30 degrees within 0.3 mm.
-std::vector<Vec2> corners_of(const geometry::Polyline& contour);
 
 }  // namespace telekerf::experiments

@@ -59,11 +59,11 @@ geometry::Polyline clover(double radius_m) {
 
 nlohmann::ordered_json spread(const ContourRun& run, int axis) {
   double squares = 0.0, max = 0.0;
-  for (const auto& row : run.rows) {
+  for (const auto& row : run.pass.rows) {
     squares += row.error_in_frame_m[axis] * row.error_in_frame_m[axis];
     max = std::max(max, std::abs(row.error_in_frame_m[axis]));
   }
-  return {{"rms", 1e6 * std::sqrt(squares / static_cast<double>(run.rows.size()))}, {"max", 1e6 * max}};
+  return {{"rms", 1e6 * std::sqrt(squares / static_cast<double>(run.pass.rows.size()))}, {"max", 1e6 * max}};
 }
 
 int run(Options& options) {
@@ -77,8 +77,8 @@ int run(Options& options) {
   settings.follower.loop_delay = 1;
   settings.follower.quiet_for(settings.plan.speed_m_per_s);
   settings.seed = options.seed;
-  const auto flat =
-      slave::Path::through(clover(options.radius_mm * 1e-3), slave::path_settings(settings.plan));
+  const geometry::Polyline flat_contour = clover(options.radius_mm * 1e-3);
+  const auto flat = slave::Path::through(flat_contour, slave::path_settings(settings.plan));
   if (!flat) throw Refusal(flat.error());
 
   nlohmann::ordered_json result{{"experiment", "space-contour"}, {"speed_mm_s", options.speed_mm_s}};
@@ -94,25 +94,25 @@ int run(Options& options) {
     if (!path) throw Refusal(path.error());
     const auto plan = slave::make_plan(std::move(*path), settings.plan);
     if (!plan) throw Refusal(plan.error());
-    const ContourRun pass = run_contour(*plan, settings);
+    const ContourRun run = run_contour(*plan, flat_contour, settings);
     double low = 0.0, high = 0.0;
     Line across{"normal", {}, {}}, up{"binormal", {}, {}}, height{"", {}, {}};
-    for (std::size_t i = 0; i < pass.rows.size(); ++i) {
-      const auto& row = pass.rows[i];
+    for (std::size_t i = 0; i < run.pass.rows.size(); ++i) {
+      const auto& row = run.pass.rows[i];
       low = std::min(low, row.reference.position_m.z());
       high = std::max(high, row.reference.position_m.z());
       if (i % 8 != 0) continue;
-      for (Line* line : {&across, &up, &height}) line->x.push_back(row.t_s);
+      for (Line* line : {&across, &up, &height}) line->x.push_back(static_cast<double>(i) * plan->period_s);
       across.y.push_back(1e6 * row.error_in_frame_m[1]);
       up.y.push_back(1e6 * row.error_in_frame_m[2]);
       height.y.push_back(1e3 * row.tool_m.z());
     }
-    result[name] = {{"normal_error_um", spread(pass, 1)},        {"binormal_error_um", spread(pass, 2)},
-                    {"tangential_error_um", spread(pass, 0)},    {"height_mm", {1e3 * low, 1e3 * high}},
-                    {"limit_violations", pass.limit_violations}, {"time_s", pass.time_s}};
+    result[name] = {{"normal_error_um", spread(run, 1)},        {"binormal_error_um", spread(run, 2)},
+                    {"tangential_error_um", spread(run, 0)},    {"height_mm", {1e3 * low, 1e3 * high}},
+                    {"limit_violations", run.limit_violations}, {"time_s", run.time_s}};
     good = good && result[name]["normal_error_um"]["rms"].get<double>() <= kBar_um &&
            result[name]["binormal_error_um"]["rms"].get<double>() <= kBar_um;
-    write_contour_trace(pass, out / (name + ".csv"));
+    write_contour_trace(run, out / (name + ".csv"));
     figure.panels.push_back(
         {.title = name + ": height", .x_label = "time [s]", .y_label = "z [mm]", .lines = {height}});
     figure.panels.push_back(

@@ -33,7 +33,7 @@ Polyline wave(double length_m) {
 nlohmann::ordered_json measured(const Polyline& contour, ContourRunSettings settings) {
   const auto plan = slave::make_plan(contour, settings.plan);
   EXPECT_TRUE(plan);
-  return measure(run_contour(*plan, settings), *plan, contour, settings);
+  return measure(run_contour(*plan, contour, settings), settings);
 }
 
 ContourRunSettings at(double speed_m_per_s) {
@@ -59,6 +59,18 @@ TEST(ContourRun, ContouringHoldsItsBarsAndBeatsIndependentJoints) {
   EXPECT_EQ(contouring["corners"].get<int>(), 8);
 }
 
+TEST(ContourRun, WithoutAnyModelContouringStillBeatsIndependentJoints) {
+  // The thesis' terms (eq. 21-24, 32, 57): the same drive for both, a constant diagonal inertia.
+  ContourRunSettings settings = at(8e-3);
+  settings.follower.model_ahead = false;
+  const auto contouring = measured(octagon(6e-3), settings);
+  settings.controller = slave::ControllerKind::kIndependent;
+  const auto independent = measured(octagon(6e-3), settings);
+  const double normal = contouring["normal_error_um"]["rms"];
+  EXPECT_LT(normal, 5.0);
+  EXPECT_LT(normal, 0.4 * independent["normal_error_um"]["rms"].get<double>());
+}
+
 TEST(ContourRun, MatchedPreviewHalvesTheErrorOfADelayedLoop) {
   ContourRunSettings settings = at(50e-3);
   settings.ideal = true;
@@ -69,9 +81,14 @@ TEST(ContourRun, MatchedPreviewHalvesTheErrorOfADelayedLoop) {
 }
 
 TEST(ContourRun, SlowSmoothStrokesAreEven) {
-  const auto result = measured(wave(9e-3), at(2e-3));
+  ContourRunSettings settings = at(2e-3);
+  const auto result = measured(wave(9e-3), settings);
   EXPECT_LT(result["tangential_speed"]["ripple_percent"].get<double>(), 1.0);
-  EXPECT_LT(result["reference_error_um"]["rms"].get<double>(), 5.0);
+  // Measured 3.2 um. It is friction that is up to 10 % off its file where joints turn round, and an observer
+  // slow enough for the ripple above; by the file's own friction 0.9 um are left.
+  EXPECT_LT(result["reference_error_um"]["rms"].get<double>(), 4.0);
+  settings.mismatch = 0.0;
+  EXPECT_LT(measured(wave(9e-3), settings)["reference_error_um"]["rms"].get<double>(), 1.5);
 }
 
 TEST(ContourRun, SameSeedSameNumbers) {

@@ -40,6 +40,19 @@ TEST(Job, KerfIsTakenOffTheHoleAndAddedToThePiece) {
   EXPECT_NEAR(job->plans[1].path.length_m(), 4 * 10.2e-3, 0.3e-3);
 }
 
+TEST(Job, FramingStaysWithinReach) {
+  JobSettings settings;
+  settings.reach_m = 6e-3;
+  const auto job = make_job({square(10e-3)}, settings);
+  ASSERT_TRUE(job) << job.error();
+  for (std::size_t i = 0; i < job->track.size(); ++i) {
+    if (job->phases[i] == JobPhase::kFraming) {
+      ASSERT_LT(job->track[i].position_m.norm(), 6e-3 + 1e-9);
+      ASSERT_FALSE(job->track[i].beam);
+    }
+  }
+}
+
 TEST(Job, RefusesAnEmptyOne) { EXPECT_FALSE(make_job({}, JobSettings{})); }
 
 class AtWork : public testing::Test {
@@ -51,7 +64,7 @@ class AtWork : public testing::Test {
 };
 
 TEST_F(AtWork, TheBeamIsOnAlongTheContourOnly) {
-  Machinist machinist(model, *job, corridor, true, {});
+  Machinist machinist(model, *job, {});
   machinist.reset(plant.read().joints_m);
   double lit_m = 0.0;
   bool done = false;
@@ -71,8 +84,39 @@ TEST_F(AtWork, TheBeamIsOnAlongTheContourOnly) {
   EXPECT_NEAR(lit_m, 8e-3, 0.3e-3);
 }
 
+TEST_F(AtWork, EveryContourIsCutWithinItsOwnCorridor) {
+  // A closed one around an open one: each has its own law and its own corridor.
+  const geometry::Polyline stroke{{{-0.5e-3, 0.1e-3}, {0.5e-3, 0.1e-3}}, false};
+  JobSettings settings;
+  settings.framing = false;
+  job = make_job({square(3e-3), stroke}, settings);
+  ASSERT_TRUE(job) << job.error();
+  ASSERT_EQ(job->order, (std::vector<std::size_t>{1, 0}));
+  const geometry::NearestIndex corridors[] = {geometry::NearestIndex(stroke),
+                                              geometry::NearestIndex(square(3e-3))};
+  Machinist machinist(model, *job, {});
+  machinist.reset(plant.read().joints_m);
+  std::vector<double> lit_m;
+  bool cutting = false;
+  for (std::size_t i = 0; i < job->track.size(); ++i) {
+    const Vec3 before = model.in_workpiece(plant.true_tool_in_base_m());
+    const auto out = machinist.step(plant.read(), false);
+    plant.write(out.currents_a);
+    plant.advance(job->period_s);
+    if (out.phase == JobPhase::kCut && !cutting) lit_m.push_back(0.0);
+    cutting = out.phase == JobPhase::kCut;
+    if (out.laser_w > 0.0) {
+      ASSERT_LT(corridors[lit_m.size() - 1].find(before.head<2>()).distance_m, 40e-6);
+      lit_m.back() += (model.in_workpiece(plant.true_tool_in_base_m()) - before).norm();
+    }
+  }
+  ASSERT_EQ(lit_m.size(), 2u);
+  EXPECT_NEAR(lit_m[0], 1e-3, 0.1e-3);
+  EXPECT_NEAR(lit_m[1], 12e-3, 0.4e-3);
+}
+
 TEST_F(AtWork, AStopPutsTheBeamOutAtOnceAndHoldsTheToolForGood) {
-  Machinist machinist(model, *job, corridor, true, {});
+  Machinist machinist(model, *job, {});
   machinist.reset(plant.read().joints_m);
   bool lit = false;
   int after = 0;

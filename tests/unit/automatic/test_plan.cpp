@@ -37,15 +37,17 @@ TEST(Plan, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
     ASSERT_TRUE(plan);
     const Track& t = plan->track;
     const double dt = plan->period_s;
-    for (std::size_t i = 1; i + 1 < t.size(); i += 7) {
+    double worst = 0.0;
+    for (std::size_t i = 2; i + 2 < t.size(); ++i) {
       EXPECT_LT(((t[i + 1].position_m - t[i - 1].position_m) / (2 * dt) - t[i].velocity_m_per_s).norm(),
                 2e-4);
-      EXPECT_LT(
-          ((t[i + 1].velocity_m_per_s - t[i - 1].velocity_m_per_s) / (2 * dt) - t[i].acceleration_m_per_s2)
-              .norm(),
-          0.1)
-          << i;
+      // Fourth order: a corner is passed within a dozen ticks, so the second order's own error is 0.17 m/s^2.
+      const Vec3 slope = (8.0 * (t[i + 1].velocity_m_per_s - t[i - 1].velocity_m_per_s) -
+                          (t[i + 2].velocity_m_per_s - t[i - 2].velocity_m_per_s)) /
+                         (12 * dt);
+      worst = std::max(worst, (slope - t[i].acceleration_m_per_s2).norm());
     }
+    EXPECT_LT(worst, 0.05);
   }
 }
 
@@ -60,7 +62,13 @@ TEST(Plan, SlowCornersKeepTheAccelerationAndThePowerFollowsTheSpeed) {
     const Reference& r = plan->track[i];
     if (!r.beam || r.arc_length_m < 1e-3 || r.arc_length_m > plan->path.length_m() - 1e-3) continue;
     worst = std::max(worst, r.acceleration_m_per_s2.norm());
-    EXPECT_NEAR(r.power, r.speed_m_per_s / settings.speed_m_per_s, 1e-9);
+    const double power = r.speed_m_per_s / settings.speed_m_per_s;
+    EXPECT_LE(r.power, 1.25 * power + 1e-9);
+    // Two spot radii from a corner the beam meets no other leg.
+    const double to_corner = std::abs(std::remainder(r.arc_length_m, plan->path.length_m() / 4));
+    if (to_corner > 0.2e-3) {
+      EXPECT_NEAR(r.power, power, 0.01 * power) << r.arc_length_m;
+    }
   }
   EXPECT_LT(worst, 1.5 * settings.slow_acceleration_m_per_s2);
 }
@@ -89,6 +97,28 @@ TEST(Plan, TheSeamOfAClosedContourGetsAsMuchEnergyAsTheRest) {
     if (r.beam && place < 0.2e-3) energy[static_cast<std::size_t>(place / 10e-6)] += r.power;
   }
   for (const double e : energy) EXPECT_NEAR(e, energy.back(), 0.5);  // ticks of 3.3 um in bins of 10
+}
+
+TEST(Plan, AnAcuteTipGetsNoMoreEnergyThanItsLegs) {
+  // 30 degrees: the spot covers both legs for more than 0.1 mm.
+  const geometry::Polyline tip{{{0, 0}, {5e-3, 0}, {0.67e-3, 2.5e-3}}, false};
+  PlanSettings settings;
+  settings.corner = CornerPolicy::kSlow;
+  const auto plan = make_plan(tip, settings);
+  ASSERT_TRUE(plan);
+  const double w = settings.spot_radius_m;
+  const auto dose_at = [&](double arc_m) {
+    const Vec2 place = plan->path.at(arc_m).position_m.head<2>();
+    double dose = 0.0;
+    for (std::size_t i = 0; i < plan->track.size(); ++i) {
+      const Reference& r = plan->track[i];
+      dose += r.power * std::exp(-2.0 * (r.position_m.head<2>() - place).squaredNorm() / (w * w));
+    }
+    return dose;
+  };
+  const double straight = dose_at(2e-3);
+  for (double s = 4.6e-3; s < 5.4e-3; s += 10e-6)
+    EXPECT_NEAR(dose_at(s) / straight, 1.0, 0.12) << s;  // 1.46 without the plan's shares
 }
 
 TEST(Plan, RefusesASpeedOfZero) {

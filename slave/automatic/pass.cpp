@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/automatic/pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+
+#include "common/geometry/nearest.h"
+#include "common/runtime/refusal.h"
+#include "slave/automatic/contouring_control.h"
+#include "slave/laser/kerf.h"
+
+namespace telekerf::slave {
+namespace {
+
+using geometry::NearestIndex;
+using geometry::Polyline;
+using nlohmann::ordered_json;
+
+/// Nearer than this to a corner, measures are the corner's.
+constexpr double kCornerReach_m = 0.4e-3;
+constexpr double kCornerTurn_rad = std::numbers::pi / 6;
+constexpr double kCornerWindow_m = 0.15e-3;
+
+struct Spread {
+  double squares = 0.0;
+  double max = 0.0;
+  std::size_t count = 0;
+  void add(double v) {
+    squares += v * v;
+    max = std::max(max, std::abs(v));
+    ++count;
+  }
+  double rms() const { return count == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(count)); }
+  ordered_json um() const { return {{"rms", rms() * 1e6}, {"max", max * 1e6}}; }
+};
+
+bool near_any(const std::vector<Vec2>& places, const Vec2& p, double reach_m) {
+  return std::any_of(places.begin(), places.end(),
+                     [&](const Vec2& c) { return (c - p).squaredNorm() < reach_m * reach_m; });
+}
+
+/// How far the end of a closed cut runs from where it began, when it passes there again.
+double closure_gap_m(const Pass& pass) {
+  Polyline after;
+  for (const auto& row : pass.rows) {
+    if (row.reference.arc_length_m > 0.5 * pass.plan->path.length_m())
+      after.points_m.push_back(row.tool_m.head<2>());
+  }
+  if (after.size() < 2) return 0.0;  // the pass was stopped
+  return NearestIndex(after).find(pass.rows.front().tool_m.head<2>()).distance_m;
+}
+
+}  // namespace
+
+PassRow pass_row(const Reference& reference, const Vec3& tool_m, const Vec3& tool_velocity_m_per_s,
+                 double laser_w) noexcept {
+  return {reference, tool_m, tool_velocity_m_per_s, laser_w,
+          moving_frame(reference).rows * (reference.position_m - tool_m)};
+}
+
+std::vector<Vec2> corners_of(const Polyline& contour) {
+  const NearestIndex index(contour);
+  const double length = index.length_m();
+  const double step = 20e-6;
+  const auto count = static_cast<std::size_t>(length / step);
+  const auto turn_at = [&](double s) {
+    const double w = kCornerWindow_m;
+    if (!contour.closed && (s < 2 * w || s > length - 2 * w)) return 0.0;
+    const Vec2 a = index.at(s - w).point_m - index.at(s - 2 * w).point_m;
+    const Vec2 b = index.at(s + 2 * w).point_m - index.at(s + w).point_m;
+    return std::abs(std::atan2(geometry::cross(a, b), a.dot(b)));
+  };
+  std::vector<double> turn(count);
+  for (std::size_t i = 0; i < count; ++i) turn[i] = turn_at(static_cast<double>(i) * step);
+  // One corner a run of sharp places: in its middle.
+  std::vector<Vec2> corners;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (turn[i] < kCornerTurn_rad) continue;
+    std::size_t end = i;
+    while (end + 1 < count && turn[end + 1] >= kCornerTurn_rad) ++end;
+    const Vec2 place = index.at(0.5 * static_cast<double>(i + end) * step).point_m;
+    // A smooth bend turns all the way: a corner does so within its window.
+    const bool known = near_any(corners, place, 2 * kCornerWindow_m);  // around the start twice
+    if (!known && static_cast<double>(end - i) * step < 6 * kCornerWindow_m) corners.push_back(place);
+    i = end;
+  }
+  return corners;
+}
+
+ordered_json measure(std::span<const Pass> passes, double speed_m_per_s) {
+  Spread to_contour, to_reference, normal, tangential, height, model, model_everywhere, ripple;
+  double speed_sum = 0.0, corner_error = 0.0, gap = 0.0, slowest = speed_m_per_s;
+  std::size_t corner_count = 0;
+  bool any_closed = false;
+  for (const Pass& pass : passes) {
+    slowest = std::min(slowest, pass.plan->slowest_m_per_s);
+    if (pass.rows.size() < 2) continue;
+    const NearestIndex extracted(*pass.contour);
+    Polyline reference_line, tool_line;
+    for (const auto& row : pass.rows) {
+      reference_line.points_m.push_back(row.reference.position_m.head<2>());
+      tool_line.points_m.push_back(row.tool_m.head<2>());
+    }
+    const NearestIndex reference(reference_line);
+    const NearestIndex tool(tool_line);
+    const std::vector<Vec2> corners = corners_of(*pass.contour);
+    corner_count += corners.size();
+    for (const auto& row : pass.rows) {
+      const Vec2 p = row.tool_m.head<2>();
+      to_contour.add(extracted.find(p).distance_m);
+      to_reference.add(reference.find(p).distance_m);
+      tangential.add(row.error_in_frame_m[0]);
+      normal.add(row.error_in_frame_m[1]);
+      height.add(row.error_in_frame_m[2]);
+      const double speed = row.tool_velocity_m_per_s.dot(row.reference.tangent);
+      speed_sum += speed;
+      const Vec2 at = row.reference.position_m.head<2>();
+      const double off = extracted.find(at).distance_m;
+      model_everywhere.add(off);
+      if (near_any(corners, at, kCornerReach_m)) continue;
+      model.add(off);
+      ripple.add(speed - row.reference.speed_m_per_s);
+    }
+    const double cut_to_m = pass.rows.back().reference.arc_length_m;
+    for (const Vec2& corner : corners) {
+      if (extracted.find(corner).arc_length_m < cut_to_m)
+        corner_error = std::max(corner_error, tool.find(corner).distance_m);
+    }
+    if (pass.contour->closed) {
+      any_closed = true;
+      gap = std::max(gap, closure_gap_m(pass));
+    }
+  }
+  const double mean = normal.count == 0 ? 0.0 : speed_sum / static_cast<double>(normal.count);
+  const auto percent = [&](double deviation) { return mean > 0.0 ? 100.0 * deviation / mean : 0.0; };
+  return {{"contour_error_um", to_contour.um()},
+          {"reference_error_um", to_reference.um()},
+          {"normal_error_um", normal.um()},
+          {"tangential_error_um", tangential.um()},
+          {"height_error_um", height.um()},
+          {"model_error_um",
+           {{"rms", model.rms() * 1e6},
+            {"max", model.max * 1e6},
+            {"max_at_corners", model_everywhere.max * 1e6}}},
+          {"tangential_speed",
+           {{"commanded_mm_s", speed_m_per_s * 1e3},
+            {"mean_mm_s", mean * 1e3},
+            {"ripple_percent", percent(ripple.rms())},
+            {"ripple_peak_percent", percent(ripple.max)},
+            {"slowest_planned_mm_s", slowest * 1e3}}},
+          {"corners", corner_count},
+          {"corner_error_um", corner_error * 1e6},
+          {"closure_gap_um", any_closed ? ordered_json(gap * 1e6) : ordered_json()}};
+}
+
+ordered_json burn(std::span<const Pass> passes, const std::string& material_name,
+                  const std::filesystem::path& folder) {
+  std::vector<Vec2> all;
+  for (const Pass& pass : passes)
+    all.insert(all.end(), pass.contour->points_m.begin(), pass.contour->points_m.end());
+  const geometry::Box box = geometry::bounding_box(all);
+  const PulsedSourceSettings source;
+  HeightMap map(
+      {.centre_m = box.centre(), .half_width_m = 0.5 * box.size().maxCoeff() + 0.5e-3, .pixel_m = 7.5e-6},
+      material(material_name), source);
+  std::vector<Polyline> paths;
+  for (const Pass& pass : passes) {
+    const NearestIndex corridor(*pass.contour);
+    paths.push_back({{}, pass.contour->closed});
+    for (std::size_t i = 0; i + 1 < pass.rows.size(); ++i) {
+      const PassRow& row = pass.rows[i];
+      const Vec2 from = row.tool_m.head<2>();
+      map.expose(from, pass.rows[i + 1].tool_m.head<2>(), row.laser_w, pass.plan->period_s, 0.0, &corridor);
+      if (row.reference.arc_length_m < pass.plan->path.length_m()) paths.back().points_m.push_back(from);
+    }
+  }
+  // Only when everything is burned: a later contour may cross an earlier one.
+  MarkAlongPath whole;
+  double length = 0.0;
+  for (const Polyline& path : paths) {
+    if (path.size() < 3) continue;
+    const MarkAlongPath mark = measure_mark(map, path, source.spot_radius_m);
+    const double share = geometry::length_m(path);
+    whole.depth_m += share * mark.depth_m;
+    whole.kerf_m += share * mark.kerf_m;
+    whole.depth_variation = std::max(whole.depth_variation, mark.depth_variation);
+    length += share;
+  }
+  if (!cv::imwrite((folder / "mark.png").string(), map.picture()) ||
+      !cv::imwrite((folder / "depth.png").string(), map.depth_picture())) {
+    throw Refusal(folder.string() + ": cannot be written");
+  }
+  const EnergyBook& energy = map.energy();
+  return {{"material", material_name},
+          {"depth_um", length > 0.0 ? 1e6 * whole.depth_m / length : 0.0},
+          {"depth_variation_percent", 100.0 * whole.depth_variation},
+          {"kerf_um", length > 0.0 ? 1e6 * whole.kerf_m / length : 0.0},
+          {"energy_inside_j", energy.inside_j},
+          {"energy_outside_corridor_j", energy.outside_j},
+          {"absorbed_j", energy.absorbed_j}};
+}
+
+}  // namespace telekerf::slave

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// ./telekerf machine's processes on loopback: vision and telekerf-slave --automatic.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/programs.h"
+
+namespace telekerf::integration {
+namespace {
+
+using std::chrono::seconds;
+
+std::vector<std::string> with(std::vector<std::string> more) {
+  std::vector<std::string> all = {"--domain", own_domain(), "--cell", "machine"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+/// Power in the last line of a trace, and the largest in all of it.
+std::pair<double, double> laser_of(const std::string& trace) {
+  std::ifstream in(trace);
+  double last = -1.0, most = 0.0;
+  std::string line;
+  for (std::getline(in, line); std::getline(in, line);) {
+    last = std::stod(line.substr(line.rfind(',') + 1));
+    most = std::max(most, last);
+  }
+  return {last, most};
+}
+
+TEST(Machine, CutsEveryContourOfAFlangeFromTheInsideOut) {
+  const std::string out = (Program::scratch() / "flange").string();
+  Program vision("telekerf-vision", with({"--image", "flange", "--width-mm", "12"}));
+  Program slave("telekerf-slave", with({"--automatic", "--speed-mm-s", "50", "--material", "fibreglass",
+                                        "--record", out}));
+  ASSERT_EQ(slave.wait(seconds(60)), 0) << slave.output() << vision.output();
+  for (const std::string said : {"7 contours to cut", "framing, pilot beam only", "90 %", "finished"})
+    EXPECT_NE(slave.output().find(said), std::string::npos) << said << "\n" << slave.output();
+  const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
+  EXPECT_EQ(result["contours_cut"].get<int>(), 7);
+  EXPECT_EQ(result["order"].back().get<int>(), 0) << "the rim comes last";
+  EXPECT_LE(result["normal_error_um"]["rms"].get<double>(), 5.0) << result.dump(2);
+  EXPECT_LE(result["contour_error_um"]["max"].get<double>(), 25.0) << result.dump(2);
+  EXPECT_EQ(result["burn"]["material"].get<std::string>(), "fibreglass");
+  EXPECT_GT(result["burn"]["energy_inside_j"].get<double>(), 5.0);
+  EXPECT_EQ(result["burn"]["energy_outside_corridor_j"].get<double>(), 0.0);
+  EXPECT_EQ(result["limit_violations"].get<int>(), 0);
+  for (const std::string file : {"timing.json", "trace.csv", "mark.png", "depth.png"})
+    EXPECT_TRUE(std::filesystem::exists(out + "/" + file)) << file;
+}
+
+TEST(Machine, AnInterruptPutsTheBeamOutAndStillReports) {
+  const std::string out = (Program::scratch() / "stopped").string();
+  Program vision("telekerf-vision", with({"--image", "circle"}));
+  Program slave("telekerf-slave", with({"--automatic", "--no-framing", "--record", out}));
+  ASSERT_TRUE(slave.says("cutting", seconds(30))) << slave.output();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  slave.interrupt();
+  ASSERT_EQ(slave.wait(seconds(20)), 1) << slave.output();
+  const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
+  EXPECT_FALSE(result["finished"].get<bool>());
+  const auto [last_w, most_w] = laser_of(out + "/trace.csv");
+  EXPECT_GT(most_w, 5.0);
+  EXPECT_EQ(last_w, 0.0);
+}
+
+TEST(Machine, WhatDoesNotFitIsRefusedWithOneSentence) {
+  for (const auto& [flag, value] : std::vector<std::pair<std::string, std::string>>{
+           {"--material", "cheese"}, {"--controller", "magic"}, {"--speed-mm-s", "0"}, {"--kerf-um", "-1"}}) {
+    Program slave("telekerf-slave", with({"--automatic", flag, value}));
+    EXPECT_EQ(slave.wait(seconds(20)), 2) << flag;
+    const std::string said = slave.output();
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  }
+}
+
+}  // namespace
+}  // namespace telekerf::integration
