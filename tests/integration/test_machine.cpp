@@ -32,8 +32,8 @@ std::pair<double, double> laser_of(const std::string& trace) {
 TEST(Machine, CutsEveryContourOfAFlangeFromTheInsideOut) {
   const std::string out = (Program::scratch() / "flange").string();
   Program vision("telekerf-vision", with({"--image", "flange", "--width-mm", "12"}));
-  Program slave("telekerf-slave", with({"--automatic", "--speed-mm-s", "50", "--material", "fibreglass",
-                                        "--record", out}));
+  Program slave("telekerf-slave",
+                with({"--automatic", "--speed-mm-s", "50", "--material", "fibreglass", "--record", out}));
   ASSERT_EQ(slave.wait(seconds(60)), 0) << slave.output() << vision.output();
   for (const std::string said : {"7 contours to cut", "framing, pilot beam only", "90 %", "finished"})
     EXPECT_NE(slave.output().find(said), std::string::npos) << said << "\n" << slave.output();
