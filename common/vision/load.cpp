@@ -12,6 +12,12 @@
 namespace telekerf::vision {
 namespace {
 
+std::vector<Vec2> all_points(const std::vector<geometry::Polyline>& lines) {
+  std::vector<Vec2> all;
+  for (const auto& line : lines) all.insert(all.end(), line.points_m.begin(), line.points_m.end());
+  return all;
+}
+
 double size_of(const geometry::Polyline& line) { return geometry::bounding_box(line.points_m).size().norm(); }
 
 tl::expected<Loaded, std::string> vector_contours(const std::string& path, const LoadRequest& request) {
@@ -35,14 +41,14 @@ tl::expected<Loaded, std::string> vector_contours(const std::string& path, const
   }
   double gain = 1.0;
   if (request.scale.picture_width_m) {
-    std::vector<Vec2> all;
-    for (const auto& line : out.contours) all.insert(all.end(), line.points_m.begin(), line.points_m.end());
-    const double page =
-        drawing->page_width_m > 0.0 ? drawing->page_width_m : geometry::bounding_box(all).size().x();
+    const double page = drawing->page_width_m > 0.0
+                            ? drawing->page_width_m
+                            : geometry::bounding_box(all_points(out.contours)).size().x();
     if (page > 0.0) gain = *request.scale.picture_width_m / page;
   }
+  const std::vector<Vec2> fitted = request.fit_all ? all_points(out.contours) : chosen.points_m;
   const bool first_point = request.scale.anchor == AnchorMode::kFirstPoint;
-  Vec2 anchor = first_point ? chosen.points_m.front() : geometry::bounding_box(chosen.points_m).centre();
+  Vec2 anchor = first_point ? chosen.points_m.front() : geometry::bounding_box(fitted).centre();
   if (request.scale.anchor == AnchorMode::kImageCentre) {
     anchor = 0.5 * Vec2(drawing->page_width_m, -drawing->page_height_m);  // SVG's page hangs below its origin
   }
@@ -70,8 +76,15 @@ tl::expected<Loaded, std::string> contours_of(const cv::Mat& image, const LoadRe
   out.picture_noise = found->noise;
   out.picture_width_px = found->picture_width_px;
   out.picture_height_px = found->picture_height_px;
-  out.scale = scale_for(found->contours[request.select], found->picture_width_px, found->picture_height_px,
-                        request.scale);
+  PixelContour fitted = found->contours[request.select];
+  if (request.fit_all) {
+    for (std::size_t i = 0; i < found->contours.size(); ++i) {
+      if (i == request.select) continue;
+      const auto& others = found->contours[i].points_px;
+      fitted.points_px.insert(fitted.points_px.end(), others.begin(), others.end());
+    }
+  }
+  out.scale = scale_for(fitted, found->picture_width_px, found->picture_height_px, request.scale);
   out.metres_per_pixel = out.scale.metres_per_pixel;
   for (const PixelContour& contour : found->contours) {
     out.contours.push_back(to_workpiece(contour, out.scale));

@@ -17,6 +17,7 @@ struct LoadRequest {
   ExtractSettings extract;
   ScaleRequest scale;
   std::size_t select = 0;  ///< which contour is anchored and fitted; 0 is the largest
+  bool fit_all = false;    ///< all contours together are anchored and fitted
 };
 
 /// All contours share one frame: that of the selected one's anchor.

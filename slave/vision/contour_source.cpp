@@ -40,6 +40,7 @@ LoadRequest load_request(const ContourRequest& request) {
   load.scale.anchor = *anchor;
   load.scale.picture_width_m = request.width_m;
   load.scale.workspace_radius_m = request.workspace_radius_m;
+  load.fit_all = request.fit_all;
   load.select = request.select;
   return load;
 }

@@ -18,6 +18,7 @@ struct ContourRequest {
   std::size_t select = 0;         ///< which contour; 0 is the largest
   std::optional<double> width_m;  ///< of the whole picture; otherwise the contour is fitted to the workspace
   double workspace_radius_m = 0.02;  ///< of the slave
+  bool fit_all = false;              ///< all contours together are centred and fitted, not the longest alone
 };
 
 /// What the vision library is asked for. Throws Refusal: an unknown mode or anchor.

@@ -27,6 +27,7 @@ struct Flags {
   std::string anchor = "box";
   int select = 0;
   double width_mm = 0.0;
+  bool fit_all = false;
   std::string robot = "slave-keops";
 };
 
@@ -37,6 +38,7 @@ ContourRequest request_of(const Flags& flags) {
   request.anchor = flags.anchor;
   request.select = static_cast<std::size_t>(flags.select);
   if (flags.width_mm > 0.0) request.width_m = flags.width_mm * 1e-3;
+  request.fit_all = flags.fit_all;
   request.workspace_radius_m = robot::load_robot(flags.robot).workspace.radius_m;
   return request;
 }
@@ -105,6 +107,8 @@ int main(int argc, char** argv) {
   settings.add("select", flags.select, {.min = 0, .max = 9999}, "which contour, 0 is the largest");
   settings.add("width_mm", flags.width_mm, {.min = 0, .max = 10000},
                "width of the whole picture; 0: the contour is fitted to 60 % of the workspace");
+  settings.add("fit_all", flags.fit_all,
+               "all contours together are centred and fitted, not the longest alone");
   settings.add("robot", flags.robot, "the slave's robot: a shipped name or a file");
   flags.bus.declare(settings);
   settings.attach(app);

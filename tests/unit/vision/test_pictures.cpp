@@ -129,6 +129,27 @@ TEST(Pictures, LargePicturesAreReducedAndKeepTheirSize) {
   fs::remove(scratch("large.png"));
 }
 
+TEST(Pictures, AllContoursTogetherAreCentredAndFitted) {
+  cv::Mat picture(600, 800, CV_8U, cv::Scalar(220));
+  cv::circle(picture, {250, 300}, 120, cv::Scalar(30), -1, cv::LINE_AA);
+  cv::rectangle(picture, {500, 250}, {620, 350}, cv::Scalar(30), -1);
+  LoadRequest request;
+  request.scale.workspace_radius_m = 0.03;
+  request.fit_all = true;
+  const auto found = contours_of(picture, request);
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 2u);
+  double reach_m = 0.0;
+  std::vector<Vec2> all;
+  for (const auto& line : found->contours) {
+    for (const Vec2& point : line.points_m) reach_m = std::max(reach_m, point.norm());
+    all.insert(all.end(), line.points_m.begin(), line.points_m.end());
+  }
+  EXPECT_LT(geometry::bounding_box(all).centre().norm(), 1e-9);
+  // The bounding circle is fitted, and its centre is not quite the box's.
+  EXPECT_NEAR(reach_m, 0.6 * 0.03, 0.3e-3);
+}
+
 TEST(Pictures, PhotographsGiveAPlausibleContourOrAClearRefusal) {
   const fs::path folder = "/usr/share/doc/opencv-doc/examples/data";
   if (!fs::exists(folder)) {
