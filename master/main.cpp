@@ -19,6 +19,8 @@
 namespace telekerf::master {
 namespace {
 
+constexpr Tick kTelemetryTicks = 10;  // between two looks at the values; published 50 times a second
+
 struct Flags {
   BusFlags bus;
   StationSettings station;
@@ -150,7 +152,11 @@ int run(Flags& flags) {
     (engaged ? engaged_s : waited_s) += station.control_period_s();
     progress.mode.store(out.mode, std::memory_order_relaxed);
     progress.engaged_s.store(engaged_s, std::memory_order_relaxed);
-    progress.values.store(station.node().tick(), master_values(out, task ? task->guide.beta : 1.0));
+    const MasterNode& node = station.node();
+    if (node.tick() % kTelemetryTicks == 0) {
+      progress.values.store(node.tick(),
+                            master_values(out, task ? task->guide.beta : 1.0, node.link().clocks()));
+    }
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
     return !done && !stop_requested() && !contour.refused();
   });

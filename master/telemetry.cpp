@@ -3,7 +3,7 @@
 
 namespace telekerf::master {
 
-MasterValues master_values(const MasterOutputs& out, double beta) noexcept {
+MasterValues master_values(const MasterOutputs& out, double beta, const ClockEstimate& clocks) noexcept {
   const GuidePiece& piece = out.active.piece;
   const geometry::CircleOrLine& shape = piece.shape;
   const Vec2 centre = shape.is_line ? shape.point_m : shape.centre_m;
@@ -37,7 +37,10 @@ MasterValues master_values(const MasterOutputs& out, double beta) noexcept {
           out.observed.innovation_m.y(),
           out.observed.innovation_m.z(),
           out.observed.delay_s,
-          out.observed.joined ? 1.0 : 0.0};
+          out.observed.joined ? 1.0 : 0.0,
+          clocks.offset_s,
+          clocks.skew,
+          clocks.uncertainty_s};
 }
 
 // A sequence lock whose data are atomics, so that a torn reading is noticed and never undefined: who has read

@@ -20,13 +20,15 @@ inline constexpr std::array kMasterValueNames{
     // The network observer.
     "slave_x_m", "slave_y_m", "slave_z_m", "slave_x_m_per_s", "slave_y_m_per_s", "slave_z_m_per_s",
     "disturbance_x_m_per_s2", "disturbance_y_m_per_s2", "disturbance_z_m_per_s2", "innovation_x_m",
-    "innovation_y_m", "innovation_z_m", "delay_s", "joined"};
+    "innovation_y_m", "innovation_z_m", "delay_s", "joined",
+    // The clocks.
+    "clock_offset_s", "clock_skew", "clock_uncertainty_s"};
 using MasterValues = std::array<double, kMasterValueNames.size()>;
 
 /// In the order of kMasterValueNames. Circle and tangent in the master's workpiece frame; of a line,
 /// circle_x_m and circle_y_m are a point on it and the radius is zero. `slave_`: predicted for the tick at
-/// which the command made now acts, slave's workpiece frame.
-MasterValues master_values(const MasterOutputs& out, double beta) noexcept;
+/// which the command made now acts, slave's workpiece frame. `clock_`: slave's clock against the master's.
+MasterValues master_values(const MasterOutputs& out, double beta, const ClockEstimate& clocks) noexcept;
 
 /// The newest values of one writer, for any number of readers. The writer never waits.
 class Snapshot {

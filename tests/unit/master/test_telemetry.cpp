@@ -24,7 +24,7 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   out.observed.joined = true;
   Snapshot snapshot;
   EXPECT_FALSE(snapshot.load()) << "nothing stored yet";
-  snapshot.store(42, master_values(out, 0.25));
+  snapshot.store(42, master_values(out, 0.25, {-3.5, 1e-5, 2e-4}));
   const auto message = snapshot.load();
   ASSERT_TRUE(message);
   EXPECT_EQ(message->role, "master");
@@ -48,6 +48,7 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   EXPECT_EQ(value("innovation_z_m"), 3e-6);
   EXPECT_EQ(value("delay_s"), 0.12);
   EXPECT_EQ(value("joined"), 1.0);
+  EXPECT_EQ(value("clock_offset_s"), -3.5);
 }
 
 // All values of one store are the same number: a reader that sees two of them has read across a writing.
