@@ -102,6 +102,48 @@ TEST(NetworkObserver, WithoutPredictionTheLawIsStableBelow06475Only) {
   EXPECT_GT(tracking_growth(above, 1.02 * 0.6475 / 0.1, 60'000), 2.0);
 }
 
+/// The slave moves at 20 mm/s; its play-out waits at tick 1500 (a command twice) and skips at 1700 (one not
+/// at all); 30 measurements are lost around each. Largest prediction error after the first second.
+TEST(NetworkObserver, APlayOutThatWaitsOrSkipsAndLostMeasurementsCostAlmostNothing) {
+  NetworkObserver observer(Law::kRemoteAcceleration, with(Estimator::kPredictor));
+  observer.begin(0, Motion{});
+  constexpr int kDelay = 60;
+  std::vector<Motion> truth{{.velocity_m_per_s = Vec3(0.02, 0, 0)}};
+  std::vector<std::int64_t> applied;
+  const auto command = [](std::int64_t i) {
+    return Vec3(0.3 * std::sin(0.01 * static_cast<double>(i)), 0, 0);
+  };
+  double largest = 0.0;
+  for (std::int64_t k = 0; k < 3000; ++k) {
+    const auto untold = [&](std::int64_t event) { return k >= event && k < event + kDelay + 15; };
+    const std::int64_t index = k <= 1500 ? k : k <= 1700 ? k - 1 : k;
+    applied.push_back(index);
+    observer.sent(k, Motion{}, command(k));
+    const std::int64_t then = k - kDelay;
+    const bool lost = std::abs(then - 1500) < 15 || std::abs(then - 1700) < 15;
+    if (then >= 0 && !lost) {
+      const Motion& state = truth[static_cast<std::size_t>(then)];
+      const SlaveSample sample{applied[static_cast<std::size_t>(then)], then, true, state.position_m,
+                               state.velocity_m_per_s};
+      observer.measured(std::span(&sample, 1));
+    }
+    const Motion predicted = observer.prediction(Motion{});
+    if (k > 1000 && !untold(1500) && !untold(1700)) {
+      // Where the slave is when the command after this one acts, without waiting or skipping meanwhile.
+      Motion ahead = truth.back();
+      for (std::int64_t i = index; i <= k; ++i) {
+        ahead.acceleration_m_per_s2 = command(i);
+        ahead = advanced(ahead, kH);
+      }
+      largest = std::max(largest, (predicted.position_m - ahead.position_m).norm());
+    }
+    Motion now = truth.back();
+    now.acceleration_m_per_s2 = command(index);
+    truth.push_back(advanced(now, kH));
+  }
+  EXPECT_LT(largest, 60e-6) << "a wrong step of time would be 20 um at once and grow with the delay";
+}
+
 TEST(NetworkObserver, ThePredictorIsExactFromAnyInitialStateUnderAnyConstantDisturbance) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);

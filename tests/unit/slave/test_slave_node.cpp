@@ -216,6 +216,23 @@ TEST_F(SlaveNodeTest, LostBlocksAreCoveredByTheNextPacketsCopies) {
   EXPECT_EQ(station_.node().counters().lost, 59u) << "the last loss has not been seen yet";
 }
 
+TEST_F(SlaveNodeTest, ASilenceWithinThePlayOutsDepthStopsNothing) {
+  // Twenty blocks at once every 320 ms, more than twice the time that counts as silence.
+  constexpr int kBlocks = 20;
+  int stopped = 0;
+  for (int burst = 0; burst < 30; ++burst) {
+    std::vector<Received<CommandBlock>> arrived;
+    for (int i = 0; i < kBlocks; ++i) arrived.push_back({next_block(), now_ns_});
+    for (int n = 0; n < 16 * kBlocks; ++n, now_ns_ += kMs) {
+      out_ = station_.step(now_ns_, corridor_.get(), arrived, {});
+      arrived.clear();
+      if (burst > 20 && out_.mode != SlaveMode::kFollowing) ++stopped;
+    }
+  }
+  EXPECT_EQ(stopped, 0);
+  EXPECT_TRUE(out_.settled);
+}
+
 TEST_F(SlaveNodeTest, OvertakenBlocksAreUsedWhileTheyCanBe) {
   const auto swapped = [&](int pairs) {
     for (int i = 0; i < pairs; ++i) {
