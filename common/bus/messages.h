@@ -71,7 +71,8 @@ enum class Interlock : std::uint8_t {
   kStopped,   ///< latched emergency stop
 };
 
-/// Slave -> operator, best effort, one a block of N stream samples of the measured tool position.
+/// Slave -> operator, best effort, one a block of N stream samples of the measured tool position and of the
+/// force on the tool.
 struct StateBlock {
   std::uint32_t sequence = 0;
   std::uint32_t epoch = 0;         ///< of the slave process
@@ -96,6 +97,7 @@ struct StateBlock {
   std::int64_t echo_received_ns = 0;
   std::int64_t sent_ns = 0;
   Payload payload;
+  Payload force;  ///< the same samples: estimated force of the world on the tool, N; empty: not sent
 };
 
 /// Vision -> everyone, latched and reliable. Points in drawing order; a closed contour does not repeat its

@@ -24,7 +24,7 @@ constexpr std::size_t kLongText = 256;
 
 template <class Block>
 std::uint32_t stream_checksum(const Block& wire) {
-  std::array<char, Payload::kCapacity + 256> bytes{};  // zero: CDR leaves padding octets as they are
+  std::array<char, 2 * Payload::kCapacity + 256> bytes{};  // zero: CDR leaves padding octets as they are
   FastBuffer buffer(bytes.data(), bytes.size());
   Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::CORBA_CDR);
   wire.serialize(cdr);
@@ -90,11 +90,15 @@ void common_from_wire(const Wire& wire, Block& value) {
   from_wire(wire.payload(), value.payload);
 }
 
+bool payloads_fit(const wire::CommandBlock& wire) { return wire.payload().size() <= Payload::kCapacity; }
+bool payloads_fit(const wire::StateBlock& wire) {
+  return wire.payload().size() <= Payload::kCapacity && wire.force().size() <= Payload::kCapacity;
+}
+
 /// What both streams ask of a block before anything in it is used.
 template <class Block>
 Verdict judged(const Block& wire, std::uint16_t contract) {
-  if (wire.payload().size() > Payload::kCapacity || wire.checksum() != stream_checksum(wire))
-    return Verdict::kDamaged;
+  if (!payloads_fit(wire) || wire.checksum() != stream_checksum(wire)) return Verdict::kDamaged;
   if (wire.contract() != contract) return Verdict::kForeignContract;
   bool finite = std::isfinite(wire.beta());
   for (const float x : wire.anchor().position_m()) finite = finite && std::isfinite(x);
@@ -128,7 +132,7 @@ Verdict from_wire(const wire::CommandBlock& wire, std::uint16_t contract, Comman
 }
 
 bool to_wire(const StateBlock& value, std::uint16_t contract, wire::StateBlock& wire) {
-  if (value.payload.size > Payload::kCapacity) return false;
+  if (value.payload.size > Payload::kCapacity || value.force.size > Payload::kCapacity) return false;
   wire.contract(contract);
   wire.interlock(static_cast<std::uint8_t>(value.interlock));
   wire.laser_on(value.laser_on ? 1 : 0);
@@ -140,6 +144,7 @@ bool to_wire(const StateBlock& value, std::uint16_t contract, wire::StateBlock& 
   wire.echo_number(value.echo_sequence);
   wire.echo_sent_ns(value.echo_sent_ns);
   wire.echo_received_ns(value.echo_received_ns);
+  to_wire(value.force, wire.force());
   common_to_wire(value, wire);
   wire.checksum(stream_checksum(wire));
   return true;
@@ -158,6 +163,7 @@ Verdict from_wire(const wire::StateBlock& wire, std::uint16_t contract, StateBlo
   value.echo_sequence = wire.echo_number();
   value.echo_sent_ns = wire.echo_sent_ns();
   value.echo_received_ns = wire.echo_received_ns();
+  from_wire(wire.force(), value.force);
   common_from_wire(wire, value);
   return Verdict::kGood;
 }

@@ -8,6 +8,6 @@ namespace telekerf {
 
 inline constexpr const char* kVersion = TELEKERF_VERSION;
 /// Changes whenever a wire type changes its meaning; processes of different contracts refuse each other.
-inline constexpr std::uint16_t kContractVersion = 3;
+inline constexpr std::uint16_t kContractVersion = 4;
 
 }  // namespace telekerf

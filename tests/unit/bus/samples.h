@@ -65,6 +65,7 @@ inline StateBlock state(Random& random, std::size_t payload_bytes) {
   block.echo_received_ns = static_cast<std::int64_t>(random());
   block.sent_ns = static_cast<std::int64_t>(random());
   fill(random, block.payload, payload_bytes);
+  fill(random, block.force, payload_bytes / 2);
   return block;
 }
 
@@ -106,7 +107,8 @@ inline bool same(const StateBlock& a, const StateBlock& b) {
          a.applied_tick == b.applied_tick && a.applied_age_ticks == b.applied_age_ticks &&
          a.applied_bitmap == b.applied_bitmap && a.playout_ticks == b.playout_ticks &&
          a.echo_sequence == b.echo_sequence && a.echo_sent_ns == b.echo_sent_ns &&
-         a.echo_received_ns == b.echo_received_ns && a.sent_ns == b.sent_ns && same(a.payload, b.payload);
+         a.echo_received_ns == b.echo_received_ns && a.sent_ns == b.sent_ns && same(a.payload, b.payload) &&
+         same(a.force, b.force);
 }
 inline bool same(const ContourLine& a, const ContourLine& b) {
   return a.closed == b.closed && a.points_m == b.points_m;

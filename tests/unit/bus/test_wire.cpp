@@ -119,6 +119,32 @@ TEST(Wire, TheChecksumCoversEveryField) {
   EXPECT_TRUE(damaged([](auto& w) { w.anchor().position_m()[2] += 1e-3f; }));
   EXPECT_TRUE(damaged([](auto& w) { w.payload().back() ^= 128u; }));
   EXPECT_TRUE(damaged([](auto& w) { w.payload().pop_back(); }));
+
+  wire::StateBlock state;
+  ASSERT_TRUE(to_wire(samples::state(random, 40), kContract, state));
+  StateBlock state_back;
+  ASSERT_EQ(from_wire(state, kContract, state_back), Verdict::kGood);
+  state.force().back() ^= 1u;
+  EXPECT_EQ(from_wire(state, kContract, state_back), Verdict::kDamaged);
+}
+
+TEST(Wire, PayloadsKeepTheirBounds) {
+  samples::Random random(9);
+  for (const auto part : {&StateBlock::payload, &StateBlock::force}) {
+    StateBlock full = samples::state(random, 0);
+    samples::fill(random, full.*part, Payload::kCapacity);
+    StateBlock back;
+    EXPECT_EQ((sent<wire::StateBlock>(full, back)), Verdict::kGood);
+    EXPECT_TRUE(samples::same(full, back));
+    (full.*part).size = Payload::kCapacity + 1;
+    wire::StateBlock wire;
+    EXPECT_FALSE(to_wire(full, kContract, wire));
+  }
+  wire::StateBlock hostile;
+  hostile.contract(kContract);
+  hostile.force().assign(Payload::kCapacity + 1, 0);
+  StateBlock back;
+  EXPECT_EQ(from_wire(hostile, kContract, back), Verdict::kDamaged) << "before its checksum is looked at";
 }
 
 TEST(Wire, ValuesThatNoSenderMakesAreDamage) {

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a block costs on the wire, every head counted.
+#pragma once
+
+#include "common/bus/messages.h"
+
+namespace telekerf {
+
+/// Around each sample: Ethernet 18 bytes, IP 20, UDP 8, RTPS 43.
+inline constexpr std::uint32_t kDatagramBytes = 89;
+/// Of the blocks' other fields (plain CDR).
+inline constexpr std::uint32_t kCommandFieldBytes = 76;
+inline constexpr std::uint32_t kStateFieldBytes = 136;
+
+inline std::uint32_t wire_bytes(const CommandBlock& block) noexcept {
+  return kDatagramBytes + kCommandFieldBytes + block.payload.size;
+}
+inline std::uint32_t wire_bytes(const StateBlock& block) noexcept {
+  return kDatagramBytes + kStateFieldBytes + block.payload.size + block.force.size;
+}
+
+}  // namespace telekerf
