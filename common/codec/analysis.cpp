@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numbers>
 
 #include "common/codec/lattice.h"
 
@@ -37,7 +38,14 @@ int first_offset(std::span<const double> residual, const Grid& grid) noexcept {
 
 }  // namespace
 
-Analyser::Analyser(int block) : block_(block), dct_(&Dct::of_size(block)) {
+/// Twice integrated from rest, the mean comes to 1/2 (N Ts)^2 / sqrt(N) at the block's end, and the cosine of
+/// index k to at most 2 (N Ts / pi k)^2 sqrt(2 / N).
+Analyser::Analyser(int block, bool integrated)
+    : block_(block), dct_(&Dct::of_size(block)), integrated_(integrated) {
+  for (int k = 0; k < block; ++k) {
+    weight_[static_cast<std::size_t>(k)] =
+        integrated && k > 0 ? 4.0 * std::numbers::sqrt2 / squared(std::numbers::pi * k) : 1.0;
+  }
   Coefficients n1{};
   Coefficients n2{};
   for (int n = 0; n < block; ++n) {
@@ -99,23 +107,26 @@ void Analyser::residual(std::span<const double> coefficients, const AxisCode& co
 
 void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int keep,
                          const AxisContext& context, const Grid& grid, Choice& best) const noexcept {
-  code.step_offset = first_offset(residual, grid);
+  if (first_offset(residual, grid) > 0) return;  // only an adaptive stream tells another step
+  code.step_offset = 0;
   code.set = 0;
   const double step = grid.step(code.step_offset);
   const double per_step = 1.0 / step;
-  const IndexSet kept =
-      context.truncated ? (IndexSet{2} << (std::min(keep, block_) - 1)) - 1 : strongest(residual, keep);
+  Coefficients counted;
+  for (std::size_t k = 0; k < residual.size(); ++k) counted[k] = weight_[k] * residual[k];
+  const IndexSet kept = context.truncated ? (IndexSet{2} << (std::min(keep, block_) - 1)) - 1
+                                          : strongest(std::span(counted).first(residual.size()), keep);
   double energy = 0.0;
   for (std::size_t k = 0; k < residual.size(); ++k) {
     const double c = residual[k];
     code.values[k] = 0;
-    if ((kept >> k & 1) != 0 && std::abs(c) >= kDeadZone * step) {
+    if ((kept >> k & 1) != 0 && std::abs(context.truncated ? c : counted[k]) >= kDeadZone * step) {
       const auto value = static_cast<std::int64_t>(rounded(c * per_step));
       code.values[k] = value;
       code.set |= IndexSet{1} << k;
-      energy += squared(c - static_cast<double>(value) * step);
+      energy += squared(weight_[k] * (c - static_cast<double>(value) * step));
     } else {
-      energy += squared(c);
+      energy += squared(counted[k]);
     }
   }
   double cost = energy / squared(grid.level);
@@ -172,6 +183,7 @@ void Analyser::try_stairs(std::span<const double> samples, const Aim& aim, const
   AxisCode code;
   code.mode = Mode::kStairs;
   code.step_offset = first_offset(samples, grid);
+  if (code.step_offset > 0 && aim.max_rms == 0.0) return;
   const double step = grid.step(code.step_offset);
   // A smooth motion moves on at nearly every sample: seen at once, and nothing for stairs.
   const double move = aim.max_rms == 0.0 ? step : 2.0 * aim.max_rms;
@@ -251,7 +263,7 @@ AxisCode Analyser::analyse(std::span<const double> samples, const Aim& aim, cons
       }
     }
   }
-  if (!context.truncated) try_stairs(samples, aim, context, grid, best);
+  if (!context.truncated && !(integrated_ && !adaptive)) try_stairs(samples, aim, context, grid, best);
   constexpr double kFloatBits = 32;
   const double bits =
       !best.found ? 0 : (adaptive ? best.cost : newest_axis_bits(best.code, context, grid, block_));

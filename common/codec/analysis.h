@@ -18,7 +18,8 @@ struct Aim {
 /// tried on the coefficients of one single transform (the transform is linear).
 class Analyser {
  public:
-  explicit Analyser(int block);
+  /// `integrated`: coefficients count by what they do to the samples' second integral.
+  Analyser(int block, bool integrated);
 
   /// The cheapest code that keeps `aim.max_rms` (bits decide), or the best with `aim.keep` coefficients
   /// (error energy decides, bits break near-ties). Samples are finite and within kMaxMagnitude. With
@@ -55,6 +56,8 @@ class Analyser {
 
   int block_;
   const Dct* dct_;
+  bool integrated_;
+  Coefficients weight_{};    // of a coefficient beside the mean's
   Coefficients ramp_{};      // DCT of n
   Coefficients parabola_{};  // DCT of n^2 / 2
 };

@@ -25,7 +25,7 @@ constexpr Modes kTruncatedModes{Mode::kIntra, Mode::kRaw, Mode::kRaw, Mode::kRaw
 const Modes& modes(const AxisContext& context) {
   return context.truncated ? kTruncatedModes : (context.anchored ? kAnchoredModes : kFreeModes);
 }
-int last_mode(const AxisContext& context) { return context.truncated ? 1 : 5; }
+constexpr int kLastMode = 5;
 
 /// The order for a value after one of magnitude |previous|: coefficients fall off slowly.
 int next_order(std::int64_t previous) noexcept {
@@ -121,26 +121,53 @@ bool read_stairs(BitReader& in, AxisCode& code, const AxisContext& context, cons
   return !in.failed();
 }
 
+/// The first of the modes tells with its own bits whether it is a prefix: that is the usual, and one bit.
+template <typename Sink>
+void write_mode(Sink& out, Mode mode, bool prefix, const AxisContext& context) noexcept {
+  const auto& order = modes(context);
+  const auto at = static_cast<int>(std::find(order.begin(), order.end(), mode) - order.begin());
+  if (context.truncated || (at == 0 && prefix)) {
+    out.bits(at == 0 ? 0 : 1, 1);
+    return;
+  }
+  out.bits(1, 1);
+  for (int i = 0; i < at; ++i) out.bits(1, 1);
+  if (at < kLastMode) out.bits(0, 1);
+  if (at > 0 && mode != Mode::kStairs && mode != Mode::kRaw) out.bits(prefix ? 0 : 1, 1);
+}
+
+Mode read_mode(BitReader& in, bool& prefix, const AxisContext& context) noexcept {
+  const auto& order = modes(context);
+  prefix = true;
+  if (!in.bit()) return order[0];
+  if (context.truncated) return order[1];
+  int at = 0;
+  while (at < kLastMode && in.bit()) ++at;
+  const Mode mode = order[static_cast<std::size_t>(at)];
+  if (at == 0) {
+    prefix = false;
+  } else if (mode != Mode::kStairs && mode != Mode::kRaw) {
+    prefix = !in.bit();
+  }
+  return mode;
+}
+
 template <typename Sink>
 void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const AxisContext& context,
                const Grid& grid, int block) noexcept {
-  const auto& order = modes(context);
-  const auto at = static_cast<int>(std::find(order.begin(), order.end(), code.mode) - order.begin());
-  for (int i = 0; i < at; ++i) out.bits(1, 1);
-  if (at < last_mode(context)) out.bits(0, 1);
+  const Telling telling = code.is_transformed() ? cheapest_telling(code, context, block) : Telling{};
+  write_mode(out, code.mode, telling.prefix, context);
   if (code.mode == Mode::kRaw) {
     for (int n = 0; n < block; ++n)
       out.bits(std::bit_cast<std::uint32_t>(code.raw[static_cast<std::size_t>(n)]), 32);
     return;
   }
-  out.signed_golomb(code.step_offset - context.habits.step_offset, 0);
+  if (context.adaptive) out.signed_golomb(code.step_offset - context.habits.step_offset, 0);
   if (code.mode == Mode::kStairs) {
     write_runs(out, code);
     out.signed_golomb(code.values[0] - stairs_guess(code, context, grid, block), stairs_order(context));
     return;
   }
-  const auto telling = cheapest_telling(code, context, block);
-  if (!context.truncated) out.bits(telling.prefix ? 0 : 1, 1);
   out.signed_golomb(telling.count - context.habits.count, kCountOrder);
   if (!telling.prefix) out.bits(rank_of(code.set), index_set_bits(block, telling.count));
   write_values(out, code, context, telling);
@@ -174,7 +201,6 @@ bool read_values(BitReader& in, AxisCode& code, const AxisContext& context, cons
 }
 
 bool read_telling(BitReader& in, Telling& telling, const AxisContext& context, int block) noexcept {
-  telling.prefix = context.truncated || !in.bit();
   const auto count = in.signed_golomb(kCountOrder) + context.habits.count;
   if (in.failed() || count < 0 || count > block) return false;
   telling.count = static_cast<int>(count);
@@ -211,13 +237,12 @@ int newest_axis_bits(const AxisCode& code, const AxisContext& context, const Gri
 bool read_axis(BitReader& in, AxisCode& code, const AxisContext& context, const Grid& grid, const Dct& dct,
                std::span<double> samples) noexcept {
   const int block = dct.size();
-  int at = 0;
-  while (at < last_mode(context) && in.bit()) ++at;
-  code.mode = modes(context)[static_cast<std::size_t>(at)];
+  Telling telling;
+  code.mode = read_mode(in, telling.prefix, context);
   if (code.mode == Mode::kRaw) return read_raw(in, code, samples);
   if (code.mode == Mode::kHold && !context.anchored) return false;
 
-  const auto offset = context.habits.step_offset + in.signed_golomb(0);
+  const auto offset = context.adaptive ? context.habits.step_offset + in.signed_golomb(0) : 0;
   if (in.failed() || offset < 0 || offset > kMaxStepOffset) return false;
   code.step_offset = static_cast<int>(offset);
   if (code.mode == Mode::kStairs) {
@@ -225,7 +250,6 @@ bool read_axis(BitReader& in, AxisCode& code, const AxisContext& context, const 
     reconstruct(code, grid, {}, samples);
     return true;
   }
-  Telling telling;
   if (!read_telling(in, telling, context, block) || !read_values(in, code, context, telling)) return false;
   if (code.has_bend()) code.bend = in.signed_golomb(kBendOrder);
   if (in.failed() || std::abs(code.bend) > kMaxParameter) return false;

@@ -19,6 +19,7 @@ struct Habits {
 struct AxisContext {
   bool anchored = false;
   bool newest = true;
+  bool adaptive = false;   ///< the step may differ from the stream's finest
   bool truncated = false;  ///< the predecessor: prefixes only, nothing predicted
   Habits habits;
   std::int64_t trend_level = 0;  ///< newest and anchored: the trend on the grid

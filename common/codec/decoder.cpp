@@ -53,7 +53,8 @@ bool read_raw_axis(BitReader& in, std::span<double> samples) noexcept {
   return !in.failed();
 }
 
-bool read_lattice_axis(BitReader& in, CodecKind kind, const Grid& grid, std::span<double> samples) noexcept {
+bool read_lattice_axis(BitReader& in, const LatticeKind& kind, const Grid& grid,
+                       std::span<double> samples) noexcept {
   AxisCode code;
   if (!read_lattice(in, kind, code, static_cast<int>(samples.size()))) return false;
   reconstruct_lattice(code, grid, samples);
@@ -86,6 +87,7 @@ bool BlockDecoder::State::read_transform_axis(BitReader& in, const PacketHead& h
                                               std::span<double> room) noexcept {
   AxisContext known;
   known.anchored = head.anchored;
+  known.adaptive = head.adaptive;
   known.truncated = head.kind == CodecKind::kTruncatedDct;
   known.habits = head.habits;
   known.newest = age == 0;
@@ -126,7 +128,7 @@ bool BlockDecoder::State::read_block(BitReader& in, const PacketHead& head, int 
       case CodecKind::kDeadband:
       case CodecKind::kWeber:
       case CodecKind::kDpcm:
-        good = read_lattice_axis(in, head.kind, grid, axis_samples);
+        good = read_lattice_axis(in, {head.kind, head.adaptive}, grid, axis_samples);
         break;
     }
     if (!good) return false;

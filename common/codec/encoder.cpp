@@ -45,9 +45,8 @@ struct BlockEncoder::State {
       : settings(wanted.validated()),
         exponent(quantum_exponent_of(settings)),
         grid(settings.block, exponent),
-        analyser(std::max(settings.block, kMinTransform)) {
-    if (settings.max_rms == 0.0) habits.count = std::min(settings.keep, kMaxBlock - 1);
-  }
+        analyser(std::max(settings.block, kMinTransform), settings.integrated),
+        habits(first_habits()) {}
 
   StreamSettings settings;
   int exponent;
@@ -61,6 +60,11 @@ struct BlockEncoder::State {
   std::size_t newest_bits = 0;
   CodecCounters counters;
 
+  Habits first_habits() const noexcept {
+    Habits first;
+    if (settings.max_rms == 0.0) first.count = std::min(settings.keep, kMaxBlock - 1);
+    return first;
+  }
   Block& back(int age) noexcept {
     return ring[(newest + kMaxBlocks - static_cast<std::size_t>(age)) % kMaxBlocks];
   }
@@ -68,6 +72,7 @@ struct BlockEncoder::State {
   AxisContext context() const noexcept {
     AxisContext context;
     context.anchored = settings.anchored;
+    context.adaptive = settings.max_rms > 0.0;
     context.truncated = settings.kind == CodecKind::kTruncatedDct;
     context.habits = habits;
     return context;
@@ -130,7 +135,7 @@ void BlockEncoder::State::write_block(BitWriter& out, int age, const Trend& tren
       continue;
     }
     if (!is_transform(settings.kind)) {
-      write_lattice(out, settings.kind, block.axes[at].code, settings.block);
+      write_lattice(out, {settings.kind, settings.max_rms > 0.0}, block.axes[at].code, settings.block);
       continue;
     }
     auto known = age == 0 ? newest_context(trend, a) : context();
@@ -237,6 +242,15 @@ std::span<const Vec3> BlockEncoder::decoded() const noexcept {
 std::size_t BlockEncoder::newest_block_bits() const noexcept { return state_->newest_bits; }
 const StreamSettings& BlockEncoder::settings() const noexcept { return state_->settings; }
 const CodecCounters& BlockEncoder::counters() const noexcept { return state_->counters; }
+void BlockEncoder::change(const StreamSettings& settings) {
+  State& s = *state_;
+  s.settings = settings.validated();
+  s.exponent = quantum_exponent_of(s.settings);
+  s.grid = Grid(s.settings.block, s.exponent);
+  s.analyser = Analyser(std::max(s.settings.block, kMinTransform), s.settings.integrated);
+  s.habits = s.first_habits();
+  s.held = 0;
+}
 void BlockEncoder::restart() noexcept { state_->held = 0; }
 
 }  // namespace telekerf::codec

@@ -37,6 +37,9 @@ class BlockEncoder {
   std::size_t newest_block_bits() const noexcept;
   const StreamSettings& settings() const noexcept;
   const CodecCounters& counters() const noexcept;
+  /// Other settings from the next block on. The sequence goes on; copies of blocks coded under the old ones
+  /// are not sent any more. Allocates nothing when the settings are in bounds; throws Refusal otherwise.
+  void change(const StreamSettings& settings);
   /// Forgets previous blocks (a gap in the stream); the sequence goes on.
   void restart() noexcept;
 

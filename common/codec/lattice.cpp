@@ -99,7 +99,7 @@ void write_any_runs(Sink& out, const AxisCode& code) noexcept {
 }
 
 template <typename Sink>
-void write_any(Sink& out, CodecKind kind, const AxisCode& code, int block) noexcept {
+void write_any(Sink& out, const LatticeKind& kind, const AxisCode& code, int block) noexcept {
   out.bits(code.mode == Mode::kRaw ? 1 : 0, 1);
   if (code.mode == Mode::kRaw) {
     for (std::size_t n = 0; n < static_cast<std::size_t>(block); ++n) {
@@ -107,8 +107,8 @@ void write_any(Sink& out, CodecKind kind, const AxisCode& code, int block) noexc
     }
     return;
   }
-  out.golomb(static_cast<std::uint64_t>(code.step_offset), 0);
-  if (kind == CodecKind::kDpcm) {
+  if (kind.adaptive) out.golomb(static_cast<std::uint64_t>(code.step_offset), 0);
+  if (kind.codec == CodecKind::kDpcm) {
     write_dpcm(out, code, block);
   } else {
     out.signed_golomb(code.values[0], kFirstOrder);
@@ -206,6 +206,17 @@ bool read_runs(BitReader& in, AxisCode& code, int block) noexcept {
   return true;
 }
 
+namespace {
+
+AxisCode raw_code(std::span<const double> samples) noexcept {
+  AxisCode code;
+  code.mode = Mode::kRaw;
+  for (std::size_t n = 0; n < samples.size(); ++n) code.raw[n] = static_cast<float>(samples[n]);
+  return code;
+}
+
+}  // namespace
+
 AxisCode analyse_lattice(std::span<const double> samples, const StreamSettings& settings,
                          const Grid& grid) noexcept {
   AxisCode code;
@@ -215,6 +226,7 @@ AxisCode analyse_lattice(std::span<const double> samples, const StreamSettings& 
       settings.max_rms * settings.max_rms * static_cast<double>(samples.size()) * (1.0 - 1e-9);
   code.step_offset = least;
   bool kept = settings.max_rms == 0.0;
+  if (kept && least > 0) return raw_code(samples);  // only an adaptive stream tells another step
   if (settings.kind == CodecKind::kDpcm) {
     if (kept) {
       round_all(samples, grid.step(least), code);
@@ -237,19 +249,17 @@ AxisCode analyse_lattice(std::span<const double> samples, const StreamSettings& 
     }
   }
   BitCounter counter;
-  write_any(counter, settings.kind, code, static_cast<int>(samples.size()));
+  write_any(counter, {settings.kind, settings.max_rms > 0.0}, code, static_cast<int>(samples.size()));
   constexpr int kFloatBits = 32;
   if (kept && counter.count() <= kFloatBits * static_cast<int>(samples.size())) return code;
-  code.mode = Mode::kRaw;
-  for (std::size_t n = 0; n < samples.size(); ++n) code.raw[n] = static_cast<float>(samples[n]);
-  return code;
+  return raw_code(samples);
 }
 
-void write_lattice(BitWriter& out, CodecKind kind, const AxisCode& code, int block) noexcept {
+void write_lattice(BitWriter& out, const LatticeKind& kind, const AxisCode& code, int block) noexcept {
   write_any(out, kind, code, block);
 }
 
-bool read_lattice(BitReader& in, CodecKind kind, AxisCode& code, int block) noexcept {
+bool read_lattice(BitReader& in, const LatticeKind& kind, AxisCode& code, int block) noexcept {
   if (in.bit()) {
     code.mode = Mode::kRaw;
     for (std::size_t n = 0; n < static_cast<std::size_t>(block); ++n) {
@@ -258,10 +268,10 @@ bool read_lattice(BitReader& in, CodecKind kind, AxisCode& code, int block) noex
     }
     return !in.failed();
   }
-  const auto offset = in.golomb(0);
+  const auto offset = kind.adaptive ? in.golomb(0) : 0;
   if (in.failed() || offset > kMaxStepOffset) return false;
   code.step_offset = static_cast<int>(offset);
-  if (kind == CodecKind::kDpcm) return read_dpcm(in, code, block);
+  if (kind.codec == CodecKind::kDpcm) return read_dpcm(in, code, block);
   code.values[0] = in.signed_golomb(kFirstOrder);
   return !in.failed() && std::abs(code.values[0]) <= kMaxValue && read_runs(in, code, block);
 }

@@ -18,9 +18,14 @@ namespace telekerf::codec {
 /// below it.
 AxisCode analyse_lattice(std::span<const double> samples, const StreamSettings& settings,
                          const Grid& grid) noexcept;
-void write_lattice(BitWriter& out, CodecKind kind, const AxisCode& code, int block) noexcept;
+/// How its bits are to be read.
+struct LatticeKind {
+  CodecKind codec = CodecKind::kDpcm;
+  bool adaptive = false;  ///< the step may differ from the stream's finest
+};
+void write_lattice(BitWriter& out, const LatticeKind& kind, const AxisCode& code, int block) noexcept;
 /// False when no encoder writes that.
-bool read_lattice(BitReader& in, CodecKind kind, AxisCode& code, int block) noexcept;
+bool read_lattice(BitReader& in, const LatticeKind& kind, AxisCode& code, int block) noexcept;
 /// Rounds to the lattice what left the last one kept by more than `band` and holds it in between, into
 /// code.values and code.set; returns the squared error.
 double hold_within(std::span<const double> samples, double band, double step, AxisCode& code) noexcept;

@@ -17,7 +17,7 @@ namespace telekerf::codec {
 using Vec3 = Eigen::Vector3d;
 
 inline constexpr int kAxes = 3;
-inline constexpr std::uint8_t kPacketVersion = 1;
+inline constexpr std::uint8_t kPacketVersion = 2;
 inline constexpr int kMaxBlocks = kMaxRedundancy + 1;
 
 /// Straight line through the newest block: value at its first sample and change per sample, from the

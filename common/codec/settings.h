@@ -29,7 +29,10 @@ struct StreamSettings {
   double max_rms = 0.0;   ///< above 0: adaptive, every block and axis stays at or below this RMS error
   int redundancy = 1;     ///< previous blocks in each packet, R: a burst of R lost packets changes nothing
   double quantum = 5e-7;  ///< finest step of coefficients, or of a lattice; rounded down to a quarter octave
-  double threshold = 0;   ///< of the dead-band codecs (without max_rms): absolute, or kWeber's fraction
+  /// The receiver integrates the samples twice (accelerations): without max_rms, the coefficients are chosen
+  /// by what they do to the integral.
+  bool integrated = false;
+  double threshold = 0;  ///< of the dead-band codecs (without max_rms): absolute, or kWeber's fraction
   std::uint32_t sample_period_ns = 1'000'000;
   int axes = 3;          ///< coded components of each Vec3; the others decode to zero
   bool anchored = true;  ///< each packet comes with the trend of its newest block (position streams)

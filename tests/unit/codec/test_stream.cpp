@@ -83,6 +83,7 @@ std::vector<StreamSettings> many_settings() {
       all.push_back(with_codec({.block = 16, .max_rms = 2e-6, .redundancy = 1, .anchored = anchored}, name));
       all.push_back(with_codec({.block = 64, .redundancy = 1, .anchored = anchored}, name));
     }
+    all.push_back({.block = 16, .integrated = true, .anchored = anchored});
     all.push_back({.block = 16, .axes = 1, .anchored = anchored});
     all.push_back({.block = 16, .axes = 2, .anchored = anchored});
     all.push_back({.kind = CodecKind::kRaw, .block = 1, .redundancy = 0, .anchored = anchored});
@@ -278,6 +279,70 @@ TEST(Stream, ChangedSettingsInMidRunAreFollowed) {
       EXPECT_TRUE(same_bits((*packet)->blocks_newest_first[0].samples, sent.decoded));
     }
   }
+}
+
+/// Twice integrated from rest, as a receiver of accelerations does.
+double integrated_error(std::span<const Vec3> truth, std::span<const Vec3> decoded) {
+  double velocity = 0, position = 0, squares = 0;
+  for (std::size_t n = 0; n < truth.size(); ++n) {
+    velocity += decoded[n].x() - truth[n].x();
+    position += velocity;
+    squares += position * position;
+  }
+  return squares;
+}
+
+TEST(Stream, IntegratedSamplesKeepWhatMovesTheIntegral) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(0.0, 0.05);
+  StreamSettings plain{.block = 16, .keep = 3, .redundancy = 0, .quantum = 0.01, .anchored = false};
+  StreamSettings integrated = plain;
+  integrated.integrated = true;
+  BlockEncoder usual(plain);
+  BlockEncoder by_integral(integrated);
+  Bytes bytes(2048);
+  double usual_squares = 0, squares = 0;
+  std::size_t usual_bits = 0, bits = 0;
+  for (int b = 0; b < 500; ++b) {
+    std::vector<Vec3> samples;
+    for (int n = 0; n < 16; ++n) {
+      samples.emplace_back(0.3 * std::sin(0.06 * (16 * b + n)) + noise(random), noise(random), 0.0);
+    }
+    ASSERT_TRUE(usual.encode(samples, 0, {}, bytes));
+    usual_squares += integrated_error(samples, usual.decoded());
+    usual_bits += usual.newest_block_bits();
+    ASSERT_TRUE(by_integral.encode(samples, 0, {}, bytes));
+    squares += integrated_error(samples, by_integral.decoded());
+    bits += by_integral.newest_block_bits();
+  }
+  EXPECT_LT(squares, 0.25 * usual_squares);
+  EXPECT_LT(4 * bits, 3 * usual_bits);
+}
+
+TEST(Stream, AnEncoderChangesItsSettingsWithoutABreak) {
+  BlockEncoder encoder(StreamSettings{});
+  BlockDecoder decoder;
+  Bytes bytes(8192);
+  double t = 0.0;
+  std::uint64_t packets = 0;
+  for (const auto& settings : many_settings()) {
+    encoder.change(settings);
+    EXPECT_THROW(encoder.change({.block = 65}), Refusal) << "and nothing changes";
+    for (int b = 0; b < 3; ++b) {
+      std::vector<Vec3> samples;
+      const Trend trend = settings.anchored ? trend_at(t, 1e-3) : Trend{};
+      for (int n = 0; n < settings.block; ++n, t += 1e-3) samples.push_back(hand(t));
+      const auto size = encoder.encode(samples, 0, trend, bytes);
+      ASSERT_TRUE(size);
+      const auto packet = decoder.decode(std::span(bytes).first(*size), trend);
+      ASSERT_TRUE(packet) << to_string(packet.error());
+      EXPECT_EQ((*packet)->blocks, std::min(b, settings.redundancy) + 1) << "no copy under other settings";
+      EXPECT_EQ((*packet)->block_size, settings.block);
+      EXPECT_TRUE(same_bits((*packet)->blocks_newest_first[0].samples, encoder.decoded()));
+      ++packets;
+    }
+  }
+  EXPECT_EQ(decoder.counters().good, packets);
 }
 
 TEST(Settings, RefusalsNameSettingValueAndBound) {
