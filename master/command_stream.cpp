@@ -45,12 +45,13 @@ CommandStream::CommandStream(const CommandStreamSettings& settings, std::uint32_
                   observer.period_s = settings.codec.sample_period_ns * 1e-9;
                   return observer;
                 }()),
-      samples_(static_cast<std::size_t>(settings.codec.block), Vec3::Zero()),
+      samples_(codec::kMaxBlock, Vec3::Zero()),
       approach_([&] {
         control::JoinerSettings approach = settings.approach;
         if (settings.law == Law::kRemoteAcceleration) approach.max_acceleration_m_per_s2 = kRemoteApproach;
         return approach;
       }()) {
+  samples_.resize(static_cast<std::size_t>(settings.codec.block));
   arrived_.reserve(static_cast<std::size_t>(codec::kMaxBlocks) * 64);
 }
 
@@ -62,6 +63,11 @@ void CommandStream::received(const StateBlock& state) noexcept {
     decoder_.reset();
   }
   if (state.sequence <= state_number_ || state.sample_period_ns == 0 || state.ticks_per_sample == 0) return;
+  if (state.sample_period_ns != state_period_ns_ || state.ticks_per_sample != state_ticks_) {
+    state_period_ns_ = state.sample_period_ns;
+    state_ticks_ = state.ticks_per_sample;
+    slave_index_ = -1;
+  }
   const double period_s = state.sample_period_ns * 1e-9;
   const auto decoded = decoder_.decode(state.payload.view(),
                                        {state.anchor.position_m, state.anchor.velocity_m_per_s * period_s});
@@ -104,6 +110,12 @@ void CommandStream::received(const StateBlock& state) noexcept {
   observer_.measured(arrived_);
 }
 
+void CommandStream::change(const codec::StreamSettings& codec) {
+  next_codec_ = codec.validated();
+  next_codec_->sample_period_ns = settings_.codec.sample_period_ns;
+  next_codec_->anchored = settings_.codec.anchored;
+}
+
 /// A loop of bandwidth w closed across the delay D bears an error t of the assumed timing while
 /// t (2 w + w^2 D) < 1 (observer.md's mismatch rule); designed to half of it.
 double CommandStream::bandwidth() const noexcept {
@@ -128,6 +140,12 @@ Vec3 CommandStream::command(const Motion& goal) const noexcept {
 void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) noexcept {
   block_index_ = index;
   buttons_ = 0;
+  if (next_codec_) {
+    settings_.codec = *next_codec_;
+    encoder_.change(settings_.codec);
+    samples_.resize(static_cast<std::size_t>(settings_.codec.block));
+    next_codec_.reset();
+  }
   const bool rescaled = master.beta != beta_;
   beta_ = master.beta;
   if (rescaled) engaged_before_ = 0;

@@ -53,6 +53,10 @@ class CommandStream {
   /// Every control step. A block when one is full.
   std::optional<CommandBlock> step(std::int64_t now_ns, Tick tick, const MasterMotion& master) noexcept;
 
+  /// Another codec, block length or redundancy, from where the next block begins; the rate stays. Throws
+  /// Refusal.
+  void change(const codec::StreamSettings& codec);
+
   const Observed& observed() const noexcept { return observed_; }
 
  private:
@@ -64,6 +68,7 @@ class CommandStream {
   CommandStreamSettings settings_;
   std::uint32_t epoch_;
   double period_s_;
+  std::optional<codec::StreamSettings> next_codec_;
   codec::BlockEncoder encoder_;
   codec::BlockDecoder decoder_;
   NetworkObserver observer_;
@@ -90,6 +95,8 @@ class CommandStream {
   std::vector<SlaveSample> arrived_;
   std::uint32_t slave_epoch_ = 0;
   std::uint32_t state_number_ = 0;
+  std::uint32_t state_period_ns_ = 0;
+  std::uint16_t state_ticks_ = 0;  ///< slave's control steps between its samples
   std::int64_t slave_index_ = -1;  ///< newest sample taken, in the slave's own count
   std::optional<Vec3> slave_at_m_;
   int unheeded_ = 0;                ///< samples since it applied anything, while engaged

@@ -112,10 +112,8 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
     tool.velocity_m_per_s = state->tool_velocity_m_per_s;
     inertia_kg_ = robot::joint_inertia(model_, *state);
     friction_.update(state->joint_velocity_m_per_s);
-    // The hand's force: the model's friction is taken out as late as the observer sees it.
-    const Vec3 late =
-        friction_.seen_n() - robot::friction_force(model_.friction, state->joint_velocity_m_per_s);
-    out.hand_n = control::reaction_force(model_, kinematics_, *state, acceleration_.disturbance_n() - late);
+    out.hand_n = control::reaction_force(model_, kinematics_, *state, acceleration_.disturbance_n(),
+                                         friction_.seen_n());
   }
   if (!started_ && state && inputs.joints.valid) {
     hold_m_ = tool.position_m;
@@ -127,6 +125,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
     slave_heard_ns_ = received.received_ns;
     link_.received(received.value, received.received_ns);
     stream_.received(received.value);
+    force_.received(received.value);
   }
   choose_mode(now_ns, inputs, tool);
 
@@ -173,6 +172,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
     if (out.command) link_.sent(*out.command);
   }
   out.observed = stream_.observed();
+  out.slave_force = force_.step(dt_s_);
   ++tick_;
   return out;
 }

@@ -14,6 +14,7 @@
 #include "common/robot/robot_model.h"
 #include "master/command_stream.h"
 #include "master/constraint.h"
+#include "master/force_feedback.h"
 #include "master/link_meter.h"
 
 namespace telekerf::master {
@@ -32,9 +33,9 @@ struct MasterInputs {
   robot::JointReading joints;
   std::span<const Received<StateBlock>> states;  ///< since the last step, in order of arrival
   std::span<const EventMessage> events;
-  const Guide* guide = nullptr;  ///< null: no contour yet; must outlive its use
-  bool button = false;           ///< the pen's laser button
-  bool engage = false;           ///< the operator wants the slave to follow
+  const Guide* guide = nullptr;        ///< null: no contour yet; must outlive its use
+  bool button = false;                 ///< the pen's laser button
+  bool engage = false;                 ///< the operator wants the slave to follow
   std::optional<ConstraintForm> form;  ///< guidance or corridor from now on; none: as it is
 };
 
@@ -53,12 +54,13 @@ struct MasterOutputs {
   Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
   Vec3 velocity_m_per_s = Vec3::Zero();
   Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< commanded to the tool
-  Vec3 hand_n = Vec3::Zero();  ///< estimated force of the hand
-  double constraint_n = 0.0;   ///< how hard the constraint answers, across the curve
-  double corridor_m = 0.0;     ///< half width within which the hand is free; 0: guidance
-  ActiveConstraint active;     ///< the circle in force, while the hand is guided
-  bool saturated = false;      ///< a motor was at its limit
-  Observed observed;           ///< the slave, as the network observer predicts it
+  Vec3 hand_n = Vec3::Zero();                 ///< estimated force of the hand
+  double constraint_n = 0.0;                  ///< how hard the constraint answers, across the curve
+  double corridor_m = 0.0;                    ///< half width within which the hand is free; 0: guidance
+  ActiveConstraint active;                    ///< the circle in force, while the hand is guided
+  bool saturated = false;                     ///< a motor was at its limit
+  Observed observed;                          ///< the slave, as the network observer predicts it
+  SlaveForce slave_force;                     ///< on the slave's tool, as its states tell it
 };
 
 class MasterNode {
@@ -103,6 +105,7 @@ class MasterNode {
   double approach_duration_s_ = 0.0;
 
   CommandStream stream_;
+  ForceFeedback force_;
   LinkMeter link_;
   StateBlock slave_;
   std::int64_t slave_heard_ns_ = 0;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "common/bus/wire_cost.h"
 #include "common/runtime/refusal.h"
 #include "master/reach.h"
 
@@ -12,7 +13,7 @@ namespace telekerf::master {
 namespace {
 
 /// Finest step of coded accelerations, m/s^2.
-constexpr double kAccelerationQuantum = 1e-3;
+constexpr double kAccelerationQuantum = 1e-2;
 
 Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -20,7 +21,8 @@ Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 void StationSettings::declare(Settings& settings) {
   settings.add("robot", robot, "robot: a shipped name or a file");
-  settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta}, "slave motion = beta x master motion");
+  settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
+               "slave motion = beta x master motion");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot and hand");
@@ -38,6 +40,8 @@ void StationSettings::declare(Settings& settings) {
   settings.add("block", node.command.codec.block, {.min = 4, .max = 64},
                "samples a block of the command stream");
   settings.add("keep", node.command.codec.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
+  settings.add("max_rms", node.command.codec.max_rms, {.min = 0, .max = 1000},
+               "RMS error of a block that is kept instead [m/s^2; law local: m], 0: keep");
   settings.add("redundancy", node.command.codec.redundancy, {.min = 0, .max = 7},
                "previous blocks repeated in a packet");
   settings.add("half_window", node.constraint.half_window, {.min = 1, .max = 32},
@@ -78,8 +82,9 @@ StationSettings StationSettings::validated() const {
   command.ticks_per_sample = static_cast<int>(std::lround(ratio));
   command.codec.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   command.codec.anchored = command.law == Law::kLocal;
-  // A step of acceleration is worth this step of position over a block of 16: 0.1 um.
-  if (command.law != Law::kLocal) command.codec.quantum = kAccelerationQuantum;
+  command.codec.integrated = command.law != Law::kLocal;
+  // Of a block's mean, one step moves the tool by 0.3 um within 16 ms.
+  if (command.codec.integrated) command.codec.quantum = kAccelerationQuantum;
   command.codec = codec::with_codec(command.codec, codec).validated();
   return settings;
 }
@@ -126,7 +131,9 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
   recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(tool_m), triple(hand.force_n),
                   out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
                   triple(out.observed.slave.position_m), out.observed.joined,
-                  task != nullptr ? task->guide.beta : settings_.beta});
+                  task != nullptr ? task->guide.beta : settings_.beta,
+                  out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
+                  triple(out.slave_force.force_n)});
   robot_.advance(control_period_s());
   return out;
 }
@@ -147,8 +154,15 @@ void Station::report(RunRecord& record) const {
   f["lost"] = static_cast<double>(link.lost());
   f["block"] = command.block;
   f["keep"] = command.keep;
+  f["max_rms"] = command.max_rms;
+  f["redundancy"] = command.redundancy;
   f["block_ms"] = (command.block - 1) * 1e-6 * command.sample_period_ns;
   f["packets_per_s"] = run_s > 0.0 ? packets / run_s : 0.0;
+  f["wire_bytes_per_s"] =
+      run_s > 0.0
+          ? (static_cast<double>(link.payload_bytes()) + packets * (kDatagramBytes + kCommandFieldBytes)) /
+                run_s
+          : 0.0;
   f["payload_bytes_per_s"] = run_s > 0.0 ? static_cast<double>(link.payload_bytes()) / run_s : 0.0;
   // All coded bytes, redundant copies and block heads included, over the axis samples they newly carry.
   f["bits_per_sample"] =

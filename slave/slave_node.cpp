@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "slave/reference.h"
 
@@ -44,8 +45,31 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
       clock_(settings.playout),
       joiner_(settings.joiner),
       encoder_(settings.feedback),
-      samples_(static_cast<std::size_t>(settings.feedback.block), Vec3::Zero()),
-      ticks_per_sample_(static_cast<int>(std::lround(settings.control_hz / settings.stream_hz))) {}
+      force_encoder_(settings.force),
+      samples_(codec::kMaxBlock, Vec3::Zero()),
+      forces_n_(codec::kMaxBlock, Vec3::Zero()),
+      ticks_per_sample_(static_cast<int>(std::lround(settings.control_hz / settings.stream_hz))) {
+  samples_.resize(static_cast<std::size_t>(settings.feedback.block));
+  forces_n_.resize(samples_.size());
+}
+
+void SlaveNode::change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {
+  next_feedback_.emplace(feedback.validated(), force.validated());
+  auto& [next, next_force] = *next_feedback_;
+  next.sample_period_ns = settings_.feedback.sample_period_ns;
+  next_force.sample_period_ns = next.sample_period_ns;
+  next_force.block = next.block;
+}
+
+void SlaveNode::take_up_changes() noexcept {
+  if (!next_feedback_) return;
+  std::tie(settings_.feedback, settings_.force) = *next_feedback_;
+  next_feedback_.reset();
+  encoder_.change(settings_.feedback);
+  force_encoder_.change(settings_.force);
+  samples_.resize(static_cast<std::size_t>(settings_.feedback.block));
+  forces_n_.resize(samples_.size());
+}
 
 void SlaveNode::obey(const EventMessage& event) noexcept {
   switch (event.kind) {
@@ -86,7 +110,10 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
     return;
   }
   const auto first = static_cast<std::int64_t>(block.first_tick / block.ticks_per_sample);
-  if (heard_) {
+  // Another sample rate is another count of samples: the stream begins anew.
+  const bool afresh = !heard_ || block.sample_period_ns != header_.sample_period_ns ||
+                      block.ticks_per_sample != header_.ticks_per_sample;
+  if (!afresh) {
     const double elapsed_s = static_cast<double>(received.received_ns - last_arrival_ns_) * 1e-9;
     if (static_cast<double>(first - newest_index_) * period_s > elapsed_s + kFutureS) {
       ++counters_.refused;
@@ -99,7 +126,7 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
     return;
   }
 
-  if (!heard_) {
+  if (afresh) {
     master_epoch_ = block.epoch;
     ring_->clear();
     clock_.reset();
@@ -108,8 +135,7 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
     applied_bitmap_ = 0;
     cursor_.reset();
     ++generation_;
-  } else if (block.beta != header_.beta || block.sample_period_ns != header_.sample_period_ns ||
-             block.law != header_.law) {
+  } else if (block.beta != header_.beta || block.law != header_.law) {
     ++generation_;
   }
   const std::uint32_t missing = heard_ ? block.sequence - number_ - 1 : 0;
@@ -130,7 +156,7 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
 bool SlaveNode::catch_up(const Received<CommandBlock>& received) noexcept {
   const CommandBlock& block = received.value;
   if (block.beta != header_.beta || block.sample_period_ns != header_.sample_period_ns ||
-      block.law != header_.law) {
+      block.ticks_per_sample != header_.ticks_per_sample || block.law != header_.law) {
     return false;
   }
   const auto first = static_cast<std::int64_t>(block.first_tick / block.ticks_per_sample);
@@ -382,6 +408,10 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
       state ? state->joint_acceleration(wanted) : Vec3(-2.0 * w * acceleration_.joint_velocity_m_per_s());
   if (state) inertia_kg_ = robot::joint_inertia(model_, *state);
   friction_.update(acceleration_.joint_velocity_m_per_s());
+  if (state) {
+    out.force_n = control::reaction_force(model_, kinematics_, *state, acceleration_.disturbance_n(),
+                                          friction_.seen_n());
+  }
   out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_,
                                           acceleration_.disturbance_n() + friction_.missing_n());
 
@@ -406,11 +436,13 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
 
   if (tick_ % static_cast<Tick>(ticks_per_sample_) == 0) {
     if (filled_ == 0) {
+      take_up_changes();
       block_tick_ = tick_;
       block_anchor_ = rounded({tool.position_m, tool.velocity_m_per_s});
       laser_mask_ = 0;
     }
     if (out.laser_w > 0.0) laser_mask_ |= std::uint64_t{1} << filled_;
+    forces_n_[filled_] = out.force_n;
     samples_[filled_++] = tool.position_m;
     if (filled_ == samples_.size()) report(now_ns, corridor, out);
   }
@@ -443,11 +475,16 @@ void SlaveNode::report(std::int64_t now_ns, const Corridor* corridor, SlaveOutpu
   const codec::Trend trend{block.anchor.position_m,
                            block.anchor.velocity_m_per_s * (block.sample_period_ns * 1e-9)};
   const auto bytes = encoder_.encode(samples_, laser_mask_, trend, block.payload.room());
-  if (bytes) {
-    block.payload.size = static_cast<std::uint16_t>(*bytes);
-  } else {
+  if (!bytes) {
     out.state.reset();  // a block that cannot be coded is not sent; the next one stands alone
+    return;
   }
+  block.payload.size = static_cast<std::uint16_t>(*bytes);
+  const auto force_bytes = force_encoder_.encode(forces_n_, 0, {}, block.force.room());
+  block.force.size = static_cast<std::uint16_t>(force_bytes.value_or(0));
+  ++counters_.states;
+  counters_.position_bytes += block.payload.size;
+  counters_.force_bytes += block.force.size;
 }
 
 }  // namespace telekerf::slave

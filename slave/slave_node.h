@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "common/bus/messages.h"
 #include "common/bus/rounded.h"
@@ -29,7 +31,9 @@ struct SlaveSettings {
   double observer_rad_s = 400.0;  ///< of the disturbance observer
   double stale_s = 0.15;          ///< no command for this long: laser off, hold
   double laser_w = 10.0;
-  codec::StreamSettings feedback;  ///< of the state stream
+  codec::StreamSettings feedback;  ///< of the positions in the state stream, m
+  /// Of the force beside them, N. Codec, block, redundancy and period are the positions'.
+  codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};
   PlayoutSettings playout;
   JoinerSettings joiner;
   InterlockSettings interlock;
@@ -61,6 +65,9 @@ struct SlaveCounters {
   std::uint64_t stale = 0;         ///< late, reordered or repeated blocks
   std::uint64_t refused = 0;       ///< undecodable, other contour, other master, from the future
   std::uint64_t missed_ticks = 0;  ///< applied while their sample was not there
+  std::uint64_t states = 0;        ///< blocks reported
+  std::uint64_t position_bytes = 0;
+  std::uint64_t force_bytes = 0;
 };
 
 struct SlaveOutputs {
@@ -72,7 +79,8 @@ struct SlaveOutputs {
   double applied_tick = -1.0;  ///< master tick applied at this step; negative: none
   bool settled = false;        ///< following without a rest of an approach
   Motion reference;
-  Vec3 tool_m = Vec3::Zero();  ///< measured
+  Vec3 tool_m = Vec3::Zero();   ///< measured
+  Vec3 force_n = Vec3::Zero();  ///< estimated, of the world on the tool, workpiece frame
 };
 
 class SlaveNode {
@@ -80,6 +88,10 @@ class SlaveNode {
   SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch);
 
   SlaveOutputs step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept;
+
+  /// Another codec, block length or redundancy of the state stream, from where its next block begins; the
+  /// rate stays. Throws Refusal.
+  void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force);
 
   const SlaveCounters& counters() const noexcept { return counters_; }
   const PlayoutClock& playout() const noexcept { return clock_; }
@@ -99,6 +111,7 @@ class SlaveNode {
   /// Slow enough, and to be stopped before the workspace ends.
   bool obeys_limits(const Motion& motion) const noexcept;
   void keep_inside(Motion& motion) const noexcept;
+  void take_up_changes() noexcept;
   void report(std::int64_t now_ns, const Corridor* corridor, SlaveOutputs& out) noexcept;
 
   robot::RobotModel model_;
@@ -142,9 +155,12 @@ class SlaveNode {
   std::int64_t applied_index_ = -1;  ///< newest index that was followed
   std::uint32_t applied_age_ = 0;
 
-  // Feedback stream.
+  // Feedback stream: positions and forces.
+  std::optional<std::pair<codec::StreamSettings, codec::StreamSettings>> next_feedback_;
   codec::BlockEncoder encoder_;
+  codec::BlockEncoder force_encoder_;
   std::vector<Vec3> samples_;
+  std::vector<Vec3> forces_n_;
   std::size_t filled_ = 0;
   std::uint64_t laser_mask_ = 0;
   Anchor block_anchor_;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/runtime/refusal.h"
@@ -23,8 +24,16 @@ void StationSettings::declare(Settings& settings) {
                "control rate, a multiple of stream_hz");
   settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000},
                "samples a second in the state stream");
+  settings.add("codec", codec, "of the state stream", codec::codec_names());
   settings.add("block", node.feedback.block, {.min = 4, .max = 64}, "samples a block of the state stream");
-  settings.add("keep", node.feedback.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
+  settings.add("keep", node.feedback.keep, {.min = 1, .max = 64},
+               "coefficients kept of a block's positions, an axis");
+  settings.add("max_rms", node.feedback.max_rms, {.min = 0, .max = 1},
+               "RMS error of a block's positions that is kept instead [m], 0: keep");
+  settings.add("force_keep", node.force.keep, {.min = 1, .max = 64},
+               "coefficients kept of a block's forces, an axis");
+  settings.add("force_max_rms", node.force.max_rms, {.min = 0, .max = 1000},
+               "RMS error of a block's forces that is kept instead [N], 0: force_keep");
   settings.add("redundancy", node.feedback.redundancy, {.min = 0, .max = 7},
                "previous blocks repeated in a packet");
   settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 5, .max = 400}, "of the tracking law");
@@ -43,7 +52,13 @@ StationSettings StationSettings::validated() const {
                               node.control_hz, node.stream_hz));
   }
   settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
-  settings.node.feedback = settings.node.feedback.validated();
+  settings.node.feedback = codec::with_codec(settings.node.feedback, codec).validated();
+  codec::StreamSettings& force = settings.node.force;
+  force.kind = settings.node.feedback.kind;
+  force.block = settings.node.feedback.block;
+  force.redundancy = settings.node.feedback.redundancy;
+  force.sample_period_ns = settings.node.feedback.sample_period_ns;
+  force = force.validated();
   return settings;
 }
 
@@ -82,7 +97,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   robot_.write(out.currents_a);
   recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick,
                   triple(out.reference.position_m), triple(tool_m), out.laser_w,
-                  static_cast<int>(out.interlock), out.settled});
+                  static_cast<int>(out.interlock), out.settled, triple(out.force_n)});
   ++tick_;
   robot_.advance(control_period_s());
   return out;
@@ -99,6 +114,17 @@ void Station::report(RunRecord& record) const {
   f["stale"] = static_cast<double>(counters.stale);
   f["refused"] = static_cast<double>(counters.refused);
   f["missed_ticks"] = static_cast<double>(counters.missed_ticks);
+  const auto states = static_cast<double>(std::max<std::uint64_t>(counters.states, 1));
+  const double samples = 3.0 * settings_.node.feedback.block * states;
+  f["block"] = settings_.node.feedback.block;
+  f["keep"] = settings_.node.feedback.keep;
+  f["max_rms"] = settings_.node.feedback.max_rms;
+  f["force_keep"] = settings_.node.force.keep;
+  f["force_max_rms"] = settings_.node.force.max_rms;
+  f["position_bits_per_sample"] = 8.0 * static_cast<double>(counters.position_bytes) / samples;
+  f["force_bits_per_sample"] = 8.0 * static_cast<double>(counters.force_bytes) / samples;
+  f["payload_bytes_per_s"] = static_cast<double>(counters.position_bytes + counters.force_bytes) /
+                             (std::max(static_cast<double>(tick_), 1.0) * control_period_s());
   f["playout_corrections"] = static_cast<double>(node_.playout().corrections());
   f["playout_ms"] = node_.playout().wait_s() * 1e3;
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());

@@ -18,7 +18,8 @@ namespace telekerf::slave {
 struct StationSettings {
   SlaveSettings node;
   std::string robot = "slave-keops";
-  double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
+  std::string codec = "sdct";  ///< of both parts of the state stream
+  double mismatch = 0.1;       ///< how far the simulated robot is off its file, as a share
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
   double record_s = 120.0;
@@ -38,6 +39,10 @@ class Station {
                     std::span<const Received<CommandBlock>> commands,
                     std::span<const EventMessage> events) noexcept;
 
+  /// See SlaveNode::change().
+  void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {
+    node_.change(feedback, force);
+  }
   /// Of the world on the simulated tool, for trials.
   void set_tool_force(const Vec3& force_n) noexcept { robot_.set_tool_force(force_n); }
   /// Of the simulated robot, workpiece frame, for judges.

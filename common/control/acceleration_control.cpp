@@ -27,10 +27,10 @@ Vec3 AccelerationControl::currents(const Vec3& desired_joint_acceleration_m_per_
 }
 
 Vec3 reaction_force(const robot::RobotModel& nominal, const robot::DeltaKinematics& kinematics,
-                    const robot::DeltaState& state, const Vec3& disturbance_n) noexcept {
-  const Vec3 modelled = robot::coriolis_force(nominal, state) +
-                        robot::gravity_force(nominal, kinematics, state) +
-                        robot::friction_force(nominal.friction, state.joint_velocity_m_per_s);
+                    const robot::DeltaState& state, const Vec3& disturbance_n,
+                    const Vec3& friction_n) noexcept {
+  const Vec3 modelled =
+      robot::coriolis_force(nominal, state) + robot::gravity_force(nominal, kinematics, state) + friction_n;
   return state.inverse_jacobian.transpose() * (modelled - disturbance_n);
 }
 

@@ -70,6 +70,34 @@ std::optional<Vec3> master_at(const RunRecord& record, double tick, Triple Maste
   return Vec3(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]), a[2] + part * (b[2] - a[2]));
 }
 
+/// The force that reached the master, and how far it was off what the slave estimated at the same tick.
+nlohmann::ordered_json force_json(const RunRecord& record) {
+  double squares = 0.0, error_squares = 0.0, largest = 0.0, largest_error = 0.0;
+  std::size_t count = 0;
+  for (const MasterRow& row : record.master) {
+    if (row.force_tick < 0.0 || record.slave.empty()) continue;
+    const double place = row.force_tick - static_cast<double>(record.slave.front().tick);
+    if (!(place >= 0.0) || place > static_cast<double>(record.slave.size() - 1)) continue;
+    const Triple& sent = record.slave[static_cast<std::size_t>(place)].force_n;
+    for (std::size_t i = 0; i < 3; ++i) {
+      squares += row.slave_force_n[i] * row.slave_force_n[i];
+      largest = std::max(largest, std::abs(row.slave_force_n[i]));
+      const double error = row.slave_force_n[i] - sent[i];
+      error_squares += error * error;
+      largest_error = std::max(largest_error, std::abs(error));
+    }
+    ++count;
+  }
+  if (count == 0) return {{"rms_n", nullptr}, {"max_n", nullptr}, {"samples", 0}};
+  const auto per_axis = 3.0 * static_cast<double>(count);
+  return {{"rms_n", std::sqrt(squares / per_axis)},
+          {"max_n", largest},
+          {"coding_rms_n", std::sqrt(error_squares / per_axis)},
+          {"coding_max_n", largest_error},
+          {"bits_per_sample", figure(record.slave_figures, "force_bits_per_sample")},
+          {"samples", count}};
+}
+
 /// Whether the slave had been brought to the master's motion by that tick.
 bool joined_at(const RunRecord& record, double tick) {
   if (!master_at(record, tick, &MasterRow::tool_m)) return false;
@@ -198,11 +226,15 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
                     {"lost", static_cast<std::int64_t>(figure(s, "lost") + figure(m, "lost"))},
                     {"refused", static_cast<std::int64_t>(figure(s, "refused") + figure(m, "refused"))},
                     {"payload_bytes_per_s", figure(m, "payload_bytes_per_s")},
+                    {"wire_bytes_per_s", figure(m, "wire_bytes_per_s")},
                     {"packets_per_s", figure(m, "packets_per_s")}};
   report["codec"] = {{"name", word(record, "codec")},
                      {"block", static_cast<std::int64_t>(figure(m, "block"))},
                      {"kept", static_cast<std::int64_t>(figure(m, "keep"))},
+                     {"max_rms", figure(m, "max_rms")},
+                     {"redundancy", static_cast<std::int64_t>(figure(m, "redundancy"))},
                      {"bits_per_sample", figure(m, "bits_per_sample")}};
+  report["force"] = force_json(record);
   report["loop"] = {{"master", loop_json(m)}, {"slave", loop_json(s)}};
   report["seed"] = static_cast<std::int64_t>(figure(m, "seed"));
   report["netem"] = word(record, "netem");
@@ -214,15 +246,17 @@ namespace {
 
 void write_trace(const std::filesystem::path& file, const RunRecord& record) {
   std::ofstream out(file);
-  out << "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w\n";
+  out << "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w,"
+         "force_x_n,force_y_n,force_z_n\n";
   for (const auto& row : record.slave) {
     // The master's tool at the tick that the slave applies; before the first one there is nothing to show.
     const auto master =
         row.applied >= 0.0 ? master_at(record, row.applied, &MasterRow::tool_m) : std::nullopt;
     if (!master) continue;
-    out << fmt::format("{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{}\n", row.t_s,
-                       master->x(), master->y(), master->z(), row.ref_m[0], row.ref_m[1], row.tool_m[0],
-                       row.tool_m[1], row.tool_m[2], row.laser_w);
+    out << fmt::format(
+        "{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{},{:.5f},{:.5f},{:.5f}\n", row.t_s,
+        master->x(), master->y(), master->z(), row.ref_m[0], row.ref_m[1], row.tool_m[0], row.tool_m[1],
+        row.tool_m[2], row.laser_w, row.force_n[0], row.force_n[1], row.force_n[2]);
   }
   if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
 }

@@ -17,9 +17,11 @@ namespace {
 
 constexpr const char* kMasterColumns =
     "tick,t_s,tool_x_m,tool_y_m,tool_z_m,hand_x_n,hand_y_n,hand_z_n,constraint_n,guided,engaged,button,"
-    "predicted_x_m,predicted_y_m,predicted_z_m,joined,beta";
+    "predicted_x_m,predicted_y_m,predicted_z_m,joined,beta,force_tick,slave_force_x_n,slave_force_y_n,"
+    "slave_force_z_n";
 constexpr const char* kSlaveColumns =
-    "tick,t_s,applied_tick,ref_x_m,ref_y_m,ref_z_m,tool_x_m,tool_y_m,tool_z_m,laser_w,interlock,settled";
+    "tick,t_s,applied_tick,ref_x_m,ref_y_m,ref_z_m,tool_x_m,tool_y_m,tool_z_m,laser_w,interlock,settled,"
+    "force_x_n,force_y_n,force_z_n";
 constexpr const char* kContourColumns = "x_m,y_m";
 
 /// Written beside and renamed, so that nothing half-written is ever found under the final name.
@@ -121,10 +123,27 @@ void write_contour(const fs::path& folder, const RunRecord& record) {
 void write_master(const fs::path& folder, const RunRecord& record) {
   std::string text = std::string(kMasterColumns) + "\n";
   for (const auto& r : record.master) {
-    append(text, {static_cast<double>(r.tick), r.t_s, r.tool_m[0], r.tool_m[1], r.tool_m[2], r.hand_n[0],
-                  r.hand_n[1], r.hand_n[2], r.constraint_n, double(r.guided), double(r.engaged),
-                  double(r.button), r.predicted_m[0], r.predicted_m[1], r.predicted_m[2], double(r.joined),
-                  r.beta});
+    append(text, {static_cast<double>(r.tick),
+                  r.t_s,
+                  r.tool_m[0],
+                  r.tool_m[1],
+                  r.tool_m[2],
+                  r.hand_n[0],
+                  r.hand_n[1],
+                  r.hand_n[2],
+                  r.constraint_n,
+                  double(r.guided),
+                  double(r.engaged),
+                  double(r.button),
+                  r.predicted_m[0],
+                  r.predicted_m[1],
+                  r.predicted_m[2],
+                  double(r.joined),
+                  r.beta,
+                  r.force_tick,
+                  r.slave_force_n[0],
+                  r.slave_force_n[1],
+                  r.slave_force_n[2]});
   }
   write_whole(folder / "master.csv", text);
   write_whole(
@@ -136,7 +155,8 @@ void write_slave(const fs::path& folder, const RunRecord& record) {
   std::string text = std::string(kSlaveColumns) + "\n";
   for (const auto& r : record.slave) {
     append(text, {static_cast<double>(r.tick), r.t_s, r.applied, r.ref_m[0], r.ref_m[1], r.ref_m[2],
-                  r.tool_m[0], r.tool_m[1], r.tool_m[2], r.laser_w, double(r.interlock), double(r.settled)});
+                  r.tool_m[0], r.tool_m[1], r.tool_m[2], r.laser_w, double(r.interlock), double(r.settled),
+                  r.force_n[0], r.force_n[1], r.force_n[2]});
   }
   write_whole(folder / "slave.csv", text);
   write_whole(folder / "slave.json",
@@ -160,7 +180,9 @@ RunRecord read_run(const fs::path& folder) {
                              v[11] != 0,
                              {v[12], v[13], v[14]},
                              v[15] != 0,
-                             v[16]});
+                             v[16],
+                             v[17],
+                             {v[18], v[19], v[20]}});
   }
   for (const auto& v : read_table(folder / "slave.csv", kSlaveColumns)) {
     record.slave.push_back({static_cast<std::uint64_t>(v[0]),
@@ -170,7 +192,8 @@ RunRecord read_run(const fs::path& folder) {
                             {v[6], v[7], v[8]},
                             v[9],
                             static_cast<int>(v[10]),
-                            v[11] != 0});
+                            v[11] != 0,
+                            {v[12], v[13], v[14]}});
   }
   const auto master = read_json(folder / "master.json");
   read_figures(master, record.master_figures);

@@ -28,6 +28,8 @@ struct MasterRow {
   Triple predicted_m{};  ///< slave's tool when it applies this tick, as predicted; slave's workpiece frame
   bool joined = false;   ///< engaged, and nothing is left of the approach of the slave to the master
   double beta = 1.0;     ///< slave motion = beta x master motion; may change during a run
+  double force_tick = -1.0;  ///< slave tick of the force below; negative: none is known
+  Triple slave_force_n{};    ///< on the slave's tool, as fed back; slave's workpiece frame
 };
 
 struct SlaveRow {
@@ -39,6 +41,7 @@ struct SlaveRow {
   double laser_w = 0.0;
   int interlock = 0;
   bool settled = false;  ///< following, and no offset of an approach is left
+  Triple force_n{};      ///< estimated, of the world on the tool
 };
 
 /// Rows kept in memory that is taken before the loop starts; when it is full, further rows are counted only.

@@ -60,11 +60,14 @@ struct Options {
   double rtt_ms = -1.0;
   double jitter_ms = -1.0;
   double loss = -1.0;
+  int block = DelayTrial{}.block;
+  int redundancy = DelayTrial{}.redundancy;
   std::uint64_t seed = 1;
   Settings settings;
   bool one() const {
     return !law.empty() || !estimator.empty() || !codec.empty() || !netem.empty() || rtt_ms >= 0.0 ||
-           jitter_ms >= 0.0 || loss >= 0.0;
+           jitter_ms >= 0.0 || loss >= 0.0 || block != DelayTrial{}.block ||
+           redundancy != DelayTrial{}.redundancy;
   }
 };
 
@@ -138,6 +141,8 @@ Run one_run(const Options& options) {
     run.profile = options.netem;
     run.trial.network = netem::load_profile(options.netem);
   }
+  run.trial.block = options.block;
+  run.trial.redundancy = options.redundancy;
   run.hand_s = 20.0;
   return run;
 }
@@ -343,6 +348,8 @@ void add_delay_command(CLI::App& app, Action& action) {
   s.add("law", options->law, "anchored, remote-acceleration or local");
   s.add("estimator", options->estimator, "predictor, delayed-innovation, thesis or none");
   s.add("codec", options->codec, "of the command stream");
+  s.add("block", options->block, {.min = 4, .max = 64}, "samples a block of it");
+  s.add("redundancy", options->redundancy, {.min = 0, .max = 7}, "previous blocks repeated in a packet");
   s.add("netem", options->netem, "network profile: a shipped name or a file");
   s.add("rtt_ms", options->rtt_ms, {.min = -1, .max = 10000}, "round trip, -1: not given");
   s.add("jitter_ms", options->jitter_ms, {.min = -1, .max = 10000}, "one way, standard deviation");

@@ -97,6 +97,8 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   master_settings.law = trial.law;
   master_settings.estimator = trial.estimator;
   master_settings.codec = trial.codec;
+  master_settings.node.command.codec.block = trial.block;
+  master_settings.node.command.codec.redundancy = trial.redundancy;
   auto stream_settings = master_settings.validated().node.command;
   if (trial.wrong_start) {
     stream_settings.wrong_position_m = Vec3(0.01, 0.0, 0.0);
@@ -119,7 +121,8 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   result.error_m.assign(hand.tool.size(), std::numeric_limits<double>::quiet_NaN());
   result.prediction_error_m = result.error_m;
   bool heard = false;
-  std::uint64_t bytes = 0;
+  std::uint64_t payload_bytes = 0;
+  std::uint64_t on_wire = 0;
   for (std::size_t tick = 0; tick < hand.tool.size(); ++tick) {
     const auto now_ns = static_cast<std::int64_t>(tick) * kTickNs;
     states.clear();
@@ -132,8 +135,9 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     predicted[tick] = stream.observed().slave.position_m;
     joined[tick] = stream.observed().joined;
     if (block) {
-      bytes += block->payload.size;
-      forward.push(now_ns, *block, block->payload.size + lap::kBesidePayload);
+      payload_bytes += block->payload.size;
+      on_wire += wire_bytes(*block);
+      forward.push(now_ns, *block, wire_bytes(*block));
     }
 
     commands.clear();
@@ -141,7 +145,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     if (tick == hand.tool.size() / 2) slave.set_tool_force(Vec3(trial.push_n, 0.0, 0.0));
     const Vec3 tool_m = slave.true_tool_m();
     const auto out = slave.step(now_ns, corridor.get(), commands, {});
-    if (out.state) backward.push(now_ns, *out.state, out.state->payload.size + lap::kBesidePayload);
+    if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
     if (out.applied_tick < 0.0) continue;
     const auto applied = static_cast<std::size_t>(std::llround(out.applied_tick));
     if (!joined[applied]) continue;  // the master itself is still leading the slave to its motion
@@ -170,7 +174,9 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     if (error[i] > 1e-3) result.settle_s = static_cast<double>(i + 1) * 1e-3;
   }
   result.stable = is_stable(error);
-  result.wire_bytes_per_s = static_cast<double>(bytes) / (static_cast<double>(hand.tool.size()) * 1e-3);
+  const double seconds = static_cast<double>(hand.tool.size()) * 1e-3;
+  result.payload_bytes_per_s = static_cast<double>(payload_bytes) / seconds;
+  result.wire_bytes_per_s = static_cast<double>(on_wire) / seconds;
   result.total_ms = stream.observed().delay_s * 1e3;
   return result;
 }

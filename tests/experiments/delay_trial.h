@@ -27,6 +27,8 @@ struct DelayTrial {
   std::string law = "anchored";
   std::string estimator = "predictor";
   std::string codec = "sdct";
+  int block = 16;
+  int redundancy = 1;
   netem::Profile network;
   std::uint64_t seed = 1;
   bool wrong_start = false;  ///< the first idea of the slave is 10 mm and 50 mm/s off
@@ -39,11 +41,12 @@ struct DelayResult {
   double tracking_max_um = 0.0;
   double prediction_rmse_um = 0.0;
   double prediction_max_um = 0.0;
-  double settle_s = 0.0;          ///< from the first tick followed to the last one more than 1 mm off
-  bool stable = false;            ///< see docs/delay.md
-  double wire_bytes_per_s = 0.0;  ///< command stream, payload
-  double total_ms = 0.0;          ///< from making a command to knowing what it did, observer's measure
-  std::vector<double> error_m;    ///< tracking by applied tick, NaN where none was applied
+  double settle_s = 0.0;             ///< from the first tick followed to the last one more than 1 mm off
+  bool stable = false;               ///< see docs/delay.md
+  double payload_bytes_per_s = 0.0;  ///< command stream
+  double wire_bytes_per_s = 0.0;     ///< the same with every head (virtual_link.h)
+  double total_ms = 0.0;             ///< from making a command to knowing what it did, observer's measure
+  std::vector<double> error_m;       ///< tracking by applied tick, NaN where none was applied
   std::vector<double> prediction_error_m;
 };
 

@@ -51,7 +51,10 @@ void add_lap_command(CLI::App& app, Action& action) {
         {"anchored", "remote-acceleration", "local"});
   s.add("estimator", lap.master.estimator, "how the slave's state is predicted",
         {"predictor", "delayed-innovation", "thesis", "none"});
-  s.add("codec", lap.master.codec, "of the command stream");
+  s.add("codec", lap.master.codec, "of the command stream", codec::codec_names());
+  s.add("block", lap.master.node.command.codec.block, {.min = 4, .max = 64}, "samples a block of it");
+  s.add("redundancy", lap.master.node.command.codec.redundancy, {.min = 0, .max = 7},
+        "previous blocks repeated in a packet");
   s.add("duration_s", lap.duration_s, {.min = 1, .max = 600}, "length of the run");
   s.add("out", options->out, "folder for the results");
   s.attach(*command);

@@ -42,13 +42,13 @@ RunRecord run_lap(const LapSettings& settings, const ContourMessage& contour) {
       states.clear();
       backward.deliver(master_ns, states);
       const auto out = master.step(master_ns, task.get(), true, states, {});
-      if (out.command) forward.push(master_ns, *out.command, out.command->payload.size + kBesidePayload);
+      if (out.command) forward.push(master_ns, *out.command, wire_bytes(*out.command));
       master_ns += master_period_ns;
     } else {
       commands.clear();
       forward.deliver(slave_ns, commands);
       const auto out = slave.step(slave_ns, corridor.get(), commands, {});
-      if (out.state) backward.push(slave_ns, *out.state, out.state->payload.size + kBesidePayload);
+      if (out.state) backward.push(slave_ns, *out.state, wire_bytes(*out.state));
       slave_ns += slave_period_ns;
     }
   }

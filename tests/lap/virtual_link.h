@@ -5,13 +5,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "common/bus/messages.h"
+#include "common/bus/wire_cost.h"
 #include "netem/emulator.h"
 
 namespace telekerf::lap {
-
-/// What a block costs beside its payload: RTPS, UDP, IP and Ethernet (89) and the block's own head.
-inline constexpr std::uint32_t kBesidePayload = 89 + 76;
 
 /// The virtual-time driver of the emulator for one kind of message.
 template <class T>

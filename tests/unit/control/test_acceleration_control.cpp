@@ -201,7 +201,9 @@ TEST(AccelerationControl, EstimatesTheHandsForce) {
   rig.plant.set_tool_force(hand);
   for (int i = 0; i < 1000; ++i) rig.step(nominal.workspace.centre_m, Vec3::Zero(), Vec3::Zero());
   const auto state = rig.kinematics.state(rig.control.joints_m(), Vec3::Zero());
-  const Vec3 estimate = reaction_force(nominal, rig.kinematics, *state, rig.control.disturbance_n());
+  const Vec3 estimate =
+      reaction_force(nominal, rig.kinematics, *state, rig.control.disturbance_n(),
+                     robot::friction_force(nominal.friction, state->joint_velocity_m_per_s));
   // At rest Coulomb friction may hold a part: at most one breakaway force a joint.
   EXPECT_LT((estimate - hand).norm(), 3 * nominal.friction.breakaway_n);
 
@@ -215,7 +217,8 @@ TEST(AccelerationControl, EstimatesTheHandsForce) {
   for (int i = 0; i < kSamples; ++i) {
     clean.step(nominal.workspace.centre_m, Vec3::Zero(), Vec3::Zero());
     const auto at = clean.kinematics.state(clean.control.joints_m(), clean.control.joint_velocity_m_per_s());
-    mean += reaction_force(smooth, clean.kinematics, *at, clean.control.disturbance_n()) / kSamples;
+    mean +=
+        reaction_force(smooth, clean.kinematics, *at, clean.control.disturbance_n(), Vec3::Zero()) / kSamples;
   }
   EXPECT_LT((mean - hand).norm(), 0.005 * hand.norm());
 }

@@ -30,6 +30,8 @@ RunRecord circle_run(double out, double off) {
     row.beta = 0.5;
     const double predicted = 0.5 * (0.02 + out) + off - 7e-6;
     row.predicted_m = {predicted * std::cos(angle), predicted * std::sin(angle), 0.0};
+    row.force_tick = i < 100 ? -1.0 : 40 + i - 60;
+    row.slave_force_n = {0.25, 0.0, i * 1e-3 - 0.060};
     record.master.push_back(row);
   }
   for (int i = 0; i < 1000; ++i) {
@@ -42,6 +44,7 @@ RunRecord circle_run(double out, double off) {
     row.tool_m = {radius * std::cos(angle), radius * std::sin(angle), 0.0};
     row.ref_m = row.tool_m;
     row.settled = true;
+    row.force_n = {0.26, 0.0, i * 1e-3};
     row.laser_w = i < 500 ? 4.0 : 0.0;
     record.slave.push_back(row);
   }
@@ -74,6 +77,14 @@ TEST(RunReport, MeasuresConstraintTrackingAndCutWithoutAnyFittedShift) {
   EXPECT_NEAR(report["cut"]["energy_inside_j"].get<double>(), 2.0, 1e-6);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
   EXPECT_NEAR(report["contour"]["length_m"].get<double>(), 0.02 * M_PI, 1e-6);
+}
+
+TEST(RunReport, TheForceIsHeldAgainstTheSlavesOfTheSameTick) {
+  const auto report = make_report(circle_run(0.0, 0.0));
+  EXPECT_EQ(report["force"]["samples"].get<int>(), 900);
+  EXPECT_NEAR(report["force"]["max_n"].get<double>(), 0.939, 1e-9);
+  EXPECT_NEAR(report["force"]["coding_max_n"].get<double>(), 0.01, 1e-9);
+  EXPECT_NEAR(report["force"]["coding_rms_n"].get<double>(), 0.01 / std::sqrt(3.0), 1e-9);
 }
 
 TEST(RunReport, EnergyBeyondTheCorridorIsCountedAndReachesNothing) {
@@ -119,7 +130,8 @@ TEST(RunRecord, WhatIsWrittenIsReadAgainBitForBit) {
   std::string header;
   std::getline(trace, header);
   EXPECT_EQ(header,
-            "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w");
+            "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w,"
+            "force_x_n,force_y_n,force_z_n");
 }
 
 TEST(RunRecord, ADamagedFileIsRefusedByNameAndLine) {

@@ -34,7 +34,9 @@ class SlaveNodeTest : public testing::Test {
     block.sequence = ++number_;
     block.epoch = epoch_;
     block.first_tick = tick_;
-    block.sample_period_ns = 1'000'000;
+    const double period_s = ticks_per_sample_ * 1e-3;
+    block.sample_period_ns = 1'000'000U * ticks_per_sample_;
+    block.ticks_per_sample = ticks_per_sample_;
     block.contour_id = 1;
     block.engaged = engaged_;
     block.engaged_before = engaged_ ? 0x7F : 0;
@@ -42,13 +44,13 @@ class SlaveNodeTest : public testing::Test {
     const double h = 1e-6;
     block.anchor = rounded(Anchor{place(t0), (place(t0 + h) - place(t0)) / h});
     std::vector<Vec3> samples;
-    for (int n = 0; n < 16; ++n) samples.push_back(place(t0 + n * 1e-3));
+    for (int n = 0; n < 16; ++n) samples.push_back(place(t0 + n * period_s));
     const auto bytes = encoder_.encode(samples, button_ ? ~0ULL : 0,
-                                       {block.anchor.position_m, block.anchor.velocity_m_per_s * 1e-3},
+                                       {block.anchor.position_m, block.anchor.velocity_m_per_s * period_s},
                                        block.payload.room());
     EXPECT_TRUE(bytes.has_value());
     block.payload.size = static_cast<std::uint16_t>(bytes.value_or(0));
-    tick_ += 16;
+    tick_ += Tick{16} * ticks_per_sample_;
     return block;
   }
 
@@ -77,6 +79,7 @@ class SlaveNodeTest : public testing::Test {
   std::uint32_t number_ = 0;
   std::uint32_t epoch_ = 7;
   Tick tick_ = 0;
+  std::uint16_t ticks_per_sample_ = 1;
   bool engaged_ = true;
   bool button_ = true;
   std::int64_t now_ns_ = 0;
@@ -194,6 +197,22 @@ TEST_F(SlaveNodeTest, ARestartedMasterIsAcceptedAfterSilence) {
   EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
   EXPECT_TRUE(out_.settled);
   EXPECT_LT(largest_step_, 3e-3);
+}
+
+TEST_F(SlaveNodeTest, AnotherSampleRateInMidRunIsFollowedSmoothly) {
+  follow(3.0);
+  for (const std::uint16_t ticks_per_sample : {std::uint16_t{2}, std::uint16_t{1}}) {
+    ticks_per_sample_ = ticks_per_sample;
+    for (int b = 0; b < 100; ++b) {
+      run(next_block());
+      for (int more = 1; more < ticks_per_sample; ++more) run(std::nullopt);
+    }
+    EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
+    EXPECT_TRUE(out_.settled);
+    EXPECT_LT((out_.tool_m - place(out_.applied_tick * 1e-3)).norm(), 60e-6);
+  }
+  EXPECT_EQ(station_.node().counters().refused, 0u);
+  EXPECT_LT(largest_step_, 4e-3) << "m/s a tick";
 }
 
 TEST_F(SlaveNodeTest, LostBlocksAreCoveredByTheNextPacketsCopies) {

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// The force on the slave's tool as it reaches the master: nothing twice, nothing late, nothing made up.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/codec/encoder.h"
+#include "master/force_feedback.h"
+
+namespace telekerf::master {
+namespace {
+
+constexpr double kMaxRms = 0.02;
+constexpr int kBlock = 16;
+
+Vec3 force_at(std::int64_t index) {
+  const double t = static_cast<double>(index) * 1e-3;
+  return {2.0 * std::sin(7.0 * t), -1.0 + 0.3 * std::sin(40.0 * t + 1.0), 0.5 * std::cos(3.0 * t)};
+}
+
+/// A slave that reports a known force, a block at a time.
+class ForceFeedbackTest : public testing::Test {
+ protected:
+  StateBlock next() {
+    StateBlock state;
+    state.epoch = 3;
+    state.sequence = ++number_;
+    state.first_tick = static_cast<Tick>(index_);
+    state.sample_period_ns = 1'000'000;
+    std::vector<Vec3> samples;
+    for (int n = 0; n < encoder_.settings().block; ++n) samples.push_back(force_at(index_++));
+    state.force.size =
+        static_cast<std::uint16_t>(encoder_.encode(samples, 0, {}, state.force.room()).value_or(0));
+    EXPECT_GT(state.force.size, 0);
+    return state;
+  }
+  /// One block's time; true if nothing but the wanted force was given out.
+  void play(int steps = kBlock) {
+    for (int n = 0; n < steps; ++n) {
+      out_ = feedback_.step(1e-3);
+      if (!out_.known) continue;
+      const Vec3 error = out_.force_n - force_at(static_cast<std::int64_t>(out_.tick));
+      worst_ = std::max(worst_, error.cwiseAbs().maxCoeff());
+      skipped_ += out_.tick > last_ + 1 ? 1 : 0;
+      held_ += out_.tick == last_ ? 1 : 0;
+      EXPECT_GE(out_.tick, last_);
+      last_ = out_.tick;
+    }
+  }
+
+  codec::BlockEncoder encoder_{
+      {.block = kBlock, .max_rms = kMaxRms, .redundancy = 1, .quantum = 0.01, .anchored = false}};
+  ForceFeedback feedback_;
+  SlaveForce out_;
+  std::uint32_t number_ = 0;
+  std::int64_t index_ = 0;
+  Tick last_ = 0;
+  double worst_ = 0.0;
+  int skipped_ = 0;
+  int held_ = 0;
+};
+
+TEST_F(ForceFeedbackTest, EveryBlocksErrorIsWithinThePromiseAndEverySampleIsGivenOutOnce) {
+  for (int b = 0; b < 100; ++b) {
+    feedback_.received(next());
+    Vec3 squares = Vec3::Zero();
+    for (int n = 0; n < kBlock; ++n) {
+      out_ = feedback_.step(1e-3);
+      ASSERT_EQ(out_.tick, static_cast<Tick>(b * kBlock + n));
+      squares += (out_.force_n - force_at(b * kBlock + n)).cwiseAbs2();
+    }
+    ASSERT_LE(std::sqrt(squares.maxCoeff() / kBlock), kMaxRms) << "block " << b;
+  }
+}
+
+TEST_F(ForceFeedbackTest, ALostBlockIsCoveredByTheNextOnesCopyAndCaughtUp) {
+  for (int b = 0; b < 40; ++b) {
+    const StateBlock state = next();
+    if (b % 8 != 5) feedback_.received(state);
+    play();
+  }
+  EXPECT_LT(worst_, std::sqrt(double(kBlock)) * kMaxRms);
+  EXPECT_EQ(held_, 1 + 5 * kBlock) << "at tick 0, and while a block was missing";
+  EXPECT_EQ(skipped_, 5 * kBlock) << "at double pace afterwards";
+  EXPECT_EQ(last_, static_cast<Tick>(index_ - 1));
+}
+
+TEST_F(ForceFeedbackTest, WithoutCopiesTheLastValueIsHeldAndTheRestIsTrue) {
+  for (int b = 0; b < 40; ++b) {
+    const StateBlock state = next();
+    if (b % 8 < 5) feedback_.received(state);
+    for (int n = 0; n < kBlock; ++n) {
+      out_ = feedback_.step(1e-3);
+      if (b % 8 < 5 && b % 8 > 1) {
+        ASSERT_LT((out_.force_n - force_at(static_cast<std::int64_t>(out_.tick))).norm(), 0.1);
+      }
+    }
+  }
+}
+
+TEST_F(ForceFeedbackTest, RepeatedLateAndBrokenBlocksChangeNothing) {
+  const StateBlock first = next();
+  const StateBlock late = next();
+  const StateBlock second = next();
+  feedback_.received(first);
+  play(4);
+  feedback_.received(first);
+  play(12);
+  EXPECT_EQ(last_, 15u);
+  feedback_.received(second);
+  StateBlock broken = next();
+  broken.force.size /= 2;
+  feedback_.received(broken);
+  broken.force.bytes[0] ^= 0xF0U;
+  feedback_.received(broken);
+  feedback_.received(late);
+  StateBlock none = second;
+  none.sequence = 9;
+  none.force.size = 0;
+  feedback_.received(none);
+  play(60);
+  EXPECT_EQ(last_, 47u);
+  EXPECT_LT(worst_, std::sqrt(double(kBlock)) * kMaxRms);
+  EXPECT_EQ(feedback_.counters().of(codec::CodecError::kTruncated), 1u);
+  EXPECT_EQ(feedback_.counters().of(codec::CodecError::kWrongVersion), 1u);
+}
+
+TEST_F(ForceFeedbackTest, OtherSettingsAnotherRateAndARestartedSlaveAreFollowed) {
+  feedback_.received(next());
+  play();
+  encoder_.change({.block = 32, .keep = 12, .redundancy = 2, .quantum = 1e-3, .anchored = false});
+  feedback_.received(next());
+  play(32);
+  EXPECT_EQ(last_, 47u);
+  EXPECT_EQ(skipped_, 0);
+  EXPECT_EQ(held_, 1) << "the very first tick is 0";
+
+  StateBlock slower = next();
+  slower.sample_period_ns = 2'000'000;
+  slower.ticks_per_sample = 2;
+  slower.first_tick = 100;
+  feedback_.received(slower);
+  for (int n = 0; n < 64; ++n) out_ = feedback_.step(1e-3);
+  EXPECT_EQ(out_.tick, 162u) << "32 samples of two ticks";
+
+  StateBlock other = next();
+  other.epoch = 4;
+  other.sequence = 1;
+  other.first_tick = 0;
+  feedback_.received(other);
+  out_ = feedback_.step(1e-3);
+  EXPECT_EQ(out_.tick, 0u);
+}
+
+TEST_F(ForceFeedbackTest, SilenceMakesItUnknown) {
+  EXPECT_FALSE(feedback_.step(1e-3).known);
+  feedback_.received(next());
+  EXPECT_TRUE(feedback_.step(1e-3).known);
+  for (int n = 0; n < 600; ++n) out_ = feedback_.step(1e-3);
+  EXPECT_FALSE(out_.known);
+}
+
+}  // namespace
+}  // namespace telekerf::master
