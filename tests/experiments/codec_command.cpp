@@ -12,6 +12,7 @@
 #include "common/codec/measure.h"
 #include "common/runtime/refusal.h"
 #include "tests/experiments/codec_bound.h"
+#include "tests/experiments/codec_recordings.h"
 #include "tests/experiments/codec_traces.h"
 #include "tests/experiments/commands.h"
 #include "tests/experiments/plot.h"
@@ -42,8 +43,9 @@ struct Contender {
   bool promised = false;
   bool anchored = false;
   bool events = false;  ///< a packet of floats whenever a sample leaves the band: no block, no delay
+  bool held = false;    ///< every 2nd, 4th or 8th sample (the best of them) by that codec, held in between
 };
-constexpr std::array<Contender, 8> kContenders{{
+constexpr std::array<Contender, 9> kContenders{{
     {"SDCT", "sdct"},
     {"SDCT, promised RMS", "sdct", true},
     {"SDCT + anchor (not counted)", "sdct", false, true},
@@ -52,6 +54,7 @@ constexpr std::array<Contender, 8> kContenders{{
     {"dead-band", "deadband"},
     {"Weber dead-band", "weber"},
     {"dead-band, floats at once", "deadband", false, false, true},
+    {"held samples, DPCM + Rice", "dpcm", false, false, false, true},
 }};
 
 codec::StreamSettings settings_for(const Contender& contender, int block, double error, double scale) {
@@ -70,6 +73,36 @@ codec::StreamSettings settings_for(const Contender& contender, int block, double
   return s;
 }
 
+/// Every `every`-th sample of `trace`, and what holding them makes of the error.
+RatePoint held(const codec::Trace& trace, const codec::StreamSettings& settings, int every) {
+  const auto stride = static_cast<std::size_t>(every);
+  codec::Trace thin{trace.name, trace.columns, {}, trace.rate_hz / every};
+  for (const auto& column : trace.values) {
+    auto& kept = thin.values.emplace_back();
+    for (std::size_t n = 0; n < column.size(); n += stride) kept.push_back(column[n]);
+  }
+  codec::Trace decoded;
+  const auto figures = codec::measure(thin, settings, {}, &decoded);
+  double squares = 0;
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < trace.values.size(); ++c) {
+    for (std::size_t n = 0; n < std::min(trace.size(), decoded.size() * stride); ++n, ++count) {
+      squares += std::pow(trace.values[c][n] - decoded.values[c][n / stride], 2);
+    }
+  }
+  return {std::sqrt(squares / static_cast<double>(count)), figures.bits_per_sample / every};
+}
+
+/// Only the points that no other beats in both error and bits, by error.
+Curve best_of(Curve curve) {
+  std::sort(curve.begin(), curve.end(), [](auto a, auto b) { return a.rmse < b.rmse; });
+  Curve best;
+  for (const auto& point : curve) {
+    if (best.empty() || point.bits_per_sample < best.back().bits_per_sample) best.push_back(point);
+  }
+  return best;
+}
+
 Curve sweep(const SeededTrace& seeded, const Contender& contender, int block) {
   double squares = 0;
   for (const auto& column : seeded.trace.values) {
@@ -78,6 +111,15 @@ Curve sweep(const SeededTrace& seeded, const Contender& contender, int block) {
   const double scale =
       std::sqrt(squares / static_cast<double>(seeded.trace.size() * seeded.trace.values.size()));
   Curve curve;
+  if (contender.held) {
+    for (const int every : {2, 4, 8}) {
+      for (int i = kSweepFrom - 6; i <= kSweepTo; ++i) {
+        const double error = seeded.fine * std::exp2(0.5 * i);
+        curve.push_back(held(seeded.trace, settings_for(contender, block / every, error, 1.0), every));
+      }
+    }
+    return best_of(curve);
+  }
   for (int i = kSweepFrom; i <= kSweepTo; ++i) {
     const auto figures = codec::measure(
         seeded.trace,
@@ -118,12 +160,18 @@ Panel panel_for(const std::string& title, std::array<double, 2> errors) {
   return panel;
 }
 
+/// What is held wears the colour of the codec that it uses.
+Line::Style style_of(const Contender& contender) {
+  return contender.held ? Line::Style::kDashed : Line::Style::kSolid;
+}
+int colour_of(std::size_t contender) { return kContenders[contender].held ? 4 : static_cast<int>(contender); }
+
 /// The legend has a panel to itself: inside the others it would hide lines.
 Panel legend() {
   auto panel = panel_for("what is what", {1, 10});
   panel.y_range = {0, 1};
   for (std::size_t c = 0; c < kContenders.size(); ++c) {
-    panel.lines.push_back({kContenders[c].label, {1}, {-1}, Line::Style::kSolid, static_cast<int>(c)});
+    panel.lines.push_back({kContenders[c].label, {1}, {-1}, style_of(kContenders[c]), colour_of(c)});
   }
   panel.lines.push_back({"Gaussian limit, block alone", {1}, {-1}, Line::Style::kDashed, kLimitColour});
   panel.lines.push_back({"Gaussian limit, any delay", {1}, {-1}, Line::Style::kPoints, kLimitColour});
@@ -147,7 +195,7 @@ Json rate_distortion(const SeededTrace& seeded, int block, Panel& panel) {
   panel = panel_for(fmt::format("{} [{}]", seeded.trace.name, seeded.unit), {errors.front(), errors.back()});
   double highest = 0;
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    panel.lines.push_back(line_of(curves[c], Line::Style::kSolid, static_cast<int>(c)));
+    panel.lines.push_back(line_of(curves[c], style_of(kContenders[c]), colour_of(c)));
     const double bits = kContenders[c].events ? 0 : bits_at(curves[c], seeded.fine);
     if (std::isfinite(bits)) highest = std::max(highest, bits);
   }
@@ -199,25 +247,13 @@ Json wire_row(const SeededTrace& seeded, const char* name, int block, int redund
           {"latency_ms", rounded(figures.latency_ms)}};
 }
 
-/// About what the sensor's noise and step leave in a trace of unknown origin: from its third differences.
-double noise_of(const codec::Trace& trace) {
-  double squares = 0;
-  std::size_t count = 0;
-  for (const auto& x : trace.values) {
-    for (std::size_t n = 3; n < x.size(); ++n) {
-      squares += std::pow(x[n] - 3 * x[n - 1] + 3 * x[n - 2] - x[n - 3], 2) / 20.0;
-      ++count;
-    }
-  }
-  return std::max(std::sqrt(squares / static_cast<double>(std::max<std::size_t>(count, 1))), 1e-9);
-}
-
 int run(const Options& options) {
   std::error_code failed;
   std::filesystem::create_directories(options.out, failed);
   if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
   auto traces = seeded_traces(options.seconds, options.rate_hz, options.seed);
   const auto seeded = traces.size();
+  for (auto& recorded : recorded_traces(options.seconds, options.seed)) traces.push_back(std::move(recorded));
   for (const auto& file : options.traces) {
     auto trace = codec::read_trace(file, options.rate_hz);
     const double fine = noise_of(trace);
@@ -256,10 +292,12 @@ int run(const Options& options) {
   if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
   for (const auto& row : results["rate_distortion"]) {
     fmt::print(
-        "{:<13} N {:<3} rmse {:<9.2g} SDCT {:<7} truncated {:<7} DPCM {:<7} dead-band {:<8} limit {}\n",
+        "{:<13} N {:<3} rmse {:<9.2g} SDCT {:<7} truncated {:<7} DPCM {:<7} dead-band {:<8} held {:<7} limit "
+        "{}\n",
         row["trace"].get<std::string>(), row["block"].get<int>(), row["rmse"].get<double>(),
         row["bits"]["SDCT"].dump(), row["bits"]["truncated DCT"].dump(), row["bits"]["DPCM + Rice"].dump(),
-        row["bits"]["dead-band"].dump(), row["limit_block"].dump());
+        row["bits"]["dead-band"].dump(), row["bits"]["held samples, DPCM + Rice"].dump(),
+        row["limit_block"].dump());
   }
   return 0;
 }
