@@ -40,7 +40,11 @@ MasterValues master_values(const MasterOutputs& out, double beta, const ClockEst
           out.observed.joined ? 1.0 : 0.0,
           clocks.offset_s,
           clocks.skew,
-          clocks.uncertainty_s};
+          clocks.uncertainty_s,
+          out.slave_force.known ? 1.0 : 0.0,
+          out.slave_force.force_n.x(),
+          out.slave_force.force_n.y(),
+          out.slave_force.force_n.z()};
 }
 
 // A sequence lock whose data are atomics, so that a torn reading is noticed and never undefined: who has read

@@ -22,7 +22,9 @@ inline constexpr std::array kMasterValueNames{
     "disturbance_x_m_per_s2", "disturbance_y_m_per_s2", "disturbance_z_m_per_s2", "innovation_x_m",
     "innovation_y_m", "innovation_z_m", "delay_s", "joined",
     // The clocks.
-    "clock_offset_s", "clock_skew", "clock_uncertainty_s"};
+    "clock_offset_s", "clock_skew", "clock_uncertainty_s",
+    // The force on the slave's tool; not known: nothing came, or nothing comes any more.
+    "force_known", "force_x_n", "force_y_n", "force_z_n"};
 using MasterValues = std::array<double, kMasterValueNames.size()>;
 
 /// In the order of kMasterValueNames. Circle and tangent in the master's workpiece frame; of a line,

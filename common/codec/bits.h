@@ -41,6 +41,8 @@ class BitWriter {
     while (count > 0) {
       const int free = 8 - static_cast<int>(position_ % 8);
       const int take = count < free ? count : free;
+      // 1 to 8 bits at a time.
+      // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult)
       const auto chunk = static_cast<std::uint8_t>((value >> (count - take)) & ((1U << take) - 1U));
       auto& byte = out_[position_ / 8];
       if (free == 8) byte = 0;
@@ -97,6 +99,7 @@ class BitReader {
       const int left = 8 - static_cast<int>(position_ % 8);
       const int take = count < left ? count : left;
       const unsigned chunk =
+          // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult)
           (static_cast<unsigned>(in_[position_ / 8]) >> (left - take)) & ((1U << take) - 1U);
       value = (value << take) | chunk;
       position_ += static_cast<std::size_t>(take);

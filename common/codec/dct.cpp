@@ -38,11 +38,12 @@ Dct::Dct(int size)
     : size_(size),
       half_((size + 1) / 2),
       stride_((half_ + static_cast<int>(kChunk) - 1) / static_cast<int>(kChunk) * static_cast<int>(kChunk)) {
-  const auto cells = static_cast<std::size_t>(half_ * half_);
-  even_.resize(static_cast<std::size_t>(half_ * stride_));
-  odd_.resize(static_cast<std::size_t>(half_ * stride_));
-  even_by_row_.resize(cells);
-  odd_by_row_.resize(cells);
+  const auto half = static_cast<std::size_t>(half_);
+  const auto stride = static_cast<std::size_t>(stride_);
+  even_.resize(half * stride);
+  odd_.resize(half * stride);
+  even_by_row_.resize(half * half);
+  odd_by_row_.resize(half * half);
   const auto entry = [&](int k, int n) {
     if (k >= size) return 0.0;
     const double scale = k == 0 ? std::sqrt(1.0 / size) : std::sqrt(2.0 / size);
@@ -53,10 +54,12 @@ Dct::Dct(int size)
     for (int j = 0; j < half_; ++j) {
       const double even = entry(2 * j, n);
       const double odd = 2 * n + 1 == size ? 0.0 : entry(2 * j + 1, n);
-      even_[static_cast<std::size_t>(n * stride_ + j)] = even;
-      odd_[static_cast<std::size_t>(n * stride_ + j)] = odd;
-      even_by_row_[static_cast<std::size_t>(j * half_ + n)] = even;
-      odd_by_row_[static_cast<std::size_t>(j * half_ + n)] = odd;
+      const auto sample = static_cast<std::size_t>(n);
+      const auto row = static_cast<std::size_t>(j);
+      even_[sample * stride + row] = even;
+      odd_[sample * stride + row] = odd;
+      even_by_row_[row * half + sample] = even;
+      odd_by_row_[row * half + sample] = odd;
     }
   }
 }

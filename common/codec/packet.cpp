@@ -19,7 +19,8 @@ void write_head(BitWriter& out, const PacketHead& head) noexcept {
   out.bits(head.anchored ? 1 : 0, 1);
   out.bits(head.adaptive ? 1 : 0, 1);
   out.bits(static_cast<std::uint64_t>(head.block - 1), 6);
-  out.bits(static_cast<std::uint64_t>(head.quantum_exponent + kExponentBias), 9);
+  const int biased_exponent = head.quantum_exponent + kExponentBias;
+  out.bits(static_cast<std::uint64_t>(biased_exponent), 9);
   out.bits(static_cast<std::uint64_t>(head.axes), 2);
   out.bits(head.sequence, 16);
   out.bits(static_cast<std::uint64_t>(head.habits.count), 6);

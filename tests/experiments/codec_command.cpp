@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/bus/wire_cost.h"
 #include "common/codec/measure.h"
 #include "common/runtime/refusal.h"
 #include "tests/experiments/codec_bound.h"
@@ -23,8 +24,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Curve = std::vector<RatePoint>;
 
-/// Fields of a command or state block beside its payload, the anchor among them.
-constexpr double kBlockFieldsBytes = 60.0;
 constexpr int kLimitColour = 7;
 constexpr int kSweepFrom = -4, kSweepTo = 12;  // half octaves of the fine error
 
@@ -227,7 +226,7 @@ Json wire_row(const SeededTrace& seeded, const char* name, int block, int redund
   s = codec::with_codec(s, name);
   const auto figures = codec::measure(seeded.trace, s, {.loss = loss, .burst = burst, .seed = seed});
   const bool sample_by_sample = s.block == 1;
-  const double around = codec::kOverheadBytes + (sample_by_sample ? 0.0 : kBlockFieldsBytes);
+  const double around = codec::kOverheadBytes + (sample_by_sample ? 0.0 : kCommandFieldBytes);
   const double payload =
       sample_by_sample ? 12.0 : figures.packet_bytes;  // one packet of bare floats a sample
   const double wire = figures.packets_per_s * (around + payload);

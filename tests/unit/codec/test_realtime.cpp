@@ -12,7 +12,7 @@
 namespace telekerf::codec {
 namespace {
 
-TEST(RealTime, EncodeDecodeAndConcealTakeNoMemory) {
+TEST(RealTime, EncodeDecodeConcealAndAChangeTakeNoMemory) {
   for (const auto& name : codec_names()) {
     for (const double max_rms : {0.0, 1e-6}) {
       BlockEncoder encoder(
@@ -32,6 +32,7 @@ TEST(RealTime, EncodeDecodeAndConcealTakeNoMemory) {
         packet[3] ^= 0x55;
         (void)decoder.decode(std::span(packet).first(*size), {});
         (void)decoder.conceal();
+        if (b % 10 == 9) encoder.change(encoder.settings());
       }
       EXPECT_EQ(telekerf::testing::allocations(), before) << name;
     }

@@ -22,6 +22,7 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   out.observed.innovation_m = {0.0, 0.0, 3e-6};
   out.observed.delay_s = 0.12;
   out.observed.joined = true;
+  out.slave_force = {.force_n = {0.0, -1.5, 0.0}, .tick = 12, .known = true};
   Snapshot snapshot;
   EXPECT_FALSE(snapshot.load()) << "nothing stored yet";
   snapshot.store(42, master_values(out, 0.25, {-3.5, 1e-5, 2e-4}));
@@ -49,6 +50,8 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   EXPECT_EQ(value("delay_s"), 0.12);
   EXPECT_EQ(value("joined"), 1.0);
   EXPECT_EQ(value("clock_offset_s"), -3.5);
+  EXPECT_EQ(value("force_known"), 1.0);
+  EXPECT_EQ(value("force_y_n"), -1.5);
 }
 
 // All values of one store are the same number: a reader that sees two of them has read across a writing.
