@@ -17,8 +17,8 @@ namespace {
 
 constexpr const char* kMasterColumns =
     "tick,t_s,tool_x_m,tool_y_m,tool_z_m,hand_x_n,hand_y_n,hand_z_n,constraint_n,guided,engaged,button,"
-    "predicted_x_m,predicted_y_m,predicted_z_m,joined,beta,force_tick,slave_force_x_n,slave_force_y_n,"
-    "slave_force_z_n";
+    "predicted_x_m,predicted_y_m,predicted_z_m,joined,force_tick,slave_force_x_n,slave_force_y_n,"
+    "slave_force_z_n,beta";
 constexpr const char* kSlaveColumns =
     "tick,t_s,applied_tick,ref_x_m,ref_y_m,ref_z_m,tool_x_m,tool_y_m,tool_z_m,laser_w,interlock,settled,"
     "force_x_n,force_y_n,force_z_n";
@@ -139,11 +139,11 @@ void write_master(const fs::path& folder, const RunRecord& record) {
                   r.predicted_m[1],
                   r.predicted_m[2],
                   double(r.joined),
-                  r.beta,
                   r.force_tick,
                   r.slave_force_n[0],
                   r.slave_force_n[1],
-                  r.slave_force_n[2]});
+                  r.slave_force_n[2],
+                  r.beta});
   }
   write_whole(folder / "master.csv", text);
   write_whole(
@@ -180,9 +180,9 @@ RunRecord read_run(const fs::path& folder) {
                              v[11] != 0,
                              {v[12], v[13], v[14]},
                              v[15] != 0,
+                             v[20],
                              v[16],
-                             v[17],
-                             {v[18], v[19], v[20]}});
+                             {v[17], v[18], v[19]}});
   }
   for (const auto& v : read_table(folder / "slave.csv", kSlaveColumns)) {
     record.slave.push_back({static_cast<std::uint64_t>(v[0]),
