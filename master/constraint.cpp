@@ -226,7 +226,7 @@ Vec3 ConstraintController::step(const Guide& guide, const ToolState& tool, doubl
   entered_s_ += dt_s;
   if (form_.corridor_m > 0.0) {
     parked_m_.reset();
-    const Vec3 free = region_acceleration(active_, settings_, form_, tool);
+    Vec3 free = region_acceleration(active_, settings_, form_, tool);
     if (opened_s_ >= settings_.entry_s) return free;
     // An opened corridor gives the hand its freedom gradually.
     opened_s_ += dt_s;

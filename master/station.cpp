@@ -124,7 +124,7 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
     hand = task->hand.sample(now_s, tool_m, robot_.true_tool_velocity_m_per_s(), guided_);
     inputs.button = hand.button;
   }
-  const MasterOutputs out = node_.step(now_ns, inputs);
+  MasterOutputs out = node_.step(now_ns, inputs);
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
   robot_.write(out.currents_a);
   robot_.set_tool_force(hand.force_n);

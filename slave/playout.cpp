@@ -48,7 +48,7 @@ void PlayoutClock::choose_depth() noexcept {
   std::array<std::int64_t, kHistory> sorted = transit_ns_;
   const auto begin = sorted.begin();
   const auto end = begin + transits_;
-  const auto rank = static_cast<std::ptrdiff_t>(settings_.jitter_quantile * (transits_ - 1) + 0.5);
+  const auto rank = static_cast<std::ptrdiff_t>(std::lround(settings_.jitter_quantile * (transits_ - 1)));
   std::nth_element(begin, begin + rank, end);
   const std::int64_t late = *(begin + rank);
   envelope_ns_ = *std::min_element(begin, end);

@@ -93,7 +93,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.events = events;
   inputs.corridor = corridor;
   const Vec3 tool_m = model_.in_workpiece(robot_.true_tool_in_base_m());
-  const SlaveOutputs out = node_.step(now_ns, inputs);
+  SlaveOutputs out = node_.step(now_ns, inputs);
   robot_.write(out.currents_a);
   recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick,
                   triple(out.reference.position_m), triple(tool_m), out.laser_w,

@@ -35,7 +35,7 @@ class FollowedModel {
   Vec3 innovation() const noexcept { return innovation_; }
   /// To be added to the model where a block begins, so that its anchor carries it.
   Vec3 take_correction() noexcept {
-    const Vec3 taken = correction_;
+    Vec3 taken = correction_;
     correction_.setZero();
     return taken;
   }
