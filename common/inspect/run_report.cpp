@@ -14,6 +14,7 @@
 #include "common/geometry/nearest.h"
 #include "common/runtime/refusal.h"
 #include "common/runtime/version.h"
+#include "slave/laser/mark_picture.h"
 #include "slave/laser/workpiece.h"
 
 namespace telekerf::inspect {
@@ -275,25 +276,12 @@ cv::Mat draw_cut(const RunRecord& record) {
     if (row.laser_w > 0.0) workpiece.expose(plane(row.tool_m), row.laser_w * dt_s);
   }
 
-  cv::Mat wood(kPixels, kPixels, CV_32FC3);
-  for (int r = 0; r < kPixels; ++r) {
-    for (int c = 0; c < kPixels; ++c) {
-      // Grain: a slow ripple across x; enough to tell wood from paper.
-      const double grain = std::sin(0.045 * c + 1.4 * std::sin(0.006 * r + 0.002 * c)) * 0.5 + 0.5;
-      wood.at<cv::Vec3f>(r, c) =
-          cv::Vec3f(150.F, 195.F, 226.F) - static_cast<float>(10.0 * grain) * cv::Vec3f(1, 1, 1);
-    }
-  }
+  const slave::Material wood = slave::material("wood");
   const double full_j = 4.0 * workpiece.pixel_m() * workpiece.pixel_m() * 1e6;  // 4 J/mm^2 chars fully
-  for (int r = 0; r < kPixels; ++r) {
-    for (int c = 0; c < kPixels; ++c) {
-      const double burn = 1.0 - std::exp(-3.0 * workpiece.energy_j().at<float>(r, c) / full_j);
-      wood.at<cv::Vec3f>(r, c) = wood.at<cv::Vec3f>(r, c) * static_cast<float>(1.0 - burn) +
-                                 cv::Vec3f(18, 26, 38) * static_cast<float>(burn);
-    }
-  }
-  cv::Mat picture;
-  wood.convertTo(picture, CV_8UC3);
+  cv::Mat burnt;
+  cv::exp(workpiece.energy_j() * (-3.0 / full_j), burnt);
+  burnt = 1.0 - burnt;
+  cv::Mat picture = slave::mark_picture(burnt, wood);
 
   constexpr int kShift = 4;
   const auto pixel = [&](const Vec2& point) {
@@ -317,12 +305,7 @@ cv::Mat draw_cut(const RunRecord& record) {
   for (const auto& point : record.contour_m) path.push_back(pixel({point[0], point[1]}));
   stroke({200, 110, 30}, record.contour_closed);
 
-  // A scale of 5 mm.
-  const double five_mm = 5e-3 / workpiece.pixel_m();
-  const cv::Point from(40, kPixels - 40);
-  cv::line(picture, from, from + cv::Point(static_cast<int>(five_mm), 0), {40, 40, 40}, 3, cv::LINE_AA);
-  cv::putText(picture, "5 mm", from + cv::Point(0, -12), cv::FONT_HERSHEY_SIMPLEX, 0.7, {40, 40, 40}, 2,
-              cv::LINE_AA);
+  slave::draw_scale_bar(picture, workpiece.pixel_m(), slave::ink_of(wood));
   return picture;
 }
 

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/laser/height_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "slave/laser/mark_picture.h"
+
 namespace telekerf::slave {
 namespace {
+
+/// Below the raster in pictures, for the bar that shows the scale.
+constexpr int kScaleStrip_px = 60;
 
 cv::Mat shrunk(const cv::Mat& in, int pixels) {
   if (std::max(in.cols, in.rows) <= pixels) return in.clone();
@@ -82,40 +88,51 @@ double HeightMap::depth_at(const Vec2& point_m) const noexcept {
          v * ((1 - u) * depth_.at<float>(r + 1, c) + u * depth_.at<float>(r + 1, c + 1));
 }
 
+cv::Mat HeightMap::shown(int pixels) const {
+  cv::Mat out;
+  cv::copyMakeBorder(shrunk(depth_, pixels), out, 0, kScaleStrip_px, 0, 0, cv::BORDER_CONSTANT, 0.0);
+  return out;
+}
+
 cv::Mat HeightMap::picture(int pixels) const {
-  const cv::Mat depth = shrunk(depth_, pixels);
-  cv::Mat out(depth.size(), CV_8UC3);
-  for (int r = 0; r < depth.rows; ++r) {
-    for (int c = 0; c < depth.cols; ++c) {
-      const double burnt = 1.0 - std::exp(-3.0 * depth.at<float>(r, c) / material_.char_depth_m);
-      // Grain: a slow ripple, enough to tell wood from paper.
-      const double grain = 8.0 * std::sin(0.045 * c + 1.4 * std::sin(0.006 * r + 0.002 * c));
-      for (int k = 0; k < 3; ++k) {
-        out.at<cv::Vec3b>(r, c)[k] = cv::saturate_cast<std::uint8_t>(
-            (1.0 - burnt) * (material_.paper_bgr[k] + grain) + burnt * material_.burnt_bgr[k]);
-      }
-    }
-  }
+  cv::Mat burnt;
+  cv::exp(shown(pixels) * (-3.0 / material_.char_depth_m), burnt);
+  burnt = 1.0 - burnt;
+  cv::Mat out = mark_picture(burnt, material_);
+  draw_scale_bar(out, shown_pixel_m(out), ink_of(material_));
   return out;
 }
 
 cv::Mat HeightMap::depth_picture(int pixels) const {
-  const cv::Mat depth = shrunk(depth_, pixels);
+  const auto coloured = [](const cv::Mat& share) {
+    cv::Mat grey, out;
+    share.convertTo(grey, CV_8U, 255.0);
+    cv::applyColorMap(grey, out, cv::COLORMAP_VIRIDIS);
+    return out;
+  };
+  const cv::Mat depth = shown(pixels);
   double deepest = 0.0;
   cv::minMaxLoc(depth, nullptr, &deepest);
-  cv::Mat grey, out;
-  depth.convertTo(grey, CV_8U, deepest > 0.0 ? 255.0 / deepest : 0.0);
-  cv::applyColorMap(grey, out, cv::COLORMAP_VIRIDIS);
-  const int height = out.rows / 2;
-  for (int i = 0; i < height; ++i) {
-    cv::Mat one(1, 1, CV_8U, cv::Scalar(255 - 255 * i / height)), colour;
-    cv::applyColorMap(one, colour, cv::COLORMAP_VIRIDIS);
-    out(cv::Rect(12, 30 + i, 16, 1)).setTo(cv::Scalar(colour.at<cv::Vec3b>(0, 0)));
+  cv::Mat map = coloured(depth * (deepest > 0.0 ? 1.0 / deepest : 0.0));
+  draw_scale_bar(map, shown_pixel_m(map), cv::Scalar::all(255));
+
+  // The colours' scale stands beside the picture.
+  constexpr int kBeside_px = 130;
+  const cv::Scalar ink = cv::Scalar::all(40);
+  cv::Mat out;
+  cv::copyMakeBorder(map, out, 0, 0, 0, kBeside_px, cv::BORDER_CONSTANT, cv::Scalar::all(255));
+  cv::Mat scale(map.rows / 2, 1, CV_32F);
+  for (int i = 0; i < scale.rows; ++i) {
+    scale.at<float>(i) = 1.0F - static_cast<float>(i) / static_cast<float>(scale.rows - 1);
   }
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f mm", deepest * 1e3);
-  cv::putText(out, text, {34, 42}, cv::FONT_HERSHEY_SIMPLEX, 0.5, {255, 255, 255}, 1, cv::LINE_AA);
-  cv::putText(out, "0", {34, 30 + height}, cv::FONT_HERSHEY_SIMPLEX, 0.5, {255, 255, 255}, 1, cv::LINE_AA);
+  const cv::Rect bar(map.cols + 12, 30, 16, scale.rows);
+  cv::resize(coloured(scale), out(bar), bar.size(), 0, 0, cv::INTER_NEAREST);
+  const auto write = [&](double value_m, int row) {
+    cv::putText(out, fmt::format("{:.3g} mm", value_m * 1e3), {bar.x + 22, row}, cv::FONT_HERSHEY_SIMPLEX,
+                0.5, ink, 1, cv::LINE_AA);
+  };
+  write(deepest, bar.y + 12);
+  write(0.0, bar.y + bar.height);
   return out;
 }
 

@@ -42,13 +42,18 @@ class HeightMap {
   cv::Point2d pixel_of(const Vec2& point_m) const noexcept;
   double pixel_m() const noexcept { return settings_.pixel_m; }
 
-  /// The mark as it looks (CV_8UC3) and the depth as a map of colours with a scale in millimetres; largest
-  /// side `pixels`.
+  /// The mark as it looks (CV_8UC3) and the depth as a map of colours with the colours' scale beside it; both
+  /// at most `pixels` wide (without that scale), with a bar of some millimetres below.
   cv::Mat picture(int pixels = 1200) const;
   cv::Mat depth_picture(int pixels = 1200) const;
 
  private:
   void pulse(const Vec2& at_m, double energy_j, double radius_m);
+  /// The depths as pictures show them, and the size of their pixels.
+  cv::Mat shown(int pixels) const;
+  double shown_pixel_m(const cv::Mat& picture) const noexcept {
+    return settings_.pixel_m * depth_.cols / picture.cols;
+  }
 
   HeightMapSettings settings_;
   Material material_;
