@@ -13,11 +13,10 @@
 namespace telekerf::vision {
 namespace {
 
-/// FNV-1a: the same contour has the same id after a restart, another one has another. Never 0, which is
-/// nobody's.
-std::uint32_t digest_of(const geometry::Polyline& line) {
-  std::uint32_t hash = line.closed ? 2166136261U : 2166136261U ^ 1U;
-  for (const Vec2& p : line.points_m) {
+/// FNV-1a over one line after the other.
+std::uint32_t digest_of(bool closed, const std::vector<Vec2>& points_m, std::uint32_t hash) {
+  if (!closed) hash ^= 1U;
+  for (const Vec2& p : points_m) {
     for (const double value : {p.x(), p.y()}) {
       std::uint64_t bits = 0;
       std::memcpy(&bits, &value, sizeof bits);
@@ -25,6 +24,13 @@ std::uint32_t digest_of(const geometry::Polyline& line) {
         hash = (hash ^ static_cast<unsigned char>(bits >> (8 * byte))) * 16777619U;
     }
   }
+  return hash;
+}
+
+/// The same lines have the same id after a restart, others have another. Never 0, which is nobody's.
+std::uint32_t digest_of(const ContourMessage& message) {
+  std::uint32_t hash = digest_of(message.closed, message.points_m, 2166136261U);
+  for (const ContourLine& line : message.further) hash = digest_of(line.closed, line.points_m, hash);
   return std::max(1U, hash);
 }
 
@@ -57,7 +63,6 @@ tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const
         source, reach_m * 1e3, workspace_radius_m * 1e3));
   }
   ContourMessage message;
-  message.id = digest_of(line);
   message.closed = line.closed;
   message.source = source;
   message.mode = loaded.mode;
@@ -73,6 +78,7 @@ tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const
     if (points > kMostContourPoints || message.further.size() == kMostContourLines) break;
     message.further.push_back({other.closed, other.points_m});
   }
+  message.id = digest_of(message);
   return message;
 }
 

@@ -23,8 +23,8 @@ struct ContourRequest {
 
 /// What the vision library is asked for. Throws Refusal: an unknown mode or anchor.
 LoadRequest load_request(const ContourRequest& request);
-/// The selected contour as it is published with the others beside it, its id a digest of its points. The error is one sentence: it does
-/// not fit into the workspace.
+/// The selected contour as it is published with the others beside it, its id a digest of all their points.
+/// The error is one sentence: it does not fit into the workspace.
 tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const std::string& source,
                                                      double workspace_radius_m);
 

@@ -25,15 +25,31 @@ double furthest(const std::vector<Vec2>& from, const geometry::NearestIndex& to)
   return out;
 }
 
+bool same_line(const geometry::Polyline& a, const geometry::Polyline& b, double tolerance_m) {
+  if (a.closed != b.closed) return false;
+  const double length_a = geometry::length_m(a);
+  const double length_b = geometry::length_m(b);
+  if (std::abs(length_a - length_b) > 0.02 * std::max(length_a, length_b) + 2.0 * tolerance_m) return false;
+  return furthest(a.points_m, geometry::NearestIndex(b)) <= tolerance_m &&
+         furthest(b.points_m, geometry::NearestIndex(a)) <= tolerance_m;
+}
+
+/// Each line of one is a line of the other; their order may differ, lines of the same length change places.
+bool all_among(const std::vector<ContourLine>& these, const std::vector<ContourLine>& those,
+               double tolerance_m) {
+  return std::all_of(these.begin(), these.end(), [&](const ContourLine& a) {
+    return std::any_of(those.begin(), those.end(), [&](const ContourLine& b) {
+      return same_line({a.points_m, a.closed}, {b.points_m, b.closed}, tolerance_m);
+    });
+  });
+}
+
 }  // namespace
 
 bool same_contour(const ContourMessage& a, const ContourMessage& b, double tolerance_m) {
-  if (a.closed != b.closed) return false;
-  const geometry::NearestIndex line_a({a.points_m, a.closed});
-  const geometry::NearestIndex line_b({b.points_m, b.closed});
-  const double longer = std::max(line_a.length_m(), line_b.length_m());
-  if (std::abs(line_a.length_m() - line_b.length_m()) > 0.02 * longer + 2.0 * tolerance_m) return false;
-  return furthest(a.points_m, line_b) <= tolerance_m && furthest(b.points_m, line_a) <= tolerance_m;
+  return a.further.size() == b.further.size() &&
+         same_line({a.points_m, a.closed}, {b.points_m, b.closed}, tolerance_m) &&
+         all_among(a.further, b.further, tolerance_m) && all_among(b.further, a.further, tolerance_m);
 }
 
 tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& frame) {

@@ -10,8 +10,8 @@
 
 namespace telekerf::vision {
 
-/// The same drawing: no point of one lies further than `tolerance_m` from the other, and both are as long.
-/// The start and the direction do not matter.
+/// The same drawing: of each line no point lies further than `tolerance_m` from its like, and both are as
+/// long. The start, the direction and the order of the further lines do not matter.
 bool same_contour(const ContourMessage& a, const ContourMessage& b, double tolerance_m);
 
 class VisionNode {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "common/runtime/refusal.h"
@@ -94,6 +95,29 @@ TEST(VisionNode, WhatPassesIsIgnoredAndWhatStaysIsPublished) {
       geometry::bounding_box(moved[0].points_m).centre() - geometry::bounding_box(first[0].points_m).centre();
   EXPECT_NEAR(by.x(), 12.0 * pixel, 0.5 * pixel);
   EXPECT_NEAR(by.y(), -5.0 * pixel, 0.5 * pixel);
+}
+
+TEST(VisionNode, AChangeInAnotherLineIsAnotherContour) {
+  VisionNode node(at_true_size());
+  const auto with_hole = [&](double radius) {
+    cv::Mat image(480, 640, CV_8UC1, cv::Scalar(228));
+    cv::rectangle(image, {120, 80, 400, 320}, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+    cv::circle(image, {320, 240}, cvRound(radius), cv::Scalar(228), cv::FILLED, cv::LINE_AA);
+    std::vector<ContourMessage> out;
+    for (int i = 0; i < 6; ++i) {
+      if (const auto o = node.step(live(image)); o.publish) out.push_back(*o.publish);
+    }
+    return out;
+  };
+  const auto first = with_hole(60);
+  ASSERT_EQ(first.size(), 1u);
+  ASSERT_EQ(first[0].further.size(), 1u);
+  EXPECT_EQ(with_hole(60).size(), 0u);
+  EXPECT_EQ(with_hole(61).size(), 0u);  // less than what counts as a change
+  const auto wider = with_hole(90);
+  ASSERT_EQ(wider.size(), 1u);
+  EXPECT_EQ(wider[0].points_m, first[0].points_m);
+  EXPECT_NE(wider[0].id, first[0].id);
 }
 
 TEST(VisionNode, SaysOnceThatTheCameraIsGoneAndKeepsTheContour) {
