@@ -25,6 +25,7 @@ namespace {
 
 constexpr double kControlHz = 2400.0;
 constexpr int kHoldTicks = 240;
+constexpr double kPatience_s = 0.5;  ///< vision is usually there by then
 
 /// A tick of the whole work, in the order of the job's track; tool and velocity are the truth.
 struct Row {
@@ -156,6 +157,8 @@ void AutomaticSettings::declare(Settings& settings) {
   settings.add("sensor", sensor, "automatic: what reads the joints", {"hall", "encoder"});
   settings.add("kerf_um", kerf_um, {.min = 0, .max = 2000}, "automatic: width of the cut to compensate");
   settings.add("no_framing", no_framing, "automatic: no run round the work with the pilot beam");
+  settings.add("wait_s", wait_s, {.min = 1, .max = 3600},
+               "automatic: give up after this long without a contour");
 }
 
 int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
@@ -176,8 +179,23 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   ContourWatch<Job> contour(bus, [&](const ContourMessage& m) { return prepare(m, model, jobs); });
   fmt::print("slave: ready in {}, automatic\n", bus_settings.cell);
   std::fflush(stdout);
+  const auto waiting_since = std::chrono::steady_clock::now();
+  bool told = false;
   while (contour.current() == nullptr && !stop_requested() && !contour.refused()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - waiting_since;
+    if (!told && waited.count() > kPatience_s) {
+      told = true;
+      fmt::print("slave: waiting for a contour from telekerf-vision in cell '{}' of domain {}\n",
+                 bus_settings.cell, bus_settings.domain);
+      std::fflush(stdout);
+    }
+    if (waited.count() > settings.wait_s) {
+      throw Refusal(
+          fmt::format("no contour for {:g} s in cell '{}' of domain {}: is telekerf-vision running "
+                      "there?",
+                      settings.wait_s, bus_settings.cell, bus_settings.domain));
+    }
   }
   if (contour.refused()) throw Refusal(contour.refusal());
   if (contour.current() == nullptr) return 1;

@@ -17,6 +17,7 @@ struct AutomaticSettings {
   std::string sensor = "hall";  ///< what the simulated robot has, whatever its file says
   double kerf_um = 0.0;         ///< closed contours are moved by half of it
   bool no_framing = false;
+  double wait_s = 20.0;  ///< for vision, then it gives up
   void declare(Settings& settings);
 };
 

@@ -65,6 +65,18 @@ TEST(Machine, AnInterruptPutsTheBeamOutAndStillReports) {
   EXPECT_EQ(last_w, 0.0);
 }
 
+TEST(Machine, WithoutVisionItSaysWhatItWaitsForAndGivesUp) {
+  Program slave("telekerf-slave", with({"--automatic", "--wait-s", "2"}));
+  ASSERT_EQ(slave.wait(seconds(30)), 2) << slave.output();
+  const std::string said = slave.output();
+  const std::string waiting = "slave: waiting for a contour from telekerf-vision in cell 'machine'";
+  const auto at = said.find(waiting);
+  ASSERT_NE(at, std::string::npos) << said;
+  EXPECT_EQ(said.find(waiting, at + 1), std::string::npos) << said;
+  EXPECT_NE(said.find("no contour for 2 s in cell 'machine'"), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 3) << said;
+}
+
 TEST(Machine, WhatDoesNotFitIsRefusedWithOneSentence) {
   for (const auto& [flag, value] : std::vector<std::pair<std::string, std::string>>{
            {"--material", "cheese"}, {"--controller", "magic"}, {"--speed-mm-s", "0"}, {"--kerf-um", "-1"}}) {
