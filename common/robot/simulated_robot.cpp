@@ -39,6 +39,17 @@ HallCalibration calibration_of(HallSensor& sensor, const Sensor& spec) {
   return calibrate_hall(sweep, spec.adc_bits).value_or(HallCalibration{});
 }
 
+/// At rest, by the mean of many readings: the noise of a single one would stay in the position for good.
+void home(HallDecoder& decoder, HallSensor& sensor, double position_m) {
+  constexpr int kReadings = 256;
+  double mean_m = 0.0, last_m = 0.0;
+  for (int i = 0; i < kReadings; ++i) {
+    last_m = decoder.update(sensor.sample(position_m));
+    mean_m += last_m / kReadings;
+  }
+  decoder.home(position_m + (last_m - mean_m));
+}
+
 }  // namespace
 
 SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed, const Vec3& tool_in_base_m)
@@ -56,8 +67,7 @@ SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed,
   for (int i = 0; i < 3; ++i) {
     HallSensor sensor(model_.sensor, random());
     HallDecoder decoder(model_.sensor.pitch_m, model_.sensor.adc_bits, calibration_of(sensor, model_.sensor));
-    decoder.update(sensor.sample(state_.joints_m[i]));
-    decoder.home(state_.joints_m[i]);
+    home(decoder, sensor, state_.joints_m[i]);
     hall_.push_back({std::move(sensor), decoder});
   }
 }

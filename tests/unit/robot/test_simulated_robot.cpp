@@ -141,6 +141,26 @@ TEST(SimulatedRobot, HallSensorsFollowTheJointsOnceCalibrated) {
   EXPECT_GT(worst_error(false), 10e-6);
 }
 
+TEST(SimulatedRobot, HomingDoesNotKeepTheNoiseOfAReading) {
+  RobotModel robot = load_robot("slave-keops");
+  robot.sensor.kind = Sensor::Kind::kHall;
+  double squares = 0, noise = 0;
+  constexpr int kRobots = 20, kReadings = 1000;
+  for (std::uint64_t seed = 1; seed <= kRobots; ++seed) {
+    SimulatedRobot plant(robot, seed, robot.in_base(Vec3::Zero()));
+    const Vec3 truth = plant.true_state().joints_m;
+    Vec3 mean = Vec3::Zero();
+    for (int i = 0; i < kReadings; ++i) {
+      const Vec3 error = plant.read().joints_m - truth;
+      mean += error / kReadings;
+      noise += error.squaredNorm() / (3.0 * kReadings * kRobots);
+    }
+    squares += mean.squaredNorm() / (3.0 * kRobots);
+  }
+  EXPECT_GT(std::sqrt(noise), 0.3e-6);
+  EXPECT_LT(std::sqrt(squares), 0.15 * std::sqrt(noise));
+}
+
 TEST(SimulatedRobot, SurvivesNonsense) {
   const RobotModel robot = load_robot("master-horizontal");
   SimulatedRobot plant(robot, 1, robot.workspace.centre_m);
