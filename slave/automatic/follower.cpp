@@ -19,6 +19,12 @@ void FollowerSettings::quiet_for(double speed_m_per_s, bool brisk) noexcept {
   along_rad_s = std::clamp(20.0 + 17.5e3 * speed_m_per_s, 50.0, 70.0);
 }
 
+void FollowerSettings::tune_independent() noexcept {
+  independent_model = ModelUse::kJoints;
+  observer_rad_s = 1000.0;
+  velocity_rad_s = 1800.0;
+}
+
 Controller make_controller(ControllerKind kind, bool closed, const FollowerSettings& s) noexcept {
   switch (resolved(kind, closed)) {
     case ControllerKind::kPreview: {
@@ -35,11 +41,13 @@ Controller make_controller(ControllerKind kind, bool closed, const FollowerSetti
     case ControllerKind::kIndependent:
       break;
   }
-  return IndependentControl{.bandwidth_rad_s = s.along_rad_s};
+  IndependentControl control{.bandwidth_rad_s = s.along_rad_s};
+  if (s.preview && s.independent_model != ModelUse::kNone) control.acceleration_ahead = s.loop_delay + 0.5;
+  return control;
 }
 
-bool uses_model(ControllerKind kind, const FollowerSettings& s) noexcept {
-  return kind == ControllerKind::kIndependent ? s.independent_model_ahead : s.model_ahead;
+ModelUse model_use(ControllerKind kind, const FollowerSettings& s) noexcept {
+  return kind == ControllerKind::kIndependent ? s.independent_model : s.model;
 }
 
 DriveSettings drive_settings(ControllerKind kind, const FollowerSettings& s) noexcept {
@@ -48,18 +56,25 @@ DriveSettings drive_settings(ControllerKind kind, const FollowerSettings& s) noe
                     .bandwidth_rad_per_s = s.observer_rad_s,
                     .velocity_bandwidth_rad_per_s = s.velocity_rad_s};
   drive.loop_delay = s.loop_delay;
-  drive.inertia = uses_model(kind, s) ? NominalInertia::kModel : NominalInertia::kDiagonal;
+  drive.inertia = model_use(kind, s) == ModelUse::kWhole ? NominalInertia::kModel : NominalInertia::kDiagonal;
   return drive;
 }
 
-/// Weight, Coriolis force and friction of the robot's file at the reference, where the currents will act.
+void Follower::reset(const Vec3& joints_m) noexcept {
+  drive_.reset(joints_m);
+  weight_n_ = robot::gravity_force(model_, kinematics_, drive_.state());
+}
+
+/// Forces of the robot's file at the reference, where the currents will act.
 Vec3 Follower::expected_force(const Tracking& now) const noexcept {
+  if (model_use_ == ModelUse::kNone) return Vec3::Zero();
   const JointReference q = joint_reference(now, now.track.at(now.tick + ahead_));
   if (!q.good) return Vec3::Zero();
+  const Vec3 friction = robot::friction_force(model_.friction, q.velocity_m_per_s);
+  if (model_use_ == ModelUse::kJoints) return weight_n_ + friction;
   const auto state = kinematics_.state(q.position_m, q.velocity_m_per_s);
   if (!state) return Vec3::Zero();
-  return robot::gravity_force(model_, kinematics_, *state) + robot::coriolis_force(model_, *state) +
-         robot::friction_force(model_.friction, q.velocity_m_per_s);
+  return robot::gravity_force(model_, kinematics_, *state) + robot::coriolis_force(model_, *state) + friction;
 }
 
 double Follower::beam_power(const Reference& reference) const noexcept {
@@ -72,8 +87,7 @@ Vec3 Follower::step(const robot::JointReading& reading, const Track& track, doub
   drive_.observe(reading);
   const Tracking now{kinematics_, drive_.state(), track, tick, origin_in_base_m_};
   const Vec3 desired = desired_acceleration(controller_, now);
-  return drive_.currents(desired.allFinite() ? desired : Vec3(Vec3::Zero()),
-                         model_ahead_ ? expected_force(now) : Vec3(Vec3::Zero()));
+  return drive_.currents(desired.allFinite() ? desired : Vec3(Vec3::Zero()), expected_force(now));
 }
 
 }  // namespace telekerf::slave

@@ -13,45 +13,52 @@ enum class ControllerKind : std::uint8_t {
   kContouring,
 };
 
+/// What of the robot's file is used beside feedback.
+enum class ModelUse : std::uint8_t {
+  kNone,    ///< the joints' masses at the start (eq. 21); all else is left to the observer
+  kJoints,  ///< every joint for itself: also its friction and its weight at the start, and preview
+  kWhole,   ///< A(q), weight, Coriolis force and friction
+};
+
 struct FollowerSettings {
   double control_hz = 2400.0;
-  int loop_delay = 0;             ///< samples from a reading to the effect of its currents
-  bool preview = true;            ///< false: accelerations of the same tick, as if the loop had no delay
-  double along_rad_s = 70.0;      ///< bandwidth of all joints, or along the path
-  double across_rad_s = 240.0;    ///< contouring: across the path
-  double observer_rad_s = 400.0;  ///< of the disturbance
-  double velocity_rad_s = 900.0;  ///< of the velocity estimate
-  /// The robot's file is used: A(q) instead of a constant diagonal, and weight, Coriolis force and friction
-  /// sent ahead. The thesis' independent joints (eq. 21, 32) have neither; `independent_model_ahead` gives
-  /// them both.
-  bool model_ahead = true;
-  bool independent_model_ahead = false;
+  int loop_delay = 0;                 ///< samples from a reading to the effect of its currents
+  bool preview = true;                ///< false: accelerations of the same tick, as if the loop had no delay
+  double along_rad_s = 70.0;          ///< bandwidth of all joints, or along the path
+  double across_rad_s = 240.0;        ///< contouring: across the path
+  double observer_rad_s = 400.0;      ///< of the disturbance
+  double velocity_rad_s = 900.0;      ///< of the velocity estimate
+  ModelUse model = ModelUse::kWhole;  ///< preview, contouring
+  ModelUse independent_model = ModelUse::kNone;  ///< as in the thesis (eq. 21, 32)
 
   /// Bandwidths of the observer that fit a speed: sensor noise makes the same ripple in m/s at any speed, so
   /// slow paths get a quieter loop; there friction changes its direction more slowly, too. `brisk` keeps the
   /// observer faster than that: at corners friction changes at once, and an even burn matters more than
   /// ripple.
   void quiet_for(double speed_m_per_s, bool brisk = false) noexcept;
+  /// Independent joints at their best at 8 mm/s: friction and weight ahead, preview, and the observer that
+  /// leaves the least error across cam, gear and octagon.
+  void tune_independent() noexcept;
 };
 
 /// The controller of a kind with gains and preview that match the loop.
 Controller make_controller(ControllerKind kind, bool closed, const FollowerSettings& settings) noexcept;
 DriveSettings drive_settings(ControllerKind kind, const FollowerSettings& settings) noexcept;
-bool uses_model(ControllerKind kind, const FollowerSettings& settings) noexcept;
+ModelUse model_use(ControllerKind kind, const FollowerSettings& settings) noexcept;
 
 class Follower {
  public:
   Follower(const robot::RobotModel& nominal, const DriveSettings& drive, const Controller& controller,
-           bool model_ahead) noexcept
+           ModelUse model_use) noexcept
       : model_(nominal),
         kinematics_(nominal.geometry),
         origin_in_base_m_(nominal.in_base(Vec3::Zero())),
         ahead_(drive.loop_delay + 0.5),
-        model_ahead_(model_ahead),
+        model_use_(model_use),
         drive_(nominal, drive),
         controller_(controller) {}
 
-  void reset(const Vec3& joints_m) noexcept { drive_.reset(joints_m); }
+  void reset(const Vec3& joints_m) noexcept;
   /// Another law from the next step on; at rest it is taken over without a jump.
   void use(const Controller& controller) noexcept { controller_ = controller; }
   /// Currents in A. A reference that is no pose of the robot gives the currents that hold it where it is.
@@ -70,7 +77,8 @@ class Follower {
   robot::DeltaKinematics kinematics_;
   Vec3 origin_in_base_m_;
   double ahead_;  ///< samples until the currents act, on average
-  bool model_ahead_;
+  ModelUse model_use_;
+  Vec3 weight_n_ = Vec3::Zero();  ///< on the joints at the start
   Drive drive_;
   Controller controller_;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Independent joint control, the baseline: each joint follows its own reference of the same tick (eq. 32).
+// Independent joint control, the baseline: each joint follows its own reference of the same tick (eq. 32),
+// unless its acceleration is read ahead.
 #pragma once
 
 #include <cmath>
@@ -10,13 +11,16 @@
 namespace telekerf::slave {
 
 struct IndependentControl {
-  double bandwidth_rad_s = 60.0;  ///< K_p1 = bandwidth^2
-  double damping = 1.0;           ///< K_p2 = 2 damping bandwidth
+  double bandwidth_rad_s = 60.0;    ///< K_p1 = bandwidth^2
+  double damping = 1.0;             ///< K_p2 = 2 damping bandwidth
+  double acceleration_ahead = 0.0;  ///< samples, as in preview control
 
   Vec3 update(const Tracking& now) const noexcept {
     const JointReference q = joint_reference(now, now.track.at(now.tick));
-    if (!q.good) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-    return q.acceleration_m_per_s2 +
+    const JointReference a =
+        acceleration_ahead == 0.0 ? q : joint_reference(now, now.track.at(now.tick + acceleration_ahead));
+    if (!q.good || !a.good) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+    return a.acceleration_m_per_s2 +
            2.0 * damping * bandwidth_rad_s * (q.velocity_m_per_s - now.measured.joint_velocity_m_per_s) +
            bandwidth_rad_s * bandwidth_rad_s * (q.position_m - now.measured.joints_m);
   }

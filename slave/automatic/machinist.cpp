@@ -13,7 +13,7 @@ Machinist::Machinist(const robot::RobotModel& nominal, const Job& job, const Mac
       settings_(settings),
       workspace_radius_m_(nominal.workspace.radius_m),
       follower_(nominal, drive_settings(settings.controller, settings.follower), controllers_[0],
-                uses_model(settings.controller, settings.follower)),
+                model_use(settings.controller, settings.follower)),
       hold_({Reference{}}) {
   turn_to(0);
 }

@@ -234,7 +234,7 @@ ContourRunSettings run_settings(const Options& options) {
   s.plan.tolerance_m = options.tolerance_um * 1e-6;
   s.follower.loop_delay = options.loop_delay;
   s.follower.preview = !options.no_preview;
-  s.follower.model_ahead = !options.no_model_ahead;
+  if (options.no_model_ahead) s.follower.model = slave::ModelUse::kNone;
   s.follower.quiet_for(s.plan.speed_m_per_s, s.plan.corner == slave::CornerPolicy::kSlow);
   if (options.along_rad_s > 0.0) s.follower.along_rad_s = options.along_rad_s;
   if (options.across_rad_s > 0.0) s.follower.across_rad_s = options.across_rad_s;
@@ -245,10 +245,25 @@ ContourRunSettings run_settings(const Options& options) {
   return s;
 }
 
+const char* name_of(slave::ModelUse use) {
+  switch (use) {
+    case slave::ModelUse::kNone:
+      return "none";
+    case slave::ModelUse::kJoints:
+      return "joints";
+    case slave::ModelUse::kWhole:
+      return "whole";
+  }
+  return "unknown";
+}
+
 ordered_json tuning(const ContourRunSettings& s) {
-  return {{"along_rad_s", s.follower.along_rad_s},       {"across_rad_s", s.follower.across_rad_s},
-          {"observer_rad_s", s.follower.observer_rad_s}, {"velocity_rad_s", s.follower.velocity_rad_s},
-          {"model_ahead", s.follower.model_ahead},       {"preview", s.follower.preview},
+  return {{"along_rad_s", s.follower.along_rad_s},
+          {"across_rad_s", s.follower.across_rad_s},
+          {"observer_rad_s", s.follower.observer_rad_s},
+          {"velocity_rad_s", s.follower.velocity_rad_s},
+          {"model", name_of(slave::model_use(s.controller, s.follower))},
+          {"preview", s.follower.preview},
           {"loop_delay", s.follower.loop_delay}};
 }
 
@@ -256,23 +271,42 @@ double ratio(const ordered_json& ours, const ordered_json& theirs) {
   return ours["normal_error_um"]["rms"].get<double>() / theirs["normal_error_um"]["rms"].get<double>();
 }
 
-/// The same drive for both laws: once without the robot's model (eq. 21-24), once with all of it.
+ordered_json side_by_side(const slave::Plan& plan, const geometry::Polyline& contour,
+                          const ContourRunSettings& settings, const ContourRunSettings& independent) {
+  const auto ours = measure(run_contour(plan, contour, settings), settings);
+  const auto theirs = measure(run_contour(plan, contour, independent), independent);
+  return {{"normal_error_um", ours["normal_error_um"]},
+          {"independent_normal_error_um", theirs["normal_error_um"]},
+          {"mean_mm_s", ours["tangential_speed"]["mean_mm_s"]},
+          {"independent_mean_mm_s", theirs["tangential_speed"]["mean_mm_s"]},
+          {"ripple_percent", ours["tangential_speed"]["ripple_percent"]},
+          {"independent_ripple_percent", theirs["tangential_speed"]["ripple_percent"]},
+          {"normal_error_ratio", ratio(ours, theirs)}};
+}
+
+/// The same drive for both laws: once without the robot's model (eq. 21-24), once with all of it. Then what
+/// is used beside independent joints at their best, as the sensors are and without their error.
 ordered_json equal_terms(const slave::Plan& plan, const geometry::Polyline& contour,
-                         ContourRunSettings settings) {
+                         const ContourRunSettings& used) {
   ordered_json out;
-  for (const bool model : {false, true}) {
-    settings.follower.model_ahead = settings.follower.independent_model_ahead = model;
+  for (const auto model : {slave::ModelUse::kNone, slave::ModelUse::kWhole}) {
+    ContourRunSettings settings = used;
+    settings.follower.model = settings.follower.independent_model = model;
     ContourRunSettings other = settings;
     other.controller = slave::ControllerKind::kIndependent;
-    const auto ours = measure(run_contour(plan, contour, settings), settings);
-    const auto theirs = measure(run_contour(plan, contour, other), other);
-    out[model ? "both_with_model" : "both_without_model"] = {
-        {"normal_error_um", ours["normal_error_um"]},
-        {"independent_normal_error_um", theirs["normal_error_um"]},
-        {"mean_mm_s", ours["tangential_speed"]["mean_mm_s"]},
-        {"independent_mean_mm_s", theirs["tangential_speed"]["mean_mm_s"]},
-        {"normal_error_ratio", ratio(ours, theirs)}};
+    out[model == slave::ModelUse::kNone ? "both_without_model" : "both_with_model"] =
+        side_by_side(plan, contour, settings, other);
   }
+  ContourRunSettings settings = used;
+  ContourRunSettings best = used;
+  best.controller = slave::ControllerKind::kIndependent;
+  best.follower.tune_independent();
+  for (const bool perfect : {false, true}) {
+    settings.perfect_sensor = best.perfect_sensor = perfect;
+    out[perfect ? "independent_tuned_perfect_sensor" : "independent_tuned"] =
+        side_by_side(plan, contour, settings, best);
+  }
+  out["independent_tuning"] = tuning(best);
   return out;
 }
 

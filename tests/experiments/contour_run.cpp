@@ -28,6 +28,10 @@ robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunS
   }
   robot::RobotModel model = robot::mismatched(nominal, settings.mismatch, settings.seed + 1000);
   model.sensor.kind = robot::Sensor::Kind::kHall;
+  if (settings.perfect_sensor) {
+    model.sensor = {};
+    model.sensor.resolution_m = 0.0;
+  }
   return model;
 }
 
@@ -51,7 +55,7 @@ ContourRun run_contour(const slave::Plan& plan, const geometry::Polyline& contou
                               nominal.in_base(track[0].position_m));
   slave::Follower follower(nominal, slave::drive_settings(settings.controller, settings.follower),
                            slave::make_controller(settings.controller, closed, settings.follower),
-                           slave::uses_model(settings.controller, settings.follower));
+                           slave::model_use(settings.controller, settings.follower));
   follower.reset(robot.read().joints_m);
 
   ContourRun run;

@@ -20,6 +20,7 @@ struct ContourRunSettings {
   std::string robot = "slave-keops";
   /// true: no friction, no mismatch, ideal sensors; false: all of them, and Hall sensors.
   bool ideal = false;
+  bool perfect_sensor = false;  ///< the full plant, but its joints are read without error
   double mismatch = 0.1;
   std::uint64_t seed = 1;
   double laser_w = 10.0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "slave/laser/kerf.h"
 #include "tests/experiments/contour_run.h"
 
 namespace telekerf::experiments {
@@ -62,13 +63,34 @@ TEST(ContourRun, ContouringHoldsItsBarsAndBeatsIndependentJoints) {
 TEST(ContourRun, WithoutAnyModelContouringStillBeatsIndependentJoints) {
   // The thesis' terms (eq. 21-24, 32, 57): the same drive for both, a constant diagonal inertia.
   ContourRunSettings settings = at(8e-3);
-  settings.follower.model_ahead = false;
+  settings.follower.model = slave::ModelUse::kNone;
   const auto contouring = measured(octagon(6e-3), settings);
   settings.controller = slave::ControllerKind::kIndependent;
   const auto independent = measured(octagon(6e-3), settings);
   const double normal = contouring["normal_error_um"]["rms"];
   EXPECT_LT(normal, 5.0);
   EXPECT_LT(normal, 0.4 * independent["normal_error_um"]["rms"].get<double>());
+}
+
+TEST(ContourRun, ContouringBeatsIndependentJointsAtTheirBest) {
+  // Friction and weight ahead, preview and a fast observer for them; what then remains is mostly the
+  // sensors'.
+  for (const bool perfect : {false, true}) {
+    ContourRunSettings settings = at(8e-3);
+    settings.perfect_sensor = perfect;
+    const auto contouring = measured(octagon(6e-3), settings);
+    const auto thesis = [&] {
+      settings.controller = slave::ControllerKind::kIndependent;
+      return measured(octagon(6e-3), settings);
+    }();
+    settings.follower.tune_independent();
+    const auto tuned = measured(octagon(6e-3), settings);
+    const double normal = contouring["normal_error_um"]["rms"];
+    const double best = tuned["normal_error_um"]["rms"];
+    EXPECT_LT(best, 0.3 * thesis["normal_error_um"]["rms"].get<double>());
+    EXPECT_LT(normal, (perfect ? 0.4 : 0.9) * best);
+    EXPECT_NEAR(tuned["tangential_speed"]["mean_mm_s"].get<double>(), 8.0, 0.08);
+  }
 }
 
 TEST(ContourRun, MatchedPreviewHalvesTheErrorOfADelayedLoop) {
@@ -89,6 +111,81 @@ TEST(ContourRun, SlowSmoothStrokesAreEven) {
   EXPECT_LT(result["reference_error_um"]["rms"].get<double>(), 4.0);
   settings.mismatch = 0.0;
   EXPECT_LT(measured(wave(9e-3), settings)["reference_error_um"]["rms"].get<double>(), 1.5);
+}
+
+/// A cam: smooth, of no constant curvature.
+Polyline cam() {
+  Polyline line{{}, true};
+  for (int i = 0; i < 720; ++i) {
+    const double t = std::numbers::pi / 360 * i;
+    const double r = 3.5e-3 + 0.7e-3 * std::cos(t) + 0.2e-3 * std::cos(2 * t);
+    line.points_m.emplace_back(r * std::cos(t), r * std::sin(t));
+  }
+  return line;
+}
+
+struct Cut {
+  double kerf_m = 0.0;
+  double mean_m = 0.0;   ///< how far the finished edge lies outside the drawn line
+  double worst_m = 0.0;  ///< largest distance of the two, away from corners
+};
+
+/// The drawn contour (counter-clockwise) cut with a compensation on the full plant, and where the material
+/// that stays begins: inside of the groove, or outside of it for a hole.
+Cut cut(const Polyline& drawn, double compensation_m, bool hole) {
+  const ContourRunSettings settings = at(8e-3);
+  const Polyline line = slave::compensated(drawn, compensation_m, hole);
+  const auto plan = slave::make_plan(line, settings.plan);
+  EXPECT_TRUE(plan);
+  const ContourRun run = run_contour(*plan, line, settings);
+  const slave::PulsedSourceSettings source;
+  slave::HeightMap map({.half_width_m = 5e-3, .pixel_m = 4e-6}, slave::material("wood"), source);
+  Polyline tool{{}, true};
+  for (std::size_t i = 0; i + 1 < run.pass.rows.size(); ++i) {
+    const slave::PassRow& row = run.pass.rows[i];
+    map.expose(row.tool_m.head<2>(), run.pass.rows[i + 1].tool_m.head<2>(), row.laser_w, plan->period_s);
+    if (row.reference.arc_length_m < plan->path.length_m()) tool.points_m.emplace_back(row.tool_m.head<2>());
+  }
+  const slave::MarkAlongPath mark = slave::measure_mark(map, tool, source.spot_radius_m);
+
+  Cut out;
+  out.kerf_m = mark.kerf_m;
+  const auto corners = slave::corners_of(drawn);
+  const geometry::NearestIndex index(drawn);
+  int count = 0;
+  for (double s = 0.0; s < index.length_m(); s += 20e-6) {
+    const auto place = index.at(s);
+    const bool corner = std::any_of(corners.begin(), corners.end(),
+                                    [&](const auto& c) { return (c - place.point_m).norm() < 0.3e-3; });
+    if (corner) continue;
+    const slave::Vec2 outward(place.tangent.y(), -place.tangent.x());
+    const double towards = hole ? -1.0 : 1.0;  // from the piece to the groove
+    double d = -towards * 0.15e-3;
+    while (std::abs(d) < 0.2e-3 && map.depth_at(place.point_m + d * outward) < 0.5 * mark.depth_m)
+      d += towards * 1e-6;
+    out.mean_m += d;
+    out.worst_m = std::max(out.worst_m, std::abs(d));
+    ++count;
+  }
+  out.mean_m /= count;
+  return out;
+}
+
+TEST(ContourRun, KerfCompensationGivesThePieceItsDrawnSize) {
+  for (const Polyline& drawn : {octagon(4e-3), cam()}) {
+    const Cut plain = cut(drawn, 0.0, false);
+    EXPECT_GT(plain.kerf_m, 30e-6);
+    EXPECT_NEAR(plain.mean_m, -0.5 * plain.kerf_m, 5e-6) << "smaller by half the kerf";
+    const Cut piece = cut(drawn, plain.kerf_m, false);
+    EXPECT_NEAR(piece.mean_m, 0.0, 5e-6);
+    EXPECT_LT(piece.worst_m, 10e-6);
+    const Cut hole = cut(drawn, plain.kerf_m, true);
+    EXPECT_NEAR(hole.mean_m, 0.0, 5e-6);
+    EXPECT_LT(hole.worst_m, 10e-6);
+    std::printf("kerf %.1f um; edge %.1f um off without, %.1f (worst %.1f) with it; hole %.1f (worst %.1f)\n",
+                1e6 * plain.kerf_m, 1e6 * plain.mean_m, 1e6 * piece.mean_m, 1e6 * piece.worst_m,
+                1e6 * hole.mean_m, 1e6 * hole.worst_m);
+  }
 }
 
 TEST(ContourRun, SameSeedSameNumbers) {
