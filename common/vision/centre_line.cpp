@@ -2,7 +2,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
 #include <optional>
 #include <span>
 #include <utility>
@@ -117,22 +116,14 @@ double centre_once(const Field& field, std::vector<Vec2>& p, const std::vector<b
   const std::vector<Vec2> tangents = tangents_of(p, closed, reach);
   std::vector<double> shift(n, 0.0);
   std::vector<double> found(n, 0.0);  // width; 0: the borders are not there
-  const auto look = [&](const cv::Range& range) {
-    for (int at = range.start; at < range.end; ++at) {
-      const auto i = static_cast<std::size_t>(at);
-      if (junction[i]) continue;
-      const Vec2 normal(-tangents[i].y(), tangents[i].x());
-      const auto left = ink_ends(field, p[i], normal, 1.2 * width_px + 2.0, 0.3 * width_px);
-      const auto right = ink_ends(field, p[i], -normal, 1.2 * width_px + 2.0, 0.3 * width_px);
-      if (!left || !right || *left + *right > 1.45 * width_px + 1.0) continue;
-      found[i] = *left + *right;
-      shift[i] = 0.5 * (*left - *right);
-    }
-  };
-  if (const cv::Range all(0, static_cast<int>(n)); n > 500) {
-    cv::parallel_for_(all, look);
-  } else {
-    look(all);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (junction[i]) continue;
+    const Vec2 normal(-tangents[i].y(), tangents[i].x());
+    const auto left = ink_ends(field, p[i], normal, 1.2 * width_px + 2.0, 0.3 * width_px);
+    const auto right = ink_ends(field, p[i], -normal, 1.2 * width_px + 2.0, 0.3 * width_px);
+    if (!left || !right || *left + *right > 1.45 * width_px + 1.0) continue;
+    found[i] = *left + *right;
+    shift[i] = 0.5 * (*left - *right);
   }
   std::vector<bool> good(n, false);
   std::vector<double> widths;

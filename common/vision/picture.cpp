@@ -58,17 +58,21 @@ cv::Mat to_eight_bits(const cv::Mat& image) {
 }
 
 std::array<double, 256> histogram_of(const cv::Mat& plane) {
-  // Every other row of a large picture says as much. Four counters in turn, so that equal neighbours don't
-  // wait for each other.
-  const int step = plane.rows >= 1000 ? 2 : 1;
+  // A quarter of a large picture's rows says as much: other ones in each stretch of columns, so that a level
+  // line is not missed. Four counters in turn, so that equal neighbours don't wait for each other.
+  constexpr int kStretch = 64;
+  const int step = plane.rows >= 1000 ? 4 : 1;
   std::array<std::array<std::uint32_t, 256>, 4> counts{};
-  for (int y = 0; y < plane.rows; y += step) {
+  for (int y = 0; y < plane.rows; ++y) {
     const auto* row = plane.ptr<unsigned char>(y);
-    int x = 0;
-    for (; x + 4 <= plane.cols; x += 4) {
-      for (int k = 0; k < 4; ++k) ++counts[k][row[x + k]];
+    for (int first = y % step * kStretch; first < plane.cols; first += step * kStretch) {
+      const int end = std::min(first + kStretch, plane.cols);
+      int x = first;
+      for (; x + 4 <= end; x += 4) {
+        for (int k = 0; k < 4; ++k) ++counts[k][row[x + k]];
+      }
+      for (; x < end; ++x) ++counts[0][row[x]];
     }
-    for (; x < plane.cols; ++x) ++counts[0][row[x]];
   }
   std::array<double, 256> out{};
   for (int i = 0; i < 256; ++i) out[i] = double(counts[0][i]) + counts[1][i] + counts[2][i] + counts[3][i];
@@ -206,7 +210,7 @@ double noise_of(const cv::Mat& grey) {
     const auto* a = grey.ptr<unsigned char>(y - 1);
     const auto* b = grey.ptr<unsigned char>(y);
     const auto* c = grey.ptr<unsigned char>(y + 1);
-    for (int x = 1; x + 1 < grey.cols; x += 2) {
+    for (int x = 1; x + 1 < grey.cols; x += 3) {
       const int v = a[x - 1] - 2 * a[x] + a[x + 1] - 2 * (b[x - 1] - 2 * b[x] + b[x + 1]) + c[x - 1] -
                     2 * c[x] + c[x + 1];
       counts[std::min(std::abs(v), 2047)] += 1.0;
@@ -253,11 +257,13 @@ bool border_is_dark(const cv::Mat& smooth, double level) {
   return dark >= rows + cols;
 }
 
+using Light = Eigen::Matrix<double, 6, 1>;  ///< of 1, u, v, u u, u v, v v
+
 /// Slow change of the light over the background: a parabola in x and y through the picture's block medians,
 /// fitted again and again without the blocks that lie off it. False when the background is not the larger
 /// part of the picture.
-bool light_of(const cv::Mat& grey, double noise, Eigen::Matrix<double, 6, 1>& light) {
-  constexpr int kBlocks = 32;
+bool light_of(const cv::Mat& grey, double noise, Light& light) {
+  constexpr int kBlocks = 20;
   // A block's median, from a few of its pixels: the paper's, even where a good part of the block is drawn on.
   constexpr int kSide = 5;
   cv::Mat small(kBlocks, kBlocks, CV_8U);
@@ -273,28 +279,27 @@ bool light_of(const cv::Mat& grey, double noise, Eigen::Matrix<double, 6, 1>& li
       small.at<unsigned char>(y, x) = sample[sample.size() / 2];
     }
   }
-  using Row = Eigen::Matrix<double, 6, 1>;
   const auto row_at = [&](int x, int y) {
     const double u = (x + 0.5) / kBlocks - 0.5;
     const double v = (y + 0.5) / kBlocks - 0.5;
-    return Row(1.0, u, v, u * u, u * v, v * v);
+    return Light(1.0, u, v, u * u, u * v, v * v);
   };
   std::vector<double> values;
   for (int y = 0; y < kBlocks; ++y) {
     for (int x = 0; x < kBlocks; ++x) values.push_back(small.at<unsigned char>(y, x));
   }
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  light = Row::Zero();
+  light = Light::Zero();
   light[0] = values[values.size() / 2];
   double tolerance = 40.0;
   double inside = 0.0;
   for (int pass = 0; pass < 8; ++pass) {
     Eigen::Matrix<double, 6, 6> normal = 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
-    Row right = Row::Zero();
+    Light right = Light::Zero();
     inside = 0.0;
     for (int y = 0; y < kBlocks; ++y) {
       for (int x = 0; x < kBlocks; ++x) {
-        const Row row = row_at(x, y);
+        const Light row = row_at(x, y);
         const double value = small.at<unsigned char>(y, x);
         if (std::abs(value - row.dot(light)) > tolerance) continue;
         normal += row * row.transpose();
@@ -309,21 +314,30 @@ bool light_of(const cv::Mat& grey, double noise, Eigen::Matrix<double, 6, 1>& li
   return inside > 0.55;
 }
 
-/// The picture minus the light's change, around 128 (dark side) or wherever the contrast still fits.
-cv::Mat flattened(const cv::Mat& smooth, const Eigen::Matrix<double, 6, 1>& light) {
+/// How far the light can differ from its middle's.
+double change_of(const Light& light) {
+  return 0.5 * light.segment<2>(1).lpNorm<1>() + 0.25 * light.tail<3>().lpNorm<1>();
+}
+
+/// The picture minus the light's change, in whole grey levels: bytes stay bytes.
+cv::Mat flattened(const cv::Mat& smooth, const Light& light) {
+  constexpr int kStretch = 32;
   cv::Mat out(smooth.size(), CV_8U);
   for (int y = 0; y < smooth.rows; ++y) {
     const double v = (y + 0.5) / smooth.rows - 0.5;
     const auto* in = smooth.ptr<unsigned char>(y);
     auto* to = out.ptr<unsigned char>(y);
-    const auto a = static_cast<float>(light[2] * v + light[5] * v * v);
-    const auto b = static_cast<float>(light[1] + light[4] * v);
-    const auto c = static_cast<float>(light[3]);
-    const float step = 1.0F / static_cast<float>(smooth.cols);
-    for (int x = 0; x < smooth.cols; ++x) {
-      const float u = (static_cast<float>(x) + 0.5F) * step - 0.5F;
-      const float value = static_cast<float>(in[x]) - (a + (b + c * u) * u) + 0.5F;
-      to[x] = static_cast<unsigned char>(std::clamp(value, 0.0F, 255.0F));
+    for (int first = 0; first < smooth.cols; first += kStretch) {
+      const int end = std::min(first + kStretch, smooth.cols);
+      const double u = 0.5 * (first + end) / smooth.cols - 0.5;
+      const double change = (light[1] + light[3] * u + light[4] * v) * u + (light[2] + light[5] * v) * v;
+      const auto more = static_cast<unsigned char>(std::clamp(std::lround(change), 0L, 255L));
+      const auto less = static_cast<unsigned char>(std::clamp(std::lround(-change), 0L, 255L));
+      const auto most = static_cast<unsigned char>(255 - less);
+      for (int x = first; x < end; ++x) {
+        const unsigned char value = std::min(std::max(in[x], more), most);
+        to[x] = static_cast<unsigned char>(value - more + less);
+      }
     }
   }
   return out;
@@ -355,12 +369,11 @@ bool separate_from_background(const std::array<double, 256>& counts, double back
 }
 
 /// Smooths and finds the level half way between drawing and background, where a blurred border lies.
-void separate(const cv::Mat& grey, double sigma_px, const Eigen::Matrix<double, 6, 1>* light, Field& field) {
+void separate(const cv::Mat& grey, double sigma_px, const Light* light, Field& field) {
   field.sigma_px = sigma_px;
   const int size = 2 * static_cast<int>(std::ceil(2.0 * sigma_px)) + 1;
   cv::GaussianBlur(grey, field.smooth, {size, size}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
-  if (light != nullptr && light->tail<5>().cwiseAbs().maxCoeff() > 4.0)
-    field.smooth = flattened(field.smooth, *light);
+  if (light != nullptr && change_of(*light) > 3.0) field.smooth = flattened(field.smooth, *light);
   const auto counts = histogram_of(field.smooth);
   const double noise = field.noise / (2.0 * sigma_px * std::sqrt(M_PI));
   if (light != nullptr && separate_from_background(counts, (*light)[0], noise, field)) return;
@@ -380,7 +393,7 @@ void separate(const cv::Mat& grey, double sigma_px, const Eigen::Matrix<double, 
 tl::expected<Field, std::string> make_field(const cv::Mat& grey) {
   Field field;
   field.noise = noise_of(grey);
-  Eigen::Matrix<double, 6, 1> light;
+  Light light;
   const bool even = light_of(grey, field.noise, light);
   separate(grey, 1.0, even ? &light : nullptr, field);
   if (field.noise > 0.08 * field.contrast && field.noise > 1.0)

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -64,20 +63,29 @@ class Router {
       if (line.from < 0 || line.to < 0 || line.from == line.to) continue;
       if (graph_.nodes[line.from].degree < 3 || graph_.nodes[line.to].degree < 3) continue;
       const auto length = static_cast<double>(line.pixels.size());
-      double least = std::numeric_limits<double>::infinity();
       if (forks(line, false) && forks(line, true) && length <= kLongestOverlap * width_) {
         cluster_[root(line.from)] = root(line.to);
         used_[i] = true;
         continue;
       }
       if (length > 5.0 * width_) continue;
-      for (const cv::Point& p : line.pixels) least = std::min(least, half_width_at(drawn_, p));
-      const bool thick = line.pixels.empty() || least > 0.58 * width_;
-      if (length <= 1.2 * width_ + 1.0 || thick) {
+      if (length <= 1.2 * width_ + 1.0 || stays_thick(line)) {
         cluster_[root(line.from)] = root(line.to);
         used_[i] = true;
       }
     }
+  }
+
+  /// The ink along the whole line is wider than one stroke. A pixel's half width says something about its
+  /// neighbours' as well.
+  bool stays_thick(const SkeletonGraph::Line& line) const {
+    const double least = 0.58 * width_;
+    for (std::size_t i = 0; i < line.pixels.size();) {
+      const double half_width = half_width_at(drawn_, line.pixels[i]);
+      if (half_width <= least) return false;
+      i += 1 + static_cast<std::size_t>((half_width - least) / std::sqrt(2.0));
+    }
+    return true;
   }
 
   /// The two other lines at this end of `line` run on as it came: two strokes that had lain on each other.

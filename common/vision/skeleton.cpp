@@ -3,54 +3,111 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace telekerf::vision {
 namespace {
 
-// Clockwise from north; bit i of a neighbourhood is neighbour i.
+// Clockwise from north.
 constexpr std::array<int, 8> kDx{0, 1, 1, 1, 0, -1, -1, -1};
 constexpr std::array<int, 8> kDy{-1, -1, 0, 1, 1, 1, 0, -1};
 
-using Table = std::array<bool, 256>;
-
-Table guo_hall(bool first) {
-  Table table{};
-  for (int n = 0; n < 256; ++n) {
-    const auto p = [&](int i) { return ((n >> (i - 2)) & 1) != 0; };  // p2 north .. p9 north-west
-    const int crossings = (!p(2) && (p(3) || p(4))) + (!p(4) && (p(5) || p(6))) + (!p(6) && (p(7) || p(8))) +
-                          (!p(8) && (p(9) || p(2)));
-    const int n1 = (p(9) || p(2)) + (p(3) || p(4)) + (p(5) || p(6)) + (p(7) || p(8));
-    const int n2 = (p(2) || p(3)) + (p(4) || p(5)) + (p(6) || p(7)) + (p(8) || p(9));
-    const int least = std::min(n1, n2);
-    const bool side = first ? (p(6) || p(7) || !p(9)) && p(8) : (p(2) || p(3) || !p(5)) && p(4);
-    table[n] = crossings == 1 && least >= 2 && least <= 3 && !side;
+/// Every x where a row is not zero; empty stretches are passed eight pixels at a time.
+template <typename Visit>
+void for_each_pixel(const unsigned char* row, int columns, const Visit& visit) {
+  int x = 0;
+  while (x < columns) {
+    std::uint64_t eight = 0;
+    if (x + 8 <= columns) {
+      std::memcpy(&eight, row + x, 8);
+      if (eight == 0) {
+        x += 8;
+        continue;
+      }
+    }
+    for (const int end = std::min(x + 8, columns); x < end; ++x) {
+      if (row[x] != 0) visit(x);
+    }
   }
-  return table;
 }
 
-/// Pixels that are not zero, row by row; empty stretches are passed eight pixels at a time.
+/// Drawn pixels as bits, 64 to a word, with an empty word or row all around. The lowest bit is the leftmost
+/// pixel.
+class Bits {
+ public:
+  explicit Bits(const cv::Mat& drawn)
+      : columns_(drawn.cols), rows_(drawn.rows), stride_(static_cast<std::size_t>((drawn.cols + 63) / 64) + 2) {
+    words_.assign(stride_ * static_cast<std::size_t>(rows_ + 2), 0);
+    for (int y = 0; y < rows_; ++y) {
+      for_each_pixel(drawn.ptr<unsigned char>(y), columns_,
+                     [&](int x) { words_[index(x, y)] |= std::uint64_t{1} << x % 64; });
+    }
+  }
+
+  std::uint64_t& operator[](std::size_t i) { return words_[i]; }
+  std::size_t size() const { return words_.size(); }
+  std::size_t stride() const { return stride_; }
+
+  cv::Mat image() const {
+    cv::Mat out(rows_, columns_, CV_8U, cv::Scalar(0));
+    for (int y = 0; y < rows_; ++y) {
+      auto* row = out.ptr<unsigned char>(y);
+      for (int x = 0; x < columns_; x += 64) {
+        for (std::uint64_t left = words_[index(x, y)]; left != 0; left &= left - 1)
+          row[x + std::countr_zero(left)] = 255;
+      }
+    }
+    return out;
+  }
+
+  /// Pixels of one word that Guo and Hall's first or second half step takes away.
+  std::uint64_t taken(std::size_t i, bool first) const {
+    const std::uint64_t p2 = words_[i - stride_];
+    const std::uint64_t p3 = east(i - stride_);
+    const std::uint64_t p4 = east(i);
+    const std::uint64_t p5 = east(i + stride_);
+    const std::uint64_t p6 = words_[i + stride_];
+    const std::uint64_t p7 = west(i + stride_);
+    const std::uint64_t p8 = west(i);
+    const std::uint64_t p9 = west(i - stride_);
+    const std::uint64_t c1 = ~p2 & (p3 | p4);
+    const std::uint64_t c2 = ~p4 & (p5 | p6);
+    const std::uint64_t c3 = ~p6 & (p7 | p8);
+    const std::uint64_t c4 = ~p8 & (p9 | p2);
+    const std::uint64_t one_crossing = ((c1 ^ c2) & ~(c3 | c4)) | ((c3 ^ c4) & ~(c1 | c2));
+    const std::uint64_t n1 = two_of(p9 | p2, p3 | p4, p5 | p6, p7 | p8);
+    const std::uint64_t n2 = two_of(p2 | p3, p4 | p5, p6 | p7, p8 | p9);
+    const std::uint64_t all = (p9 | p2) & (p3 | p4) & (p5 | p6) & (p7 | p8) & (p2 | p3) & (p4 | p5) &
+                              (p6 | p7) & (p8 | p9);
+    const std::uint64_t kept = first ? (p6 | p7 | ~p9) & p8 : (p2 | p3 | ~p5) & p4;
+    return words_[i] & one_crossing & n1 & n2 & ~all & ~kept;
+  }
+
+ private:
+  static std::uint64_t two_of(std::uint64_t a, std::uint64_t b, std::uint64_t c, std::uint64_t d) {
+    return (a & b) | (c & d) | ((a | b) & (c | d));
+  }
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y + 1) * stride_ + static_cast<std::size_t>(x / 64 + 1);
+  }
+  std::uint64_t east(std::size_t i) const { return words_[i] >> 1 | words_[i + 1] << 63; }
+  std::uint64_t west(std::size_t i) const { return words_[i] << 1 | words_[i - 1] >> 63; }
+
+  int columns_;
+  int rows_;
+  std::size_t stride_;
+  std::vector<std::uint64_t> words_;
+};
+
 std::vector<cv::Point> pixels_of(const cv::Mat& image) {
   std::vector<cv::Point> out;
   for (int y = 0; y < image.rows; ++y) {
-    const auto* row = image.ptr<unsigned char>(y);
-    int x = 0;
-    while (x < image.cols) {
-      std::uint64_t eight = 0;
-      if (x + 8 <= image.cols) {
-        std::memcpy(&eight, row + x, 8);
-        if (eight == 0) {
-          x += 8;
-          continue;
-        }
-      }
-      for (const int end = std::min(x + 8, image.cols); x < end; ++x) {
-        if (row[x] != 0) out.emplace_back(x, y);
-      }
-    }
+    for_each_pixel(image.ptr<unsigned char>(y), image.cols, [&](int x) { out.emplace_back(x, y); });
   }
   return out;
 }
@@ -74,64 +131,36 @@ int graph_neighbours(const cv::Mat& s, cv::Point p, std::array<cv::Point, 8>& ou
 }  // namespace
 
 cv::Mat thinned(const cv::Mat& drawn) {
-  static const std::array<Table, 2> kTables{guo_hall(true), guo_hall(false)};
-  // One pixel of margin all around, so that no neighbour needs a bound.
-  cv::Mat image;
-  cv::copyMakeBorder(drawn, image, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  const auto stride = static_cast<std::ptrdiff_t>(image.step);
-  auto* data = image.data;
-  std::array<std::ptrdiff_t, 8> offset;
-  for (int i = 0; i < 8; ++i) offset[i] = kDy[i] * stride + kDx[i];
-
-  // A pixel's fate depends on its neighbours and on which of the two tables is asked: one that has outlived
-  // both is not asked again until a neighbour goes.
-  constexpr unsigned char kInside = 255;  // 0: gone
-  constexpr unsigned char kListed = 1;
-  constexpr unsigned char kOutlivedBoth = kListed + 2;
-  std::vector<std::ptrdiff_t> border;
-  for (const cv::Point& p : pixels_of(image)) {
-    const std::ptrdiff_t at = p.y * stride + p.x;
-    if (data[at - 1] == 0 || data[at + 1] == 0 || data[at - stride] == 0 || data[at + stride] == 0)
-      border.push_back(at);
+  Bits bits(drawn);
+  const std::size_t stride = bits.stride();
+  // A pixel's fate depends on its neighbours and on which half step it is: a word that has outlived both is
+  // not looked at again until one of the words around it changes.
+  std::vector<unsigned char> due(bits.size(), 0);  // half steps to go
+  std::vector<std::size_t> active;
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    if (bits[i] == 0) continue;
+    due[i] = 2;
+    active.push_back(i);
   }
-  for (const std::ptrdiff_t at : border) data[at] = kListed;
-
-  cv::Mat codes(image.size(), CV_8U);  // of each reached pixel: which neighbours are left
-  auto* left = codes.data;
-  const auto code = [&](std::ptrdiff_t at) {
-    unsigned n = 0;
-    for (int i = 0; i < 8; ++i) n |= (data[at + offset[i]] != 0 ? 1u : 0u) << i;
-    return static_cast<unsigned char>(n);
-  };
-  std::vector<std::ptrdiff_t> reached = border;
-  for (const std::ptrdiff_t at : border) left[at] = code(at);
-  std::vector<std::ptrdiff_t> gone;
-  for (int pass = 0; !border.empty(); ++pass) {
-    const Table& table = kTables[pass % 2];
-    gone.clear();
-    std::erase_if(border, [&](std::ptrdiff_t at) {
-      const bool goes = table[left[at]];
-      if (goes) gone.push_back(at);
-      return goes || ++data[at] == kOutlivedBoth;
+  std::vector<std::pair<std::size_t, std::uint64_t>> taken;
+  for (int step = 0; !active.empty(); ++step) {
+    taken.clear();
+    std::erase_if(active, [&](std::size_t i) {
+      if (const std::uint64_t mask = bits.taken(i, step % 2 == 0); mask != 0) taken.emplace_back(i, mask);
+      return --due[i] == 0;
     });
-    for (const std::ptrdiff_t at : gone) data[at] = 0;
-    for (const std::ptrdiff_t at : gone) {
-      for (int i = 0; i < 8; ++i) {
-        const std::ptrdiff_t neighbour = at + offset[i];
-        unsigned char& state = data[neighbour];
-        if (state == 0) continue;
-        if (state == kInside) {
-          reached.push_back(neighbour);
-          left[neighbour] = code(neighbour);
+    for (const auto& [word, mask] : taken) {
+      bits[word] &= ~mask;
+      for (const std::size_t row : {word - stride, word, word + stride}) {
+        for (std::size_t i = row - 1; i <= row + 1; ++i) {
+          if (bits[i] == 0) continue;
+          if (due[i] == 0) active.push_back(i);
+          due[i] = 2;
         }
-        left[neighbour] &= static_cast<unsigned char>(~(1u << ((i + 4) % 8)));
-        if (state == kInside || state == kOutlivedBoth) border.push_back(neighbour);
-        state = kListed;
       }
     }
   }
-  for (const std::ptrdiff_t at : reached) data[at] = data[at] != 0 ? kInside : 0;
-  return image(cv::Rect(1, 1, drawn.cols, drawn.rows));
+  return bits.image();
 }
 
 double half_width_at(const cv::Mat& drawn, const cv::Point& p) {

@@ -9,7 +9,7 @@
 
 namespace telekerf::vision {
 
-/// Guo and Hall's parallel thinning on a list of border pixels: cost is proportional to the ink. CV_8U, 0 and
+/// Guo and Hall's parallel thinning, 64 pixels at a time and only where something still changes. CV_8U, 0 and
 /// 255.
 cv::Mat thinned(const cv::Mat& drawn);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
 
 #include "common/vision/modes.h"
 
@@ -20,21 +19,14 @@ std::vector<Vec2> filtered(const std::vector<Vec2>& p, bool closed, const std::v
     return p[i];
   };
   std::vector<Vec2> out(p.size());
-  const auto filter = [&](const cv::Range& range) {
-    for (std::ptrdiff_t i = range.start; i < range.end; ++i) {
-      Vec2 sum = kernel[0] * p[i];
-      if (i >= half && i + half < n) {
-        for (std::ptrdiff_t k = 1; k <= half; ++k) sum += kernel[k] * (p[i - k] + p[i + k]);
-      } else {
-        for (std::ptrdiff_t k = 1; k <= half; ++k) sum += kernel[k] * (at(i - k) + at(i + k));
-      }
-      out[i] = sum;
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    Vec2 sum = kernel[0] * p[i];
+    if (i >= half && i + half < n) {
+      for (std::ptrdiff_t k = 1; k <= half; ++k) sum += kernel[k] * (p[i - k] + p[i + k]);
+    } else {
+      for (std::ptrdiff_t k = 1; k <= half; ++k) sum += kernel[k] * (at(i - k) + at(i + k));
     }
-  };
-  if (const cv::Range all(0, static_cast<int>(n)); n > 2000) {
-    cv::parallel_for_(all, filter);
-  } else {
-    filter(all);
+    out[i] = sum;
   }
   return out;
 }
