@@ -233,7 +233,7 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
   }
   bridge(p, junction, out.closed);
   for (int pass = 0; pass < 2; ++pass) {
-    const double spacing_px = pass == 0 && width_px > 5.0 ? 2.0 : 1.0;
+    const double spacing_px = std::max(1.0, std::floor(width_px / (pass == 0 ? 2.5 : 12.0)));
     space_evenly(p, junction, out.closed, spacing_px);
     smooth(p, out.closed, std::max(1.0, 0.35 * width_px) / spacing_px);
     out.width_px = centre_once(field, p, junction, out.closed, out.width_px, spacing_px);

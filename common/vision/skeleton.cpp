@@ -41,7 +41,9 @@ void for_each_pixel(const unsigned char* row, int columns, const Visit& visit) {
 class Bits {
  public:
   explicit Bits(const cv::Mat& drawn)
-      : columns_(drawn.cols), rows_(drawn.rows), stride_(static_cast<std::size_t>((drawn.cols + 63) / 64) + 2) {
+      : columns_(drawn.cols),
+        rows_(drawn.rows),
+        stride_(static_cast<std::size_t>((drawn.cols + 63) / 64) + 2) {
     words_.assign(stride_ * static_cast<std::size_t>(rows_ + 2), 0);
     for (int y = 0; y < rows_; ++y) {
       for_each_pixel(drawn.ptr<unsigned char>(y), columns_,
@@ -82,8 +84,8 @@ class Bits {
     const std::uint64_t one_crossing = ((c1 ^ c2) & ~(c3 | c4)) | ((c3 ^ c4) & ~(c1 | c2));
     const std::uint64_t n1 = two_of(p9 | p2, p3 | p4, p5 | p6, p7 | p8);
     const std::uint64_t n2 = two_of(p2 | p3, p4 | p5, p6 | p7, p8 | p9);
-    const std::uint64_t all = (p9 | p2) & (p3 | p4) & (p5 | p6) & (p7 | p8) & (p2 | p3) & (p4 | p5) &
-                              (p6 | p7) & (p8 | p9);
+    const std::uint64_t all =
+        (p9 | p2) & (p3 | p4) & (p5 | p6) & (p7 | p8) & (p2 | p3) & (p4 | p5) & (p6 | p7) & (p8 | p9);
     const std::uint64_t kept = first ? (p6 | p7 | ~p9) & p8 : (p2 | p3 | ~p5) & p4;
     return words_[i] & one_crossing & n1 & n2 & ~all & ~kept;
   }

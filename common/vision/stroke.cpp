@@ -9,6 +9,8 @@
 namespace telekerf::vision {
 namespace {
 
+constexpr double kWideStroke = 24.0;  ///< pixels
+
 double length_of(const PixelContour& c) { return geometry::length_m({c.points_px, c.closed}); }
 
 /// Draws the inside of a contour and its rim.
@@ -67,12 +69,20 @@ Contours strokes_of(const Field& field, const Outlines& outlines) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (areas[i] <= 0.0 && -areas[i] <= pinhole) fill(drawn, shapes[i], roi.tl());
   }
+  // Ink much wider than a pen is thinned in small: thinning costs width times area, and centring finds the
+  // middle in the whole picture anyway.
+  const double reduction = std::max(1.0, std::floor(width / kWideStroke));
+  if (reduction > 1.0) {
+    cv::resize(drawn, drawn, {}, 1.0 / reduction, 1.0 / reduction, cv::INTER_AREA);
+    drawn = drawn > 127;
+  }
   cv::Mat skeleton = thinned(drawn);
   const SkeletonGraph graph = pruned(graph_of(skeleton), skeleton, drawn);
 
   Contours out;
-  for (Route& route : routes_through(graph, drawn, width)) {
-    for (Vec2& p : route.points_px) p += Vec2(roi.x, roi.y);
+  const Vec2 first = Vec2(roi.x, roi.y) + Vec2::Constant(0.5 * (reduction - 1.0));
+  for (Route& route : routes_through(graph, drawn, width / reduction)) {
+    for (Vec2& p : route.points_px) p = reduction * p + first;
     PixelContour contour = centred(field, route, width);
     close_small_gap(contour);
     out.push_back(std::move(contour));
