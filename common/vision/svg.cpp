@@ -3,10 +3,12 @@
 #include <tinyxml2.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -42,10 +44,45 @@ std::optional<double> length_of(const char* text) {
   return std::nullopt;
 }
 
-/// A plain coordinate in user units; units of length are turned into pixels.
-double coordinate(const tinyxml2::XMLElement& element, const char* name, double fallback = 0.0) {
-  const auto metres = length_of(element.Attribute(name));
-  return metres ? *metres / kPixel : fallback;
+struct ViewBox {
+  Vec2 corner = Vec2::Zero();
+  Vec2 size = Vec2::Zero();
+};
+
+/// Nothing where the element has none; `complaint` where it has one that cannot be used.
+std::optional<ViewBox> view_box_of(const tinyxml2::XMLElement& e, std::string& complaint) {
+  const char* text = e.Attribute("viewBox");
+  if (text == nullptr) return std::nullopt;
+  std::string_view rest(text);
+  ViewBox box;
+  for (double* value : {&box.corner.x(), &box.corner.y(), &box.size.x(), &box.size.y()}) {
+    const auto number = take_number(rest);
+    if (!number) {
+      complaint = fmt::format("viewBox \"{:.60}\" cannot be read", text);
+      return std::nullopt;
+    }
+    *value = *number;
+  }
+  if (box.size.minCoeff() > 0.0) return box;
+  complaint = "the viewBox has no area";
+  return std::nullopt;
+}
+
+std::string_view aspect_of(const tinyxml2::XMLElement& e) {
+  const char* text = e.Attribute("preserveAspectRatio");
+  return text != nullptr ? text : "xMidYMid";
+}
+
+/// From the units of a viewBox to a place of the given size at the origin, as preserveAspectRatio has it.
+Affine fitted(const ViewBox& box, const Vec2& size, std::string_view aspect) {
+  const auto has = [&](std::string_view word) { return aspect.find(word) != std::string_view::npos; };
+  Vec2 scale = size.cwiseQuotient(box.size);
+  if (!has("none")) scale.setConstant(has("slice") ? scale.maxCoeff() : scale.minCoeff());
+  const Vec2 share(has("xMin") ? 0.0 : has("xMax") ? 1.0 : 0.5, has("YMin") ? 0.0 : has("YMax") ? 1.0 : 0.5);
+  const Vec2 spare = size - scale.cwiseProduct(box.size);
+  Affine out = Affine::Identity();
+  out.translate(share.cwiseProduct(spare)).scale(scale).translate(-box.corner);
+  return out;
 }
 
 std::optional<Affine> transform_of(std::string_view text) {
@@ -96,21 +133,32 @@ std::optional<Affine> transform_of(std::string_view text) {
 
 class Reader {
  public:
-  Reader(const VectorLimits& limits, double metres_per_unit)
-      : metres_(metres_per_unit), limits_(limits), room_(limits.most_points) {}
+  /// `page` is the outermost viewport, in user units.
+  Reader(const tinyxml2::XMLElement& root, const VectorLimits& limits, double metres_per_unit,
+         const Vec2& page)
+      : metres_(metres_per_unit), limits_(limits), room_(limits.most_points), viewport_(page) {
+    find_names(root, 0);
+  }
 
   std::vector<geometry::Polyline> lines;
+  LeftOut left_out;
   std::string complaint;
 
+  void children(const tinyxml2::XMLElement& e, const Affine& here, int depth) {
+    for (auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+      element(*child, here, depth + 1);
+    }
+  }
+
+ private:
   void element(const tinyxml2::XMLElement& e, const Affine& outer, int depth) {
     if (!complaint.empty()) return;
     if (depth > kDeepest) return fail("groups are nested too deeply");
-    const std::string_view name = local_name(e);
-    for (const std::string_view hidden : {"defs", "clipPath", "mask", "symbol", "pattern", "marker",
-                                          "metadata", "title", "desc", "style", "text", "namedview"}) {
-      if (name == hidden) return;
-    }
-    if (is_hidden(e)) return;
+    if (++visited_ > limits_.most_points)
+      return fail(fmt::format("the drawing has more than {} elements", limits_.most_points));
+    const std::string_view name = local_name(e.Name());
+    if (draws_nothing(e, name) || is_hidden(e)) return;
+    note_effects(e);
     Affine here = outer;
     if (const char* text = e.Attribute("transform")) {
       const auto transform = transform_of(text);
@@ -118,12 +166,12 @@ class Reader {
       here = outer * *transform;
       if (!here.matrix().allFinite()) return fail("a transform is not finite");
     }
-    if (name == "svg" && depth > 0) here.translate(Vec2(coordinate(e, "x"), coordinate(e, "y")));
-    if (name == "svg" || name == "g" || name == "a" || name == "switch") {
-      for (auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-        element(*child, here, depth + 1);
-      }
-      return;
+    if (name == "g" || name == "a") return children(e, here, depth);
+    if (name == "switch") return first_choice(e, here, depth);
+    if (name == "use") return use(e, here, depth);
+    if (name == "svg") {
+      here.translate(Vec2(coordinate(e, "x"), coordinate(e, "y")));
+      return viewport(e, here, extent_of(e, e), depth);
     }
     // Curves are cut in the element's own units, as finely as its largest magnification asks for.
     const Eigen::JacobiSVD<Eigen::Matrix2d> svd(here.linear());
@@ -133,11 +181,44 @@ class Reader {
     shape(name, e, writer, here);
   }
 
- private:
-  static std::string_view local_name(const tinyxml2::XMLElement& e) {
-    const std::string_view name(e.Name());
+  static std::string_view local_name(std::string_view name) {
     const auto colon = name.rfind(':');
     return colon == std::string_view::npos ? name : name.substr(colon + 1);
+  }
+
+  void find_names(const tinyxml2::XMLElement& e, int depth) {
+    if (const char* id = e.Attribute("id")) named_.emplace(id, &e);
+    if (depth > kDeepest) return;
+    for (auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+      find_names(*child, depth + 1);
+    }
+  }
+
+  /// Definitions, descriptions and what editors note for themselves.
+  bool draws_nothing(const tinyxml2::XMLElement& e, std::string_view name) {
+    if (name == "style") {
+      const char* text = e.GetText();
+      const std::string_view sheet = text != nullptr ? text : "";
+      for (const std::string_view rule : {"display", "visibility", "transform"}) {
+        if (sheet.find(rule) != std::string_view::npos) left_out.add("rules of a style sheet");
+      }
+      return true;
+    }
+    constexpr std::array<std::string_view, 14> kSilent{
+        "defs",           "clipPath", "mask",     "symbol", "pattern", "marker", "linearGradient",
+        "radialGradient", "filter",   "metadata", "title",  "desc",    "script", "view"};
+    if (std::find(kSilent.begin(), kSilent.end(), name) != kSilent.end()) return true;
+    const std::string_view whole(e.Name());
+    return whole.size() > name.size() && whole.substr(0, 4) != "svg:";
+  }
+
+  static std::string flat_style(const tinyxml2::XMLElement& e) {
+    const char* style = e.Attribute("style");
+    std::string flat(1, ';');
+    for (const char* c = style; c != nullptr && *c != 0 && flat.size() < 4096; ++c) {
+      if (std::isspace(static_cast<unsigned char>(*c)) == 0) flat.push_back(*c);
+    }
+    return flat;
   }
 
   static bool is_hidden(const tinyxml2::XMLElement& e) {
@@ -146,14 +227,91 @@ class Reader {
       return text != nullptr && std::strcmp(text, value) == 0;
     };
     if (is("display", "none") || is("visibility", "hidden")) return true;
-    const char* style = e.Attribute("style");
-    if (style == nullptr) return false;
-    std::string flat;
-    for (const char* c = style; *c != 0 && flat.size() < 4096; ++c) {
-      if (std::isspace(static_cast<unsigned char>(*c)) == 0) flat.push_back(*c);
-    }
+    const std::string flat = flat_style(e);
     return flat.find("display:none") != std::string::npos ||
            flat.find("visibility:hidden") != std::string::npos;
+  }
+
+  /// What changes the picture of an element that is followed all the same.
+  void note_effects(const tinyxml2::XMLElement& e) {
+    const std::string flat = flat_style(e);
+    for (const char* name : {"clip-path", "mask", "marker", "marker-start", "marker-mid", "marker-end"}) {
+      const char* text = e.Attribute(name);
+      const bool has = text != nullptr && std::strcmp(text, "none") != 0;
+      if (has || flat.find(fmt::format(";{}:url", name)) != std::string::npos) left_out.add(name);
+    }
+    if (flat.find(";transform:") != std::string::npos)
+      fail("a transform within a style is not read; write it as the element's own transform");
+  }
+
+  /// The first child that asks for no extension.
+  void first_choice(const tinyxml2::XMLElement& e, const Affine& here, int depth) {
+    for (auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+      if (child->Attribute("requiredExtensions") == nullptr) return element(*child, here, depth + 1);
+    }
+  }
+
+  /// Draws what is defined elsewhere in the file.
+  void use(const tinyxml2::XMLElement& e, Affine here, int depth) {
+    const char* link = nullptr;
+    for (auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
+      if (local_name(a->Name()) == "href") link = a->Value();
+    }
+    if (link == nullptr) return left_out.add("use");  // SVG: it draws nothing
+    if (link[0] != '#')
+      return fail(
+          fmt::format("use of \"{:.60}\": only what the same file defines (#name) is followed", link));
+    const auto found = named_.find(std::string_view(link + 1));
+    if (found == named_.end())
+      return fail(fmt::format("use of \"{:.60}\", which the file does not define", link));
+    const tinyxml2::XMLElement* target = found->second;
+    if (std::find(in_use_.begin(), in_use_.end(), target) != in_use_.end())
+      return fail(fmt::format("use of \"{:.60}\" within itself", link));
+    in_use_.push_back(target);
+    here.translate(Vec2(coordinate(e, "x"), coordinate(e, "y")));
+    const std::string_view kind = local_name(target->Name());
+    if ((kind == "symbol" || kind == "svg") && !is_hidden(*target)) {
+      if (target->Attribute("transform") != nullptr) left_out.add(fmt::format("transform of a {}", kind));
+      viewport(*target, here, extent_of(e, *target), depth);
+    } else {
+      element(*target, here, depth + 1);
+    }
+    in_use_.pop_back();
+  }
+
+  /// Width and height of a nested viewport: those of the `use` count first, all there is where none is given.
+  Vec2 extent_of(const tinyxml2::XMLElement& use, const tinyxml2::XMLElement& target) {
+    const auto along = [&](const char* name, double all) {
+      const double own = coordinate(target, name, all);
+      return coordinate(use, name, own);
+    };
+    return {along("width", viewport_.x()), along("height", viewport_.y())};
+  }
+
+  void viewport(const tinyxml2::XMLElement& e, const Affine& here, const Vec2& size, int depth) {
+    const Vec2 around = viewport_;
+    const auto box = view_box_of(e, complaint);
+    viewport_ = box ? box->size : size;
+    if (box && !(size.minCoeff() > 0.0)) fail("a viewBox is shown in no area");
+    if (complaint.empty()) children(e, box ? here * fitted(*box, size, aspect_of(e)) : here, depth);
+    viewport_ = around;
+  }
+
+  /// A coordinate in user units; units of length are turned into pixels, per cents are of the viewport.
+  double coordinate(const tinyxml2::XMLElement& e, const char* name, double fallback = 0.0) {
+    const char* text = e.Attribute(name);
+    if (text == nullptr || std::strcmp(text, "auto") == 0) return fallback;
+    if (const auto metres = length_of(text)) return *metres / kPixel;
+    std::string_view rest(text);
+    const auto share = take_number(rest);
+    if (!share || rest != "%") {
+      fail(fmt::format("{} = \"{:.30}\" is not a length that is understood", name, text));
+      return fallback;
+    }
+    const std::string_view axis(name);
+    if (axis == "width" || axis.find('x') != std::string_view::npos) return 0.01 * *share * viewport_.x();
+    if (axis == "height" || axis.find('y') != std::string_view::npos) return 0.01 * *share * viewport_.y();
+    return 0.01 * *share * viewport_.norm() / std::sqrt(2.0);
   }
 
   void fail(std::string sentence) {
@@ -202,6 +360,8 @@ class Reader {
       if (!(radii.minCoeff() > 0.0)) return;
       w.ellipse({coordinate(e, "cx"), coordinate(e, "cy")}, {radii.x(), 0}, {0, radii.y()}, 0.0, 2.0 * M_PI);
       drop_last(w, here);
+    } else {
+      left_out.add(name);
     }
   }
 
@@ -356,6 +516,10 @@ class Reader {
   double metres_;
   const VectorLimits& limits_;
   std::size_t room_;
+  std::size_t visited_ = 0;
+  Vec2 viewport_;
+  std::map<std::string_view, const tinyxml2::XMLElement*> named_;
+  std::vector<const tinyxml2::XMLElement*> in_use_;
 };
 
 }  // namespace
@@ -373,41 +537,51 @@ tl::expected<VectorDrawing, std::string> read_svg(std::string_view text, const V
   if (root == nullptr || std::string_view(root->Name()).find("svg") == std::string_view::npos) {
     return tl::unexpected<std::string>("not an SVG file: its root element is not <svg>");
   }
+  if (root->Attribute("transform") != nullptr) {
+    return tl::unexpected<std::string>(
+        "a transform of the whole <svg> is not read; put it on a group within");
+  }
   VectorDrawing out;
   const auto width = length_of(root->Attribute("width"));
   const auto height = length_of(root->Attribute("height"));
   Affine view = Affine::Identity();
   double metres = kPixel;
-  if (const char* box = root->Attribute("viewBox")) {
-    std::string_view rest(box);
-    std::array<double, 4> v{};
-    for (double& value : v) {
-      const auto number = take_number(rest);
-      if (!number) return tl::unexpected(fmt::format("viewBox \"{:.60}\" cannot be read", box));
-      value = *number;
-    }
-    if (!(v[2] > 0.0) || !(v[3] > 0.0)) return tl::unexpected<std::string>("the viewBox has no area");
-    // One scale for both axes, the smaller one, as preserveAspectRatio has it; contours are centred later
-    // anyway.
+  std::string complaint;
+  const auto box = view_box_of(*root, complaint);
+  if (!complaint.empty()) return tl::unexpected(complaint);
+  if (box) {
+    // One scale for both axes as preserveAspectRatio has it; contours are centred later anyway.
+    Vec2 scale = Vec2::Constant(kPixel);
+    if (width || height) scale.setConstant(width ? *width / box->size.x() : *height / box->size.y());
     if (width && height) {
-      metres = std::min(*width / v[2], *height / v[3]);
-    } else if (width || height) {
-      metres = width ? *width / v[2] : *height / v[3];
+      const std::string_view aspect = aspect_of(*root);
+      scale.y() = *height / box->size.y();
+      metres = aspect.find("slice") != std::string_view::npos ? scale.maxCoeff() : scale.minCoeff();
+      if (aspect.find("none") == std::string_view::npos) scale.setConstant(metres);
     }
-    view.translate(Vec2(-v[0], -v[1]));
-    out.page_width_m = v[2] * metres;
-    out.page_height_m = v[3] * metres;
+    metres = scale.minCoeff();
+    if (metres > 0.0) view.scale(scale / metres);
+    view.translate(-box->corner);
+    out.page_width_m = box->size.x() * scale.x();
+    out.page_height_m = box->size.y() * scale.y();
   } else {
     out.page_width_m = width.value_or(0.0);
     out.page_height_m = height.value_or(0.0);
   }
   if (!(metres > 0.0) || !std::isfinite(metres))
     return tl::unexpected<std::string>("the drawing's size is not positive");
-  Reader reader(limits, metres);
-  reader.element(*root, view, 0);
+  Reader reader(*root, limits, metres,
+                box ? box->size : Vec2(out.page_width_m / metres, out.page_height_m / metres));
+  reader.children(*root, view, 0);
   if (!reader.complaint.empty()) return tl::unexpected(reader.complaint);
   out.contours = joined(std::move(reader.lines), 1e-8);
-  if (out.contours.empty()) return tl::unexpected<std::string>("the SVG file draws no line");
+  out.left_out = std::move(reader.left_out);
+  if (out.contours.empty()) {
+    return tl::unexpected(out.left_out.empty() ? std::string("the SVG file draws no line")
+                                               : fmt::format("the SVG file draws no line that is understood "
+                                                             "(not followed: {})",
+                                                             out.left_out.sentence()));
+  }
   return out;
 }
 

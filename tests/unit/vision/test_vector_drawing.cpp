@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "common/vision/export.h"
 #include "common/vision/vector_drawing.h"
@@ -107,6 +109,80 @@ TEST(Svg, WhatIsNotDrawnIsLeftOutAndTouchingLinesJoin) {
   EXPECT_EQ(d.contours[0].size(), 3u);
 }
 
+std::string svg_error(const std::string& text) {
+  const auto out = read_svg(text);
+  return out ? std::string("no error") : out.error();
+}
+
+TEST(Svg, UseDrawsWhatIsDefinedElsewhere) {
+  const auto d = svg(R"svg(<defs><g id="arm"><line id="bar" x1="0" y1="0" x2="3" y2="0"/></g></defs>
+      <g id="pair"><use href="#arm" x="10" y="20"/><use xlink:href="#bar" transform="rotate(90)" x="1"/></g>
+      <use href="#pair" transform="translate(50 0) scale(2)"/>)svg");
+  const auto ends = [&](std::size_t i, Vec2 from, Vec2 to) {
+    const auto& p = d.contours.at(i).points_m;
+    EXPECT_NEAR((p.front() - 1e-3 * from).norm() + (p.back() - 1e-3 * to).norm(), 0.0, 1e-15) << i;
+  };
+  ASSERT_EQ(d.contours.size(), 4u);
+  ends(0, {10, -20}, {13, -20});
+  ends(1, {0, -1}, {0, -4});
+  ends(2, {70, -40}, {76, -40});
+  ends(3, {50, -2}, {50, -8});
+  EXPECT_TRUE(d.left_out.empty());
+}
+
+TEST(Svg, SymbolsAndNestedDrawingsFitTheirViewports) {
+  // 10 x 10 units into 40 x 20: scale 2, in the middle of the width; then at its left; then stretched.
+  for (const auto& [aspect, x, width] : {std::tuple("", 10.0, 20.0),
+                                         {"preserveAspectRatio='xMinYMid'", 0.0, 20.0},
+                                         {"preserveAspectRatio='xMidYMid slice'", 0.0, 40.0},
+                                         {"preserveAspectRatio='none'", 0.0, 40.0}}) {
+    const std::string head = fmt::format(" viewBox='5 5 10 10' {}>", aspect);
+    const std::string body = "<line x1='5' y1='10' x2='15' y2='10'/>";
+    const auto used =
+        svg("<symbol id='s'" + head + body + "</symbol><use href='#s' width='40' height='20'/>");
+    const auto nested = svg("<svg width='40%' height='20'" + head + body + "</svg>");
+    for (const auto& d : {used, nested}) {
+      ASSERT_EQ(d.contours.size(), 1u);
+      const auto& p = d.contours[0].points_m;
+      EXPECT_NEAR(p.front().x(), x * 1e-3, 1e-15) << aspect;
+      EXPECT_NEAR(p.back().x() - p.front().x(), width * 1e-3, 1e-15) << aspect;
+      EXPECT_NEAR(p.front().y(), -10e-3, 1e-15) << aspect;
+    }
+  }
+}
+
+TEST(Svg, WhatCannotBeFollowedIsNamed) {
+  const auto d = svg(R"svg(<text>a</text><text>b</text><image href="p.png"/><line x2="1" clip-path="url(#c)"/>
+      <defs><text>unseen</text></defs><sodipodi:namedview/><metadata/>)svg");
+  EXPECT_EQ(d.left_out.sentence(), "1 clip-path, 1 image, 2 text");
+  EXPECT_NE(svg_error("<svg><text>a</text></svg>").find("1 text"), std::string::npos);
+  EXPECT_NE(svg_error("<svg><use href='#no'/><line x2='1'/></svg>").find("#no"), std::string::npos);
+  EXPECT_NE(svg_error("<svg><use href='other.svg#a'/><line x2='1'/></svg>").find("same file"),
+            std::string::npos);
+  EXPECT_NE(svg_error("<svg><g id='a'><line x2='1'/><use href='#a'/></g></svg>").find("within itself"),
+            std::string::npos);
+  EXPECT_NE(
+      svg_error("<svg><g id='a'><use href='#b'/></g><g id='b'><use href='#a'/></g></svg>").find("itself"),
+      std::string::npos);
+  EXPECT_NE(svg_error("<svg><rect width='3em' height='1'/></svg>").find("3em"), std::string::npos);
+  EXPECT_NE(svg_error("<svg><line x2='1' style='transform: scale(2)'/></svg>").find("style"),
+            std::string::npos);
+  // Ten times ten times ten ...: many elements from few bytes, whether they draw anything or not.
+  for (const char* leaf : {"<line x2='1'/>", "<g/>"}) {
+    std::string bomb = fmt::format("<svg><defs><g id='a0'>{}</g>", leaf);
+    for (int i = 1; i < 12; ++i) {
+      bomb += fmt::format("<g id='a{}'>", i);
+      for (int k = 0; k < 10; ++k) bomb += fmt::format("<use href='#a{}'/>", i - 1);
+      bomb += "</g>";
+    }
+    VectorLimits few;
+    few.most_points = 20000;
+    const auto out = read_svg(bomb + "</defs><use href='#a11'/></svg>", few);
+    ASSERT_FALSE(out);
+    EXPECT_NE(out.error().find("more than 20000"), std::string::npos) << out.error();
+  }
+}
+
 TEST(Svg, DamageIsAnErrorThatSaysWhere) {
   const auto error = [](const std::string& text) {
     const auto out = read_svg(text);
@@ -173,6 +249,70 @@ TEST(Dxf, UnitsAndExtrusion) {
   EXPECT_NEAR(length_m(dxf("0\nLINE\n10\n0\n20\n0\n11\n2\n21\n0\n", header).contours.at(0)), 50.8e-3, 1e-12);
   const auto mirrored = dxf("0\nCIRCLE\n10\n5\n20\n0\n40\n1\n230\n-1\n");
   EXPECT_NEAR(bounding_box(mirrored.contours.at(0).points_m).centre().x(), -5e-3, 1e-12);
+  // A line is in the drawing's own coordinates, whichever side its plane is seen from.
+  const auto line = dxf("0\nLINE\n10\n5\n20\n0\n11\n7\n21\n0\n230\n-1\n");
+  EXPECT_NEAR(line.contours.at(0).points_m.front().x(), 5e-3, 1e-12);
+}
+
+std::string blocks(const std::string& text) { return "0\nSECTION\n2\nBLOCKS\n" + text + "0\nENDSEC\n"; }
+
+TEST(Dxf, BlocksAreInsertedWhereTheyBelong) {
+  // A bar from its base point (1, 1) three to the right, within a pair that holds it twice.
+  const std::string head = blocks(
+      "0\nBLOCK\n2\nBAR\n70\n0\n10\n1\n20\n1\n0\nLINE\n10\n1\n20\n1\n11\n4\n21\n1\n0\nENDBLK\n8\n0\n"
+      "0\nBLOCK\n2\nPAIR\n10\n0\n20\n0\n0\nINSERT\n2\nBAR\n10\n0\n20\n0\n"
+      "0\nINSERT\n2\nBAR\n10\n0\n20\n5\n50\n90\n0\nENDBLK\n");
+  const auto ends = [](const VectorDrawing& d, std::size_t i, Vec2 from, Vec2 to) {
+    const auto& p = d.contours.at(i).points_m;
+    EXPECT_NEAR((p.front() - 1e-3 * from).norm() + (p.back() - 1e-3 * to).norm(), 0.0, 1e-15) << i;
+  };
+  const auto one = dxf("0\nINSERT\n2\nBAR\n10\n10\n20\n20\n41\n2\n42\n3\n50\n90\n", head);
+  ASSERT_EQ(one.contours.size(), 1u);
+  ends(one, 0, {10, 20}, {10, 26});
+  const auto nested = dxf("0\nINSERT\n2\nPAIR\n10\n100\n20\n0\n41\n-1\n", head);
+  ASSERT_EQ(nested.contours.size(), 2u);
+  ends(nested, 0, {100, 0}, {97, 0});
+  ends(nested, 1, {100, 5}, {100, 8});
+  const auto rows = dxf("0\nINSERT\n2\nBAR\n10\n0\n20\n0\n50\n90\n70\n2\n71\n3\n44\n10\n45\n20\n", head);
+  ASSERT_EQ(rows.contours.size(), 6u);
+  ends(rows, 5, {-40, 10}, {-40, 13});
+  const auto mirrored = dxf("0\nINSERT\n2\nBAR\n10\n10\n20\n0\n230\n-1\n", head);
+  ends(mirrored, 0, {-10, 0}, {-13, 0});
+}
+
+TEST(Dxf, ACircleInAStretchedBlockIsAnEllipse) {
+  const auto d = dxf("0\nINSERT\n2\nC\n10\n0\n20\n0\n41\n100\n42\n50\n",
+                     blocks("0\nBLOCK\n2\nC\n10\n0\n20\n0\n0\nCIRCLE\n10\n0\n20\n0\n40\n1\n0\nENDBLK\n"));
+  const auto& p = d.contours.at(0).points_m;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    EXPECT_NEAR(std::hypot(p[i].x() / 0.1, p[i].y() / 0.05), 1.0, 1e-12);
+    // The chord's middle stays within the chord error of the curve, magnified or not.
+    const Vec2 middle = 0.5 * (p[i] + p[(i + 1) % p.size()]);
+    const double off = std::hypot(middle.x() / 0.1, middle.y() / 0.05);
+    EXPECT_LT(0.1 * (1.0 - off), 2.1e-7);
+  }
+}
+
+TEST(Dxf, WhatCannotBeFollowedIsNamed) {
+  const auto error = [](const std::string& text, const std::string& head = "") {
+    const auto out = read_dxf(entities(text, head));
+    return out ? std::string("no error") : out.error();
+  };
+  const std::string line = "0\nLINE\n10\n0\n20\n0\n11\n2\n21\n0\n";
+  const auto d = dxf(line + "0\nTEXT\n1\nA\n0\nHATCH\n10\n0\n0\nTEXT\n0\nVIEWPORT\n67\n1\n" + line +
+                     "67\n1\n0\nARC\n40\n1\n210\n0.6\n220\n0\n230\n0.8\n" + line + "60\n1\n");
+  EXPECT_EQ(d.contours.size(), 1u);
+  EXPECT_EQ(d.left_out.sentence(), "1 HATCH, 1 LINE on a sheet, 2 TEXT, 1 tilted ARC");
+  EXPECT_NE(error(line + "0\nINSERT\n2\nNO\n").find("\"NO\""), std::string::npos);
+  const std::string self = blocks("0\nBLOCK\n2\nA\n0\nINSERT\n2\nA\n0\nENDBLK\n");
+  EXPECT_NE(error(line + "0\nINSERT\n2\nA\n", self).find("itself"), std::string::npos);
+  const std::string other = blocks("0\nBLOCK\n2\nX\n70\n4\n1\nx.dwg\n0\nENDBLK\n");
+  EXPECT_NE(error(line + "0\nINSERT\n2\nX\n", other).find("another file"), std::string::npos);
+  // A million times a million of a block that draws nothing.
+  std::string many =
+      "0\nBLOCK\n2\nE\n0\nENDBLK\n0\nBLOCK\n2\nF\n0\nINSERT\n2\nE\n70\n1000000\n71\n1000000\n"
+      "0\nENDBLK\n";
+  EXPECT_NE(error("0\nINSERT\n2\nF\n", blocks(many)).find("too often"), std::string::npos);
 }
 
 TEST(Dxf, DamageIsAnError) {
@@ -184,7 +324,7 @@ TEST(Dxf, DamageIsAnError) {
   EXPECT_FALSE(read_dxf(entities("0\nCIRCLE\n10\n1e400\n20\n0\n40\n1\n")));
   EXPECT_FALSE(read_dxf(entities("0\nSPLINE\n71\n3\n40\n0\n10\n0\n20\n0\n10\n1\n20\n1\n")));
   const auto text = entities("0\nTEXT\n10\n0\n20\n0\n");
-  EXPECT_NE(read_dxf(text).error().find("1 other"), std::string::npos);
+  EXPECT_NE(read_dxf(text).error().find("1 TEXT"), std::string::npos);
 }
 
 TEST(Export, CsvComesBackExactly) {

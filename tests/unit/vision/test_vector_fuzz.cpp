@@ -14,7 +14,8 @@ namespace {
 const std::vector<std::string> kSvgSeeds{
     R"svg(<svg width="40mm" height="30mm" viewBox="0 0 400 300"><g transform="translate(10,20) rotate(30)"><circle cx="100" cy="50" r="50"/><path d="M10 10 h50 v50 h-50z m100 100 a25 25 0 1 1 50 0 a 25,25 0 11-50 0"/><rect x="2" y="1" width="5" height="2" rx="5"/></g></svg>)svg",
     R"svg(<svg><path d="M 0 0 C 10 10 20 10 30 0 S 50 -10 60 0 Q 70 10 80 0 T 100 0 L 1e3 2e-3 H 4 V-5 Z"/><polygon points="0,0 1,1 2,0"/></svg>)svg",
-    R"svg(<svg viewBox="0 0 1 1" width="1in"><line x1="1cm" x2="2mm"/><ellipse rx="3" ry="2" transform="skewX(30) matrix(1 2 3 4 5 6)"/></svg>)svg"};
+    R"svg(<svg viewBox="0 0 1 1" width="1in"><line x1="1cm" x2="2mm"/><ellipse rx="3" ry="2" transform="skewX(30) matrix(1 2 3 4 5 6)"/></svg>)svg",
+    R"svg(<svg width="9cm"><defs><symbol id="s" viewBox="0 0 4 4"><path id="p" d="M0 0L4 4"/></symbol><g id="g"><use href="#s" width="50%" height="2"/><use xlink:href="#p" x="3" y="1"/></g></defs><use href="#g"/><svg x="2" y="1" width="3" height="4" viewBox="1 1 2 2" preserveAspectRatio="xMaxYMin slice"><use href="#g" transform="rotate(5)"/></svg><text>t</text></svg>)svg"};
 const std::vector<std::string> kDxfSeeds{
     "0\nSECTION\n2\nHEADER\n9\n$"
     "INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n10\n5\n20\n5\n40\n10\n0\nARC\n10\n1\n20"
@@ -23,12 +24,17 @@ const std::vector<std::string> kDxfSeeds{
     "5\n0\nELLIPSE\n10\n0\n20\n0\n11\n3\n21\n1\n40\n0.5\n41\n0\n42\n6.28\n0\nENDSEC\n0\nEOF\n",
     "0\nSECTION\n2\nENTITIES\n0\nSPLINE\n70\n4\n71\n2\n40\n0\n40\n0\n40\n0\n40\n1\n40\n1\n40\n1\n41\n1\n41\n0"
     ".7\n41\n1\n10\n10\n20\n0\n10\n10\n20\n10\n10\n0\n20\n10\n0\nPOLYLINE\n70\n1\n0\nVERTEX\n10\n0\n20\n0\n0"
-    "\nVERTEX\n10\n2\n20\n0\n42\n0.4\n0\nSEQEND\n0\nENDSEC\n0\nEOF\n"};
+    "\nVERTEX\n10\n2\n20\n0\n42\n0.4\n0\nSEQEND\n0\nENDSEC\n0\nEOF\n",
+    "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n10\n1\n20\n2\n0\nLINE\n10\n0\n20\n0\n11\n1\n21\n1\n0\nENDBLK\n0\n"
+    "BLOCK\n2\nB"
+    "\n10\n0\n20\n0\n0\nINSERT\n2\nA\n10\n3\n20\n4\n50\n30\n70\n2\n71\n2\n44\n1\n45\n1\n0\nENDBLK\n0\nENDSEC"
+    "\n0\nSECTION"
+    "\n2\nENTITIES\n0\nINSERT\n2\nB\n41\n2\n42\n0.5\n230\n-1\n0\nINSERT\n2\nA\n0\nTEXT\n0\nENDSEC\n0\nEOF\n"};
 const std::vector<std::string> kTokens{
-    "nan",  "inf",       "-1e308", "1e308", "1e-308", "0",      "-0",     "99999999999999999999",
-    "M",    "Z",         "a",      "<g>",   "</g>",   "\"",     ">",      "(",
-    ")",    ",",         "\n0\n",  "10\n",  "40\n",   "SPLINE", "CIRCLE", "\0",
-    "<!--", "<![CDATA[", "&#0;"};
+    "nan",  "inf",       "-1e308", "1e308", "1e-308", "0",      "-0",         "99999999999999999999",
+    "M",    "Z",         "a",      "<g>",   "</g>",   "\"",     ">",          "(",
+    ")",    ",",         "\n0\n",  "10\n",  "40\n",   "SPLINE", "CIRCLE",     "\0",
+    "<!--", "<![CDATA[", "&#0;",   "<use",  "id='g'", "INSERT", "0\nENDBLK\n"};
 
 std::string mutated(const std::vector<std::string>& seeds, std::mt19937_64& rng) {
   const auto pick = [&](std::size_t n) {
