@@ -261,7 +261,14 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
                      const auto ink = ink_ends(field, rounded, outwards, 6.0 * w);
                      if (!ink || *ink < 0.5 * w) return std::nullopt;
                      return rounded + (*ink - pen_inset(field, w)) * outwards;
-                   }});
+                   },
+                   .single =
+                       [&](const Vec2& point, const Vec2& tangent) {
+                         const Vec2 normal = Vec2(-tangent.y(), tangent.x()).normalized();
+                         const auto left = ink_ends(field, point, normal, w + 2.0);
+                         const auto right = ink_ends(field, point, -normal, w + 2.0);
+                         return left && right && std::abs(*left + *right - w) < 0.12 * w + 0.3;
+                       }});
   out.points_px = std::move(p);
   return out;
 }

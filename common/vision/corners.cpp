@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "common/geometry/circle_fit.h"
 
@@ -17,6 +18,9 @@ struct Corner {
   std::ptrdiff_t first = 0;  ///< points from here
   std::ptrdiff_t last = 0;   ///< to here give way to
   Vec2 at;
+  /// Each side leaves its last good point as it came there and bends to the corner. Unset: straight.
+  std::optional<Vec2> control_before = std::nullopt;
+  std::optional<Vec2> control_after = std::nullopt;
 };
 
 class Sharpener {
@@ -49,7 +53,7 @@ class Sharpener {
         if (out.empty() || corner->first > out.back().last) out.push_back(*corner);
       }
     }
-    if (out.size() > 1 && out.back().last - n_ >= out.front().first) out.pop_back();
+    if (out.size() > 1 && out.back().last - n_ >= out.front().first - 1) out.pop_back();
     return out;
   }
 
@@ -101,7 +105,7 @@ class Sharpener {
     // Sides of a very sharp corner have grown together; those of a wide one with a bent side only say less.
     const double sharpness = tip_turn(i, before, after, skip);
     const auto crossing = crossing_at(i, before, after, skip);
-    return crossing || sharpness < kRightAngle ? crossing : tip_at(i, skip);
+    return crossing || sharpness < kRightAngle ? crossing : tip_at(i, before, after, skip);
   }
 
   /// Turn between the sides some way off the corner; 0 where there is no room or no rule for tips.
@@ -111,12 +115,39 @@ class Sharpener {
     return std::abs(turn(at(i - skip / 2) - at(i - 2 * skip), at(i + 2 * skip) - at(i + skip / 2)));
   }
 
-  std::optional<Corner> tip_at(std::ptrdiff_t i, std::ptrdiff_t skip) const {
+  std::optional<Corner> tip_at(std::ptrdiff_t i, std::ptrdiff_t before, std::ptrdiff_t after,
+                               std::ptrdiff_t skip) const {
     const Vec2 in = at(i - skip / 2) - at(i - 2 * skip);
     const Vec2 out = at(i + 2 * skip) - at(i + skip / 2);
     const auto tip = rule_.tip(at(i), (in.normalized() - out.normalized()).normalized());
     if (!tip || (*tip - at(i)).norm() < 0.3) return std::nullopt;
-    return Corner{i - skip / 2, i + skip / 2, *tip};
+    const std::ptrdiff_t a = apart(i, -1, before, skip);
+    const std::ptrdiff_t b = apart(i, +1, after, skip);
+    return Corner{i - a + 1, i + b - 1, *tip, control(i, -a, *tip), control(i, b, *tip)};
+  }
+
+  /// How far from a sharp corner the two sides' ink has come apart: between there and the corner, the middle
+  /// of the ink is the middle of neither.
+  std::ptrdiff_t apart(std::ptrdiff_t i, std::ptrdiff_t direction, std::ptrdiff_t room,
+                       std::ptrdiff_t skip) const {
+    constexpr std::ptrdiff_t kSure = 3;
+    const std::ptrdiff_t nearest = skip / 2 + 1;
+    std::ptrdiff_t sure = 0;
+    for (std::ptrdiff_t k = nearest; k < std::min(4 * skip, room / 2); ++k) {
+      const std::ptrdiff_t j = i + direction * k;
+      if (!closed_ && (j < 6 || j + 6 >= n_)) break;
+      sure = rule_.single(at(j), at(j + 3) - at(j - 3)) ? sure + 1 : 0;
+      if (sure == kSure) return k;
+    }
+    return nearest;
+  }
+
+  /// Half way from a side's last good point to the corner, in the direction of that side.
+  Vec2 control(std::ptrdiff_t i, std::ptrdiff_t offset, const Vec2& corner) const {
+    constexpr std::ptrdiff_t kBase = 5;
+    const Vec2& from = at(i + offset);
+    const Vec2 direction = (from - at(i + offset + (offset < 0 ? -kBase : kBase))).normalized();
+    return from + 0.5 * (corner - from).dot(direction) * direction;
   }
 
   /// Half the angle between two directions towards a corner.
@@ -181,23 +212,31 @@ void sharpen_corners(std::vector<Vec2>& points, bool closed, const CornerRule& r
   const std::ptrdiff_t seam = closed ? corners.front().first : 0;
   std::vector<Vec2> out;
   out.reserve(points.size() + corners.size());
-  const auto straight_to = [&](const Vec2& p) {  // about one point a pixel
+  const auto bend_to = [&](const Vec2& p, const std::optional<Vec2>& control) {  // about one point a pixel
     if (out.empty()) return out.push_back(p);
     const Vec2 from = out.back();
+    const Vec2 middle = control.value_or(0.5 * (from + p));
     const auto steps = static_cast<int>(std::ceil((p - from).norm() / 1.5));
-    for (int k = 1; k < steps; ++k) out.push_back(from + double(k) / steps * (p - from));
+    for (int k = 1; k < steps; ++k) {
+      const double t = double(k) / steps;
+      out.push_back((1 - t) * (1 - t) * from + 2 * t * (1 - t) * middle + t * t * p);
+    }
     out.push_back(p);
   };
   std::size_t next = 0;
+  std::optional<Vec2> leaving;
   for (std::ptrdiff_t i = seam; i < seam + n; ++i) {
     if (next < corners.size() && i >= corners[next].first) {
-      straight_to(corners[next].at);
+      if (out.empty() && closed) out.push_back(points[((i - 1) % n + n) % n]);
+      bend_to(corners[next].at, corners[next].control_before);
+      leaving = corners[next].control_after;
       i = corners[next].last;
       ++next;
       continue;
     }
-    straight_to(points[((i % n) + n) % n]);
+    bend_to(points[((i % n) + n) % n], std::exchange(leaving, std::nullopt));
   }
+  if (closed) out.pop_back();  // the seam's point was put in front as well
   points = std::move(out);
 }
 

@@ -25,6 +25,8 @@ struct CornerRule {
   /// Where a corner of less than about 65 degrees lies: its sides have grown together and say little. Unset:
   /// nowhere.
   std::function<std::optional<Vec2>(const Vec2& rounded, const Vec2& outwards)> tip = {};
+  /// Set with `tip`: the point lies in the middle of one stroke and of nothing else.
+  std::function<bool(const Vec2& point, const Vec2& tangent)> single = {};
 };
 
 /// Points about one pixel apart. A corner is made where both sides are straight to 0.3 px; curves stay as

@@ -118,6 +118,41 @@ TEST(Extract, SharpCornersOfAStrokeAreGoneRound) {
   }
 }
 
+/// Largest turn within four pixels, at least `margin_px` from the drawing's sharp corners and from its ends.
+double sharpest_turn(const PixelContour& contour, const std::vector<Vec2>& corners, double margin_px) {
+  const auto& p = contour.points_px;
+  const std::size_t n = p.size();
+  constexpr std::size_t kReach = 2;
+  double most = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!contour.closed && (i < kReach || i + kReach >= n)) continue;
+    if (std::any_of(corners.begin(), corners.end(),
+                    [&](const Vec2& c) { return (c - p[i]).norm() < margin_px; }))
+      continue;
+    const Vec2 in = p[i] - p[(i + n - kReach) % n];
+    const Vec2 out = p[(i + kReach) % n] - p[i];
+    most = std::max(most, std::abs(std::atan2(geometry::cross(in, out), in.dot(out))));
+  }
+  return most;
+}
+
+TEST(Extract, StrokesAreSmoothUpToTheirCorners) {
+  for (const double pen : {3.0, 5.0, 8.0, 12.0}) {
+    for (int round = 0; round < 4; ++round) {
+      drawing::Drawing drawing = turned("heart", round);
+      drawing.pen_px = pen;
+      const auto& truth = drawing.lines_px.front().points_m;
+      const auto found = extract(drawing::render(drawing, hard_look(round)));
+      ASSERT_TRUE(found) << found.error();
+      const PixelContour& contour = found->contours.front();
+      EXPECT_LT(compare(contour, drawing.lines_px.front()).max_px, 1.0)
+          << "pen " << pen << ", round " << round;
+      EXPECT_LT(sharpest_turn(contour, {truth[0], truth[truth.size() / 2]}, 3.5), 0.14)
+          << "pen " << pen << ", round " << round;
+    }
+  }
+}
+
 TEST(Extract, StrokesThatCrossAtASmallAngleGoStraightOn) {
   for (const double pen : {3.0, 6.0, 9.0}) {
     drawing::Drawing drawing{{{{}, true}}, false, pen};
