@@ -65,6 +65,20 @@ int specks_in(const Field& field, const Outlines& outlines, double largest) {
                                         [&](const PixelContour& c) { return size_of(c) > 0.3 * largest; }));
 }
 
+/// Texture has no end at the picture's border and no shape that stands out: the largest one covers little of
+/// what is drawn, and little of what is whole.
+bool is_texture(const Field& field, const Outlines& outlines, double& share) {
+  double whole = 0.0;
+  double largest = 0.0;
+  for (const double area : outlines.areas_px) {
+    whole += std::max(0.0, area);
+    largest = std::max(largest, area);
+  }
+  share = largest / std::max(1, cv::countNonZero(field.drawn));
+  return (outlines.cut_off >= 3 && share < 0.35 && largest < 0.75 * whole) ||
+         (outlines.cut_off >= 8 && share < 0.45);
+}
+
 /// Says why the picture is no drawing on a background: nothing whole stands out, or next to nothing beside
 /// what runs over the border.
 std::optional<std::string> clutter(const Field& field, const Outlines& outlines) {
@@ -79,6 +93,13 @@ std::optional<std::string> clutter(const Field& field, const Outlines& outlines)
     return fmt::format(
         "the picture is full of specks ({}, none larger than {:.0f} px): noise or texture, no drawing",
         specks, size);
+  }
+  double share = 0.0;
+  if (is_texture(field, outlines, share)) {
+    return fmt::format(
+        "{} shapes run over the picture's border and the largest whole one covers {:.0f} % of what is drawn: "
+        "noise or texture, no drawing",
+        outlines.cut_off, 100.0 * share);
   }
   if (outlines.cut_off == 0 || size > 0.2 * diagonal) return std::nullopt;
   double whole = 0.0;

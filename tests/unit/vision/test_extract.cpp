@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drawings with a known truth, seen through blur (1.2 px), noise (sigma 8) and uneven light, at several
 // angles and sizes.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -355,6 +356,35 @@ TEST(Extract, WhatIsNoDrawingIsRefusedWithAReason) {
   EXPECT_NE(complaint(cut).find("border"), std::string::npos);
   cv::Mat nan(100, 100, CV_32F, cv::Scalar(NAN));
   EXPECT_NE(complaint(nan), "");
+}
+
+TEST(Extract, NoiseOfAnyGrainIsNoDrawing) {
+  int pictures = 0;
+  int taken = 0;
+  std::string which;
+  for (const cv::Size size : {cv::Size(160, 120), cv::Size(320, 240), cv::Size(640, 480)}) {
+    for (const double blur : {0.7, 1.0, 1.5, 2.5, 4.0, 7.0}) {
+      for (const double share : {0.02, 0.1, 0.5}) {
+        for (const bool in_alpha : {false, true}) {
+          cv::RNG rng(static_cast<std::uint64_t>(size.width + 10.0 * blur + 1000.0 * share));
+          cv::Mat noise(size, CV_8U);
+          rng.fill(noise, cv::RNG::UNIFORM, 0, 256);
+          noise = noise < 256.0 * share;
+          cv::GaussianBlur(noise, noise, {}, blur);
+          cv::Mat picture = noise;
+          if (in_alpha) {
+            picture = cv::Mat(size, CV_8UC4, cv::Scalar(0, 0, 0, 0));
+            cv::insertChannel(noise, picture, 3);
+          }
+          ++pictures;
+          if (!extract(picture)) continue;
+          ++taken;
+          which += fmt::format("{} px, blur {}, share {}\n", size.width, blur, share);
+        }
+      }
+    }
+  }
+  EXPECT_LE(taken, pictures / 50) << which;
 }
 
 TEST(Extract, StrokesThatRunOffThePictureAreRefused) {
