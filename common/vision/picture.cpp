@@ -349,20 +349,31 @@ bool separate_from_background(const std::array<double, 256>& counts, double back
                               Field& field) {
   const int reach = static_cast<int>(std::ceil(6.0 * noise + 4.0));
   const int middle = static_cast<int>(std::lround(background));
+  constexpr double kFewest = 2e-4;  // of the picture: what a drawing's darkest part covers at least
   double dark = 0.0;
   double light = 0.0;
+  double dark_count = 0.0;
+  double light_count = 0.0;
   double total = 0.0;
   for (int i = 0; i < 256; ++i) {
     total += counts[i];
+    if (i < middle - reach) dark_count += counts[i];
+    if (i > middle + reach) light_count += counts[i];
     if (i < middle - reach) dark += counts[i] * (middle - i);
     if (i > middle + reach) light += counts[i] * (i - middle);
   }
   if (dark + light < 1e-5 * total * reach) return false;
   field.dark = dark >= light;
-  // The ink's own level: its darker fifth, which thin lines reach only in their middle.
-  const double ink = field.dark ? percentile(counts, 0, std::max(0, middle - reach), 0.2)
-                                : percentile(counts, std::min(255, middle + reach), 255, 0.8);
-  field.contrast = std::abs(background - ink);
+  // The ink's own level: its darker fifth, which thin lines reach only in their middle. Where the paper is
+  // uneven, a thin line is but the far end of all that lies off the background.
+  const auto level_at = [&](double share) {
+    return field.dark ? percentile(counts, 0, std::max(0, middle - reach), share)
+                      : percentile(counts, std::min(255, middle + reach), 255, 1.0 - share);
+  };
+  const double off_background = (field.dark ? dark_count : light_count);
+  const double fifth = std::abs(background - level_at(0.2));
+  const double furthest = std::abs(background - level_at(std::min(1.0, kFewest * total / off_background)));
+  field.contrast = furthest > 4.0 * fifth ? furthest : fifth;
   const double off = std::max(0.5 * field.contrast, static_cast<double>(reach) - 1.0);
   field.level = std::floor(background + (field.dark ? -off : off)) + 0.5;
   return true;
