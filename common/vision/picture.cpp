@@ -84,14 +84,19 @@ struct Split {
   double level = 0.0;
   double low_mean = 0.0;
   double high_mean = 0.0;
+  bool clear = false;  ///< two large classes, each of next to one grey level
 };
 
 Split otsu(const std::array<double, 256>& counts) {
+  constexpr double kSmallest = 0.05;  // share of a large class
+  constexpr double kBetween = 0.9;    // share of all variance
   double total = 0.0;
   double sum = 0.0;
+  double squares = 0.0;
   for (int i = 0; i < 256; ++i) {
     total += counts[i];
     sum += i * counts[i];
+    squares += double(i) * i * counts[i];
   }
   Split best;
   double most = -1.0;
@@ -107,7 +112,8 @@ Split otsu(const std::array<double, 256>& counts) {
     const double between = below * above * (high - low) * (high - low);
     if (between > most) {
       most = between;
-      best = {i + 0.5, low, high};
+      const bool large = std::min(below, above) > kSmallest * total;
+      best = {i + 0.5, low, high, large && between > kBetween * (squares * total - sum * sum)};
     }
   }
   return best;
@@ -384,11 +390,19 @@ void separate(const cv::Mat& grey, double sigma_px, const Light* light, Field& f
   field.sigma_px = sigma_px;
   const int size = 2 * static_cast<int>(std::ceil(2.0 * sigma_px)) + 1;
   cv::GaussianBlur(grey, field.smooth, {size, size}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
-  if (light != nullptr && change_of(*light) > 3.0) field.smooth = flattened(field.smooth, *light);
-  const auto counts = histogram_of(field.smooth);
-  const double noise = field.noise / (2.0 * sigma_px * std::sqrt(M_PI));
-  if (light != nullptr && separate_from_background(counts, (*light)[0], noise, field)) return;
-  const Split halves = otsu(counts);
+  auto counts = histogram_of(field.smooth);
+  Split halves = otsu(counts);
+  // A large faint region looks like a change of light; two grey levels with nothing between are no such
+  // thing.
+  if (light != nullptr && !halves.clear) {
+    if (change_of(*light) > 3.0) {
+      field.smooth = flattened(field.smooth, *light);
+      counts = histogram_of(field.smooth);
+    }
+    const double noise = field.noise / (2.0 * sigma_px * std::sqrt(M_PI));
+    if (separate_from_background(counts, (*light)[0], noise, field)) return;
+    halves = otsu(counts);
+  }
   const int split = static_cast<int>(halves.level);
   // The background is what most of the picture's border shows.
   field.dark = !border_is_dark(field.smooth, split + 0.5);

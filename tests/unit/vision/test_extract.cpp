@@ -239,6 +239,30 @@ TEST(Extract, FaintDrawingsShadowsAndUnevenLight) {
   }
 }
 
+TEST(Extract, ThinLinesOnUnevenPaperAndFaintRegionsAreFound) {
+  const auto smaller = [](const char* shape, double scale) {
+    return drawing::transformed(*drawing::by_name(shape), 0.7, scale, {319.5, 239.5}, {40.0, -10.0});
+  };
+  const drawing::Look grainy{.paper = 200.0, .ink = 10.0, .noise = 2.0, .grain = 6.0, .seed = 3};
+  for (const char* shape : {"circle", "heart", "letter-s", "figure-8", "spiral"}) {
+    const drawing::Drawing drawing = smaller(shape, 0.3);
+    const auto found = extract(drawing::render(drawing, grainy));
+    ASSERT_TRUE(found) << shape << ": " << found.error();
+    EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.5) << shape;
+  }
+  for (const double noise : {2.0, 8.0}) {
+    const drawing::Look faint{.paper = 200.0, .ink = 182.0, .noise = noise, .seed = 3};
+    for (const char* shape : {"gear", "blob", "letter-e"}) {
+      const drawing::Drawing drawing = smaller(shape, 1.0);
+      const auto found = extract(drawing::render(drawing, faint));
+      ASSERT_TRUE(found) << shape << ": " << found.error();
+      EXPECT_EQ(found->mode, Mode::kOutline) << shape << ", noise " << noise;
+      EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.8)
+          << shape << ", noise " << noise;
+    }
+  }
+}
+
 TEST(Extract, LightOnDarkIsTheSameDrawing) {
   const drawing::Drawing drawing = turned("script-e", 1);
   const cv::Mat picture = drawing::render(drawing, hard_look(1));
