@@ -232,13 +232,16 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
     return out;
   }
   bridge(p, junction, out.closed);
+  double spacing_px = 1.0;
   for (int pass = 0; pass < 2; ++pass) {
-    const double spacing_px = std::max(1.0, std::floor(width_px / (pass == 0 ? 2.5 : 12.0)));
+    spacing_px = std::max(1.0, std::floor(width_px / (pass == 0 ? 2.5 : 12.0)));
     space_evenly(p, junction, out.closed, spacing_px);
     smooth(p, out.closed, std::max(1.0, 0.35 * width_px) / spacing_px);
     out.width_px = centre_once(field, p, junction, out.closed, out.width_px, spacing_px);
     bridge(p, junction, out.closed);
   }
+  // Ends and corners count points as pixels.
+  if (spacing_px > 1.0) p = geometry::resampled({std::move(p), out.closed}, 1.0).points_m;
   if (!out.closed) {
     if (route.to_end) set_end(field, p, out.width_px);
     std::reverse(p.begin(), p.end());

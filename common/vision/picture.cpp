@@ -211,7 +211,7 @@ double noise_of(const cv::Mat& grey) {
   // |1 -2 1; -2 4 -2; 1 -2 1|: blind to planes and straight edges; its standard deviation is 6 sigma.
   std::array<double, 2048> counts{};
   double total = 0.0;
-  const int step = std::max(1, grey.rows / 128);
+  const int step = std::max(1, grey.rows / 80);
   for (int y = 1; y + 1 < grey.rows; y += step) {
     const auto* a = grey.ptr<unsigned char>(y - 1);
     const auto* b = grey.ptr<unsigned char>(y);

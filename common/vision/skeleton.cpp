@@ -46,8 +46,16 @@ class Bits {
         stride_(static_cast<std::size_t>((drawn.cols + 63) / 64) + 2) {
     words_.assign(stride_ * static_cast<std::size_t>(rows_ + 2), 0);
     for (int y = 0; y < rows_; ++y) {
-      for_each_pixel(drawn.ptr<unsigned char>(y), columns_,
-                     [&](int x) { words_[index(x, y)] |= std::uint64_t{1} << x % 64; });
+      const auto* row = drawn.ptr<unsigned char>(y);
+      int x = 0;
+      for (; x + 8 <= columns_; x += 8) {  // the lowest bits of eight pixels (0 or 255) at a time
+        std::uint64_t eight = 0;
+        std::memcpy(&eight, row + x, 8);
+        if (eight == 0) continue;
+        const std::uint64_t bits = (eight & 0x0101010101010101U) * 0x0102040810204080U >> 56;
+        words_[index(x, y)] |= bits << x % 64;
+      }
+      for (; x < columns_; ++x) words_[index(x, y)] |= std::uint64_t{row[x] & 1U} << x % 64;
     }
   }
 
@@ -153,8 +161,11 @@ cv::Mat thinned(const cv::Mat& drawn) {
     });
     for (const auto& [word, mask] : taken) {
       bits[word] &= ~mask;
-      for (const std::size_t row : {word - stride, word, word + stride}) {
-        for (std::size_t i = row - 1; i <= row + 1; ++i) {
+      // The words beside it see its outermost pixels only.
+      const std::size_t first = (mask & 1) != 0 ? word - 1 : word;
+      const std::size_t last = mask >> 63 != 0 ? word + 1 : word;
+      for (const std::size_t up : {stride, std::size_t{0}, std::size_t{0} - stride}) {
+        for (std::size_t i = first - up; i != last - up + 1; ++i) {
           if (bits[i] == 0) continue;
           if (due[i] == 0) active.push_back(i);
           due[i] = 2;

@@ -191,7 +191,7 @@ TEST(Extract, CornersOfARegionAreSharpAndCurvesStayRound) {
 }
 
 TEST(Extract, PensOfAnyWidthAndFaintLines) {
-  for (const double pen : {1.0, 2.0, 3.0, 8.0, 14.0, 20.0}) {
+  for (const double pen : {1.0, 2.0, 3.0, 8.0, 14.0, 20.0, 30.0}) {
     for (const char* shape : {"circle", "figure-8", "letter-s"}) {
       drawing::Drawing drawing = turned(shape, 1);
       drawing.pen_px = pen;
