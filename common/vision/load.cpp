@@ -26,9 +26,8 @@ tl::expected<Loaded, std::string> vector_contours(const std::string& path, const
   Loaded out;
   out.mode = "vector";
   out.why = "a vector drawing is its own path";
-  if (!drawing->left_out.empty()) {
-    out.why += fmt::format("; not followed: {}", drawing->left_out.sentence());
-  }
+  out.not_followed = drawing->left_out.sentence();
+  if (!out.not_followed.empty()) out.why += fmt::format("; not followed: {}", out.not_followed);
   out.contours = std::move(drawing->contours);
   std::stable_sort(out.contours.begin(), out.contours.end(),
                    [](const auto& a, const auto& b) { return size_of(a) > size_of(b); });

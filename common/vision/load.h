@@ -24,6 +24,7 @@ struct LoadRequest {
 struct Loaded {
   std::string mode;  ///< outline, stroke, thesis, or vector
   std::string why;
+  std::string not_followed;                  ///< what of a vector drawing is left out, "2 text, 1 image"
   std::vector<geometry::Polyline> contours;  ///< metres, largest first
   std::vector<double> noise_m;               ///< quality of each contour's points
   std::size_t selected = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -51,6 +52,16 @@ class Folder {
  private:
   fs::path path_;
 };
+
+TEST(VisionNode, SaysWhatOfADrawingItDoesNotFollow) {
+  const Folder folder("drawing");
+  std::ofstream(folder.file("part.svg")) << "<svg width='20mm' height='20mm' viewBox='0 0 20 20'><circle "
+                                            "cx='10' cy='10' r='5'/><text>A</text></svg>";
+  VisionNode node({});
+  const auto outcome = node.step(Frame{"part.svg", folder.file("part.svg"), {}, false});
+  ASSERT_TRUE(outcome.publish) << outcome.remark;
+  EXPECT_EQ(outcome.remark, "part.svg: not followed: 1 text");
+}
 
 TEST(VisionNode, ALiveContourIsPublishedOnceWhenFramesAgree) {
   VisionNode node(at_true_size());
