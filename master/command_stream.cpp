@@ -14,7 +14,7 @@ constexpr double kJoinedM = 20e-6;
 constexpr double kUnheededS = 0.3;
 constexpr double kLetGoS = 0.2;
 /// The loop that spans the delay predicts a hasty approach badly.
-constexpr double kRemoteApproach = 0.2;  // m/s^2
+constexpr double kRemoteApproach = 0.5;  // m/s^2
 /// Further from the goal than this, the slave is approached anew instead of pulled with all force.
 constexpr double kLostM = 2e-3;
 

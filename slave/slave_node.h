@@ -28,7 +28,7 @@ struct SlaveSettings {
   double control_hz = 1000.0;
   double stream_hz = 1000.0;
   double bandwidth_rad_s = 60.0;  ///< of the tracking law, critically damped
-  double observer_rad_s = 400.0;  ///< of the disturbance observer
+  double observer_rad_s = 600.0;  ///< of the disturbance observer
   double stale_s = 0.15;          ///< no command for this long: laser off, hold
   double laser_w = 10.0;
   codec::StreamSettings feedback;  ///< of the positions in the state stream, m
