@@ -13,8 +13,6 @@ constexpr double kJoinedM = 20e-6;
 /// A slave that has heeded no command for this long is let go for that long.
 constexpr double kUnheededS = 0.3;
 constexpr double kLetGoS = 0.2;
-/// The loop that spans the delay predicts a hasty approach badly.
-constexpr double kRemoteApproach = 0.5;  // m/s^2
 /// Further from the goal than this, the slave is approached anew instead of pulled with all force.
 constexpr double kLostM = 2e-3;
 
@@ -46,11 +44,7 @@ CommandStream::CommandStream(const CommandStreamSettings& settings, std::uint32_
                   return observer;
                 }()),
       samples_(codec::kMaxBlock, Vec3::Zero()),
-      approach_([&] {
-        control::JoinerSettings approach = settings.approach;
-        if (settings.law == Law::kRemoteAcceleration) approach.max_acceleration_m_per_s2 = kRemoteApproach;
-        return approach;
-      }()) {
+      approach_(settings.approach) {
   samples_.resize(static_cast<std::size_t>(settings.codec.block));
   arrived_.reserve(static_cast<std::size_t>(codec::kMaxBlocks) * 64);
 }

@@ -82,6 +82,8 @@ StationSettings StationSettings::validated() const {
   command.ticks_per_sample = static_cast<int>(std::lround(ratio));
   command.codec.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   command.codec.anchored = command.law == Law::kLocal;
+  // A loop that spans the delay predicts a hasty approach badly.
+  if (command.law == Law::kRemoteAcceleration) command.approach.max_acceleration_m_per_s2 = 0.5;
   command.codec.integrated = command.law != Law::kLocal;
   // Of a block's mean, one step moves the tool by 0.3 um within 16 ms.
   if (command.codec.integrated) command.codec.quantum = kAccelerationQuantum;

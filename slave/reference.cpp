@@ -58,31 +58,25 @@ void bridge_gap(SampleRing& ring, std::int64_t index, double period_s, int reach
   if (!from.engaged || !to.engaged || from.generation != to.generation || from.law != to.law) return;
 
   const double duration = static_cast<double>(after - before) * period_s;
-  if (from.law == Law::kRemoteAcceleration) {
-    for (std::int64_t at = before + 1; at < after; ++at) {
-      const double u = static_cast<double>(at - before) * period_s / duration;
-      StreamSample sample = from;
-      sample.bridged = true;
-      sample.button = false;
-      sample.acceleration_m_per_s2 += u * (to.acceleration_m_per_s2 - from.acceleration_m_per_s2);
-      ring.store(at, sample);
-    }
-    return;
-  }
   const Vec3 way = (to.value - from.value) / duration;
   // p(u) = p0 + T (v0 u + b u^2 + c u^3); its acceleration is largest at an end.
   const Vec3 b = 3.0 * way - 2.0 * from.velocity_m_per_s - to.velocity_m_per_s;
   const Vec3 c = from.velocity_m_per_s + to.velocity_m_per_s - 2.0 * way;
   const double most = most_m_per_s2 * duration;
-  if (!((2.0 * b).norm() <= most) || !((2.0 * b + 6.0 * c).norm() <= most)) return;
+  const bool bare = from.law == Law::kRemoteAcceleration;  // no states, nothing but accelerations
+  if (!bare && (!((2.0 * b).norm() <= most) || !((2.0 * b + 6.0 * c).norm() <= most))) return;
   for (std::int64_t at = before + 1; at < after; ++at) {
     const double u = static_cast<double>(at - before) * period_s / duration;
     StreamSample sample = from;
     sample.bridged = true;
     sample.button = false;
-    sample.value += duration * u * (from.velocity_m_per_s + u * (b + u * c));
-    sample.velocity_m_per_s += u * (2.0 * b + 3.0 * u * c);
-    sample.acceleration_m_per_s2 = (2.0 * b + 6.0 * u * c) / duration;
+    if (bare) {
+      sample.acceleration_m_per_s2 += u * (to.acceleration_m_per_s2 - from.acceleration_m_per_s2);
+    } else {
+      sample.value += duration * u * (from.velocity_m_per_s + u * (b + u * c));
+      sample.velocity_m_per_s += u * (2.0 * b + 3.0 * u * c);
+      sample.acceleration_m_per_s2 = (2.0 * b + 6.0 * u * c) / duration;
+    }
     ring.store(at, sample);
   }
 }

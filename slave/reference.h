@@ -18,8 +18,9 @@ inline constexpr int kHalfWindow = 4;
 std::optional<Motion> reference_at(const SampleRing& ring, double cursor, double period_s) noexcept;
 
 /// Closes the gap around `index` of an anchored stream, where the samples on both sides are there, engaged
-/// and of one generation: cubics through their states, marked as bridged. Nothing where the gap is longer
-/// than `reach` samples or the way over it would take more than `most_m_per_s2`.
+/// and of one generation: cubics through their states (of bare accelerations: straight lines), marked as
+/// bridged. Nothing where the gap is longer than `reach` samples or the way over it would take more than
+/// `most_m_per_s2`.
 void bridge_gap(SampleRing& ring, std::int64_t index, double period_s, int reach,
                 double most_m_per_s2) noexcept;
 

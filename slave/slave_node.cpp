@@ -24,6 +24,16 @@ codec::Trend trend_of(const CommandBlock& block) noexcept {
   return {block.anchor.position_m, block.anchor.velocity_m_per_s * (block.sample_period_ns * 1e-9)};
 }
 
+/// Samples of both are counted alike.
+bool same_count(const CommandBlock& a, const CommandBlock& b) noexcept {
+  return a.sample_period_ns == b.sample_period_ns && a.ticks_per_sample == b.ticks_per_sample;
+}
+
+/// Samples of both are comparable.
+bool same_source(const CommandBlock& a, const CommandBlock& b) noexcept {
+  return a.beta == b.beta && a.law == b.law;
+}
+
 control::DisturbanceObserver::Gains gains_of(const SlaveSettings& settings) noexcept {
   return {.period_s = 1.0 / settings.control_hz,
           .bandwidth_rad_per_s = settings.observer_rad_s,
@@ -111,8 +121,7 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
   }
   const auto first = static_cast<std::int64_t>(block.first_tick / block.ticks_per_sample);
   // Another sample rate is another count of samples: the stream begins anew.
-  const bool afresh = !heard_ || block.sample_period_ns != header_.sample_period_ns ||
-                      block.ticks_per_sample != header_.ticks_per_sample;
+  const bool afresh = !heard_ || !same_count(block, header_);
   if (!afresh) {
     const double elapsed_s = static_cast<double>(received.received_ns - last_arrival_ns_) * 1e-9;
     if (static_cast<double>(first - newest_index_) * period_s > elapsed_s + kFutureS) {
@@ -127,6 +136,7 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
   }
 
   if (afresh) {
+    first_number_ = block.sequence;
     master_epoch_ = block.epoch;
     ring_->clear();
     clock_.reset();
@@ -135,7 +145,7 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
     applied_bitmap_ = 0;
     cursor_.reset();
     ++generation_;
-  } else if (block.beta != header_.beta || block.law != header_.law) {
+  } else if (!same_source(block, header_)) {
     ++generation_;
   }
   const std::uint32_t missing = heard_ ? block.sequence - number_ - 1 : 0;
@@ -155,10 +165,9 @@ void SlaveNode::receive(const Received<CommandBlock>& received, const Corridor* 
 
 bool SlaveNode::catch_up(const Received<CommandBlock>& received) noexcept {
   const CommandBlock& block = received.value;
-  if (block.beta != header_.beta || block.sample_period_ns != header_.sample_period_ns ||
-      block.ticks_per_sample != header_.ticks_per_sample || block.law != header_.law) {
+  // What was sent before the stream was joined was never counted as lost.
+  if (block.sequence < first_number_ || !same_count(block, header_) || !same_source(block, header_))
     return false;
-  }
   const auto first = static_cast<std::int64_t>(block.first_tick / block.ticks_per_sample);
   const std::int64_t last = first + codec::kMaxBlock - 1;
   if (cursor_ && static_cast<double>(last) < *cursor_) return false;

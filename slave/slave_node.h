@@ -130,7 +130,8 @@ class SlaveNode {
   std::unique_ptr<SampleRing> ring_;
   PlayoutClock clock_;
   std::optional<std::uint32_t> master_epoch_;
-  std::uint32_t number_ = 0;  ///< newest block's
+  std::uint32_t number_ = 0;        ///< newest block's
+  std::uint32_t first_number_ = 0;  ///< of the first block since the stream was joined
   std::int64_t newest_index_ = -1;
   CommandBlock header_;  ///< newest block's, without payload
   std::int64_t last_arrival_ns_ = 0;

@@ -273,5 +273,13 @@ TEST_F(SlaveNodeTest, OvertakenBlocksAreUsedWhileTheyCanBe) {
   EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
 }
 
+TEST_F(SlaveNodeTest, ABlockFromBeforeItJoinedWasNeverLost) {
+  const CommandBlock before = next_block();
+  run(next_block());
+  run(before);
+  EXPECT_EQ(station_.node().counters().lost, 0u);
+  EXPECT_EQ(station_.node().counters().stale, 1u);
+}
+
 }  // namespace
 }  // namespace telekerf::slave
