@@ -13,6 +13,7 @@
 
 #include "common/geometry/nearest.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/spread.h"
 #include "common/runtime/version.h"
 #include "slave/laser/mark_picture.h"
 #include "slave/laser/workpiece.h"
@@ -22,23 +23,10 @@ namespace {
 
 using geometry::Polyline;
 
-struct Spread {
-  double square_sum = 0.0;
-  double max = 0.0;
-  std::size_t count = 0;
-
-  void add(double error_m) {
-    square_sum += error_m * error_m;
-    max = std::max(max, std::abs(error_m));
-    ++count;
-  }
-  nlohmann::ordered_json json() const {
-    if (count == 0) return {{"rms_um", nullptr}, {"max_um", nullptr}, {"samples", 0}};
-    return {{"rms_um", std::sqrt(square_sum / static_cast<double>(count)) * 1e6},
-            {"max_um", max * 1e6},
-            {"samples", count}};
-  }
-};
+nlohmann::ordered_json um(const Spread& spread) {
+  if (spread.count == 0) return {{"rms_um", nullptr}, {"max_um", nullptr}, {"samples", 0}};
+  return {{"rms_um", spread.rms() * 1e6}, {"max_um", spread.max * 1e6}, {"samples", spread.count}};
+}
 
 Vec2 plane(const Triple& point) { return {point[0], point[1]}; }
 
@@ -73,30 +61,27 @@ std::optional<Vec3> master_at(const RunRecord& record, double tick, Triple Maste
 
 /// The force that reached the master, and how far it was off what the slave estimated at the same tick.
 nlohmann::ordered_json force_json(const RunRecord& record) {
-  double squares = 0.0, error_squares = 0.0, largest = 0.0, largest_error = 0.0;
-  std::size_t count = 0;
+  Spread force;
+  Spread coding;
+  std::size_t samples = 0;
   for (const MasterRow& row : record.master) {
     if (row.force_tick < 0.0 || record.slave.empty()) continue;
     const double place = row.force_tick - static_cast<double>(record.slave.front().tick);
     if (!(place >= 0.0) || place > static_cast<double>(record.slave.size() - 1)) continue;
     const Triple& sent = record.slave[static_cast<std::size_t>(place)].force_n;
     for (std::size_t i = 0; i < 3; ++i) {
-      squares += row.slave_force_n[i] * row.slave_force_n[i];
-      largest = std::max(largest, std::abs(row.slave_force_n[i]));
-      const double error = row.slave_force_n[i] - sent[i];
-      error_squares += error * error;
-      largest_error = std::max(largest_error, std::abs(error));
+      force.add(row.slave_force_n[i]);
+      coding.add(row.slave_force_n[i] - sent[i]);
     }
-    ++count;
+    ++samples;
   }
-  if (count == 0) return {{"rms_n", nullptr}, {"max_n", nullptr}, {"samples", 0}};
-  const auto per_axis = 3.0 * static_cast<double>(count);
-  return {{"rms_n", std::sqrt(squares / per_axis)},
-          {"max_n", largest},
-          {"coding_rms_n", std::sqrt(error_squares / per_axis)},
-          {"coding_max_n", largest_error},
+  if (samples == 0) return {{"rms_n", nullptr}, {"max_n", nullptr}, {"samples", 0}};
+  return {{"rms_n", force.rms()},
+          {"max_n", force.max},
+          {"coding_rms_n", coding.rms()},
+          {"coding_max_n", coding.max},
           {"bits_per_sample", figure(record.slave_figures, "force_bits_per_sample")},
-          {"samples", count}};
+          {"samples", samples}};
 }
 
 /// Whether the slave had been brought to the master's motion by that tick.
@@ -196,7 +181,7 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
     }
   }
 
-  nlohmann::ordered_json cut_json = cut.json();
+  nlohmann::ordered_json cut_json = um(cut);
   cut_json["coverage"] = coverage.share();
   cut_json["laser_on_s"] = laser_on_s;
   cut_json["energy_inside_j"] = inside_j;
@@ -213,9 +198,9 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   report["beta"] = figure(record.master_figures, "beta", 1.0);
   report["law"] = word(record, "law");
   report["estimator"] = word(record, "estimator");
-  report["constraint"] = constraint.json();
-  report["tracking"] = tracking.json();
-  report["prediction"] = prediction.json();
+  report["constraint"] = um(constraint);
+  report["tracking"] = um(tracking);
+  report["prediction"] = um(prediction);
   report["cut"] = cut_json;
   report["link"] = {{"rtt_ms",
                      {{"p50", figure(m, "rtt_p50_ms")},

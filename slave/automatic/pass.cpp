@@ -8,6 +8,7 @@
 
 #include "common/geometry/nearest.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/spread.h"
 #include "slave/automatic/contouring_control.h"
 #include "slave/laser/kerf.h"
 
@@ -23,18 +24,7 @@ constexpr double kCornerReach_m = 0.4e-3;
 constexpr double kCornerTurn_rad = std::numbers::pi / 6;
 constexpr double kCornerWindow_m = 0.15e-3;
 
-struct Spread {
-  double squares = 0.0;
-  double max = 0.0;
-  std::size_t count = 0;
-  void add(double v) {
-    squares += v * v;
-    max = std::max(max, std::abs(v));
-    ++count;
-  }
-  double rms() const { return count == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(count)); }
-  ordered_json um() const { return {{"rms", rms() * 1e6}, {"max", max * 1e6}}; }
-};
+ordered_json um(const Spread& spread) { return {{"rms", spread.rms() * 1e6}, {"max", spread.max * 1e6}}; }
 
 bool near_any(const std::vector<Vec2>& places, const Vec2& p, double reach_m) {
   return std::any_of(places.begin(), places.end(),
@@ -135,11 +125,11 @@ ordered_json measure(std::span<const Pass> passes, double speed_m_per_s) {
   }
   const double mean = normal.count == 0 ? 0.0 : speed_sum / static_cast<double>(normal.count);
   const auto percent = [&](double deviation) { return mean > 0.0 ? 100.0 * deviation / mean : 0.0; };
-  return {{"contour_error_um", to_contour.um()},
-          {"reference_error_um", to_reference.um()},
-          {"normal_error_um", normal.um()},
-          {"tangential_error_um", tangential.um()},
-          {"height_error_um", height.um()},
+  return {{"contour_error_um", um(to_contour)},
+          {"reference_error_um", um(to_reference)},
+          {"normal_error_um", um(normal)},
+          {"tangential_error_um", um(tangential)},
+          {"height_error_um", um(height)},
           {"model_error_um",
            {{"rms", model.rms() * 1e6},
             {"max", model.max * 1e6},

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/runtime/spread.h"
 #include "slave/station.h"
 #include "tests/lap/virtual_lap.h"
 #include "tests/lap/virtual_link.h"
@@ -14,20 +15,6 @@ namespace {
 
 constexpr std::int64_t kTickNs = 1'000'000;
 constexpr std::uint32_t kEpoch = 1;
-
-struct Spread {
-  double squares = 0.0;
-  double largest = 0.0;
-  int count = 0;
-  void add(double error) {
-    squares += error * error;
-    largest = std::max(largest, error);
-    ++count;
-  }
-  double rms() const {
-    return count == 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(squares / count);
-  }
-};
 
 Spread between(const std::vector<double>& errors, double from, double to) {
   Spread spread;
@@ -166,10 +153,11 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   }
   const Spread tracking = between(error, 0.5, 1.0);
   const Spread predictions = between(prediction, 0.5, 1.0);
-  result.tracking_rmse_um = tracking.rms() * 1e6;
-  result.tracking_max_um = tracking.largest * 1e6;
-  result.prediction_rmse_um = predictions.rms() * 1e6;
-  result.prediction_max_um = predictions.largest * 1e6;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  result.tracking_rmse_um = tracking.count == 0 ? kNone : tracking.rms() * 1e6;
+  result.tracking_max_um = tracking.max * 1e6;
+  result.prediction_rmse_um = predictions.count == 0 ? kNone : predictions.rms() * 1e6;
+  result.prediction_max_um = predictions.max * 1e6;
   for (std::size_t i = 0; i < error.size(); ++i) {
     if (error[i] > 1e-3) result.settle_s = static_cast<double>(i + 1) * 1e-3;
   }

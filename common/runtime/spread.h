@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a report says of many errors: their root mean square and the largest.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace telekerf {
+
+struct Spread {
+  double squares = 0.0;
+  double max = 0.0;  ///< magnitude
+  std::size_t count = 0;
+
+  void add(double error) {
+    squares += error * error;
+    max = std::max(max, std::abs(error));
+    ++count;
+  }
+  /// 0 of none.
+  double rms() const { return count == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(count)); }
+};
+
+}  // namespace telekerf
