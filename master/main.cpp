@@ -140,7 +140,7 @@ int run(Flags& flags) {
       if (event.kind == EventMessage::Kind::kEngage) engage = true;
       if (event.kind == EventMessage::Kind::kDisengage) engage = false;
       if (event.kind == EventMessage::Kind::kSetBeta && event.value >= kSmallestBeta &&
-          event.value <= kLargestBeta) {
+          event.value <= kLargestBeta && event.value != wanted_beta.load()) {
         wanted_beta.store(event.value);
         contour.again();
       }

@@ -14,15 +14,18 @@ std::size_t tell(Bus& bus, const EventMessage& event) {
   Writer<EventMessage> writer(bus);
   constexpr std::chrono::seconds kPatience{5};
   const std::size_t others = bus.others().size();
-  // Everyone listens; but one who is just leaving must not hold up the rest.
-  if (others == 0 ||
-      (!writer.wait_for_reader(kPatience, static_cast<int>(others)) && writer.readers() == 0)) {
+  if (others == 0 || !writer.wait_for_reader(kPatience)) {
     throw Refusal(
         fmt::format("nobody listens in cell '{}' of domain {}: start its processes first, or give "
                     "their --cell and --domain",
                     bus.settings().cell, bus.settings().domain));
   }
-  if (!writer.write(event)) throw Refusal("the event could not be sent");
+  // A stop waits for nobody: who is there hears it at once, the rest as soon as they are found.
+  const int first = writer.readers();
+  bool sent = writer.write(event);
+  (void)writer.wait_for_reader(kPatience, static_cast<int>(others));
+  if (writer.readers() > first) sent = writer.write(event) && sent;
+  if (!sent) throw Refusal("the event could not be sent");
   if (!writer.wait_until_received(kPatience))
     throw Refusal(
         fmt::format("not everyone in cell '{}' has confirmed it within {} s: see to it at the machine",

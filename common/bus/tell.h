@@ -7,8 +7,8 @@
 
 namespace telekerf {
 
-/// Sends `event` and stays until it is delivered, over slow links too. How many processes are in the cell.
-/// Throws Refusal: nobody listens.
+/// Sends `event`, to some of them perhaps twice, and stays until it is delivered, over slow links too. How
+/// many processes are in the cell. Throws Refusal: nobody listens.
 std::size_t tell(Bus& bus, const EventMessage& event);
 
 }  // namespace telekerf
