@@ -3,24 +3,19 @@
 // Pure: the same node runs in its process and in virtual time.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <span>
-#include <utility>
-#include <vector>
 
 #include "common/bus/messages.h"
-#include "common/bus/rounded.h"
-#include "common/codec/decoder.h"
-#include "common/codec/encoder.h"
 #include "common/control/acceleration_control.h"
 #include "common/control/friction_lead.h"
 #include "common/geometry/nearest.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
+#include "slave/command_intake.h"
 #include "slave/joiner.h"
 #include "slave/laser/interlock.h"
-#include "slave/playout.h"
+#include "slave/state_stream.h"
 
 namespace telekerf::slave {
 
@@ -59,15 +54,8 @@ enum class SlaveMode : std::uint8_t {
   kStopped,    ///< latched emergency stop
 };
 
-struct SlaveCounters {
-  std::uint64_t blocks = 0;
-  std::uint64_t lost = 0;          ///< blocks whose number never came
-  std::uint64_t stale = 0;         ///< late, reordered or repeated blocks
-  std::uint64_t refused = 0;       ///< undecodable, other contour, other master, from the future
+struct SlaveCounters : IntakeCounters, StateStreamCounters {
   std::uint64_t missed_ticks = 0;  ///< applied while their sample was not there
-  std::uint64_t states = 0;        ///< blocks reported
-  std::uint64_t position_bytes = 0;
-  std::uint64_t force_bytes = 0;
 };
 
 struct SlaveOutputs {
@@ -91,28 +79,22 @@ class SlaveNode {
 
   /// Another codec, block length or redundancy of the state stream, from where its next block begins; the
   /// rate stays. Throws Refusal.
-  void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force);
+  void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {
+    states_.change(feedback, force);
+  }
 
-  const SlaveCounters& counters() const noexcept { return counters_; }
-  const PlayoutClock& playout() const noexcept { return clock_; }
+  SlaveCounters counters() const noexcept { return {intake_.counters(), states_.counters(), missed_ticks_}; }
+  const PlayoutClock& playout() const noexcept { return intake_.clock(); }
 
  private:
-  void receive(const Received<CommandBlock>& received, const Corridor* corridor) noexcept;
-  /// A block that a newer one has overtaken, while its samples can still be of use.
-  bool catch_up(const Received<CommandBlock>& received) noexcept;
-  void store(const codec::DecodedPacket& packet, const CommandBlock& block) noexcept;
   void obey(const EventMessage& event) noexcept;
   Motion choose_source(std::int64_t now_ns, const Motion& tool, SlaveOutputs& out) noexcept;
-  std::optional<Motion> sample_at(double cursor, const Motion& tool) const noexcept;
   Motion follow(const StreamSample& sample, const Motion& found) noexcept;
   Motion hold_on() noexcept;
   void rejoin(const Motion& source) noexcept;
-  void acknowledge(std::int64_t index) noexcept;
   /// Slow enough, and to be stopped before the workspace ends.
   bool obeys_limits(const Motion& motion) const noexcept;
   void keep_inside(Motion& motion) const noexcept;
-  void take_up_changes() noexcept;
-  void report(std::int64_t now_ns, const Corridor* corridor, SlaveOutputs& out) noexcept;
 
   robot::RobotModel model_;
   robot::DeltaKinematics kinematics_;
@@ -120,24 +102,10 @@ class SlaveNode {
   control::AccelerationControl acceleration_;
   control::FrictionLead friction_;
   robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
-  std::uint32_t epoch_;
   double dt_s_;
-  std::int64_t period_ns_;
   Tick tick_ = 0;
 
-  // Command stream.
-  codec::BlockDecoder decoder_;
-  std::unique_ptr<SampleRing> ring_;
-  PlayoutClock clock_;
-  std::optional<std::uint32_t> master_epoch_;
-  std::uint32_t number_ = 0;        ///< newest block's
-  std::uint32_t first_number_ = 0;  ///< of the first block since the stream was joined
-  std::int64_t newest_index_ = -1;
-  CommandBlock header_;  ///< newest block's, without payload
-  std::int64_t last_arrival_ns_ = 0;
-  bool heard_ = false;
-  std::uint32_t generation_ = 0;
-  bool starving_ = false;
+  CommandIntake intake_;
 
   // Reference.
   SlaveMode mode_ = SlaveMode::kWaiting;
@@ -148,28 +116,12 @@ class SlaveNode {
   std::uint32_t source_generation_ = 0;  ///< 0: holding
   std::uint32_t source_block_ = 0;
   Law source_law_ = Law::kLocal;
-  bool rejoined_ = false;         ///< the reference was joined to a new source at this very step
-  bool tripped_ = false;          ///< bare accelerations led out of bounds: held until disengaged
-  std::optional<double> cursor_;  ///< stream time of the last step
+  bool rejoined_ = false;  ///< the reference was joined to a new source at this very step
+  bool tripped_ = false;   ///< bare accelerations led out of bounds: held until disengaged
   bool button_ = false;
-  std::uint64_t applied_bitmap_ = 0;
-  std::int64_t applied_index_ = -1;  ///< newest index that was followed
-  std::uint32_t applied_age_ = 0;
+  std::uint64_t missed_ticks_ = 0;
 
-  // Feedback stream: positions and forces.
-  std::optional<std::pair<codec::StreamSettings, codec::StreamSettings>> next_feedback_;
-  codec::BlockEncoder encoder_;
-  codec::BlockEncoder force_encoder_;
-  std::vector<Vec3> samples_;
-  std::vector<Vec3> forces_n_;
-  std::size_t filled_ = 0;
-  std::uint64_t laser_mask_ = 0;
-  Anchor block_anchor_;
-  Tick block_tick_ = 0;
-  std::uint32_t state_number_ = 0;
-  int ticks_per_sample_ = 1;
-
-  SlaveCounters counters_;
+  StateStream states_;
 };
 
 }  // namespace telekerf::slave

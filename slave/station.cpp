@@ -105,7 +105,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
 
 void Station::report(RunRecord& record) const {
   record.slave = recorder_.rows();
-  const SlaveCounters& counters = node_.counters();
+  const SlaveCounters counters = node_.counters();
   Figures& f = record.slave_figures;
   f["rate_hz"] = settings_.node.control_hz;
   f["control_period_s"] = control_period_s();

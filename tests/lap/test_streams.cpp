@@ -191,7 +191,7 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
     squares += (tool_m - hand().beta * hand().true_tool_m[applied]).squaredNorm();
     ++followed;
   }
-  const slave::SlaveCounters& counters = slave.node().counters();
+  const slave::SlaveCounters counters = slave.node().counters();
   std::printf("tracking %.2f um, largest velocity step %.2f mm/s, %llu ticks missed\n",
               1e6 * std::sqrt(squares / followed), 1e3 * largest_step,
               static_cast<unsigned long long>(counters.missed_ticks));

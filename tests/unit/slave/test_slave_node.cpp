@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/bus/rounded.h"
 #include "common/codec/encoder.h"
 #include "slave/station.h"
 
