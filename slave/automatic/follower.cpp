@@ -19,12 +19,6 @@ void FollowerSettings::quiet_for(double speed_m_per_s, bool brisk) noexcept {
   along_rad_s = std::clamp(20.0 + 17.5e3 * speed_m_per_s, 50.0, 70.0);
 }
 
-void FollowerSettings::tune_independent() noexcept {
-  independent_model = ModelUse::kJoints;
-  observer_rad_s = 1000.0;
-  velocity_rad_s = 1800.0;
-}
-
 Controller make_controller(ControllerKind kind, bool closed, const FollowerSettings& s) noexcept {
   switch (resolved(kind, closed)) {
     case ControllerKind::kPreview: {

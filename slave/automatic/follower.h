@@ -36,9 +36,6 @@ struct FollowerSettings {
   /// observer faster than that: at corners friction changes at once, and an even burn matters more than
   /// ripple.
   void quiet_for(double speed_m_per_s, bool brisk = false) noexcept;
-  /// Independent joints at their best at 8 mm/s: friction and weight ahead, preview, and the observer that
-  /// leaves the least error across cam, gear and octagon.
-  void tune_independent() noexcept;
 };
 
 /// The controller of a kind with gains and preview that match the loop.

@@ -19,6 +19,7 @@
 #include "common/vision/load.h"
 #include "slave/laser/material.h"
 #include "tests/experiments/contour_run.h"
+#include "tests/experiments/independent_rivals.h"
 #include "tests/experiments/plot.h"
 
 namespace telekerf::experiments {
@@ -245,71 +246,6 @@ ContourRunSettings run_settings(const Options& options) {
   return s;
 }
 
-const char* name_of(slave::ModelUse use) {
-  switch (use) {
-    case slave::ModelUse::kNone:
-      return "none";
-    case slave::ModelUse::kJoints:
-      return "joints";
-    case slave::ModelUse::kWhole:
-      return "whole";
-  }
-  return "unknown";
-}
-
-ordered_json tuning(const ContourRunSettings& s) {
-  return {{"along_rad_s", s.follower.along_rad_s},
-          {"across_rad_s", s.follower.across_rad_s},
-          {"observer_rad_s", s.follower.observer_rad_s},
-          {"velocity_rad_s", s.follower.velocity_rad_s},
-          {"model", name_of(slave::model_use(s.controller, s.follower))},
-          {"preview", s.follower.preview},
-          {"loop_delay", s.follower.loop_delay}};
-}
-
-double ratio(const ordered_json& ours, const ordered_json& theirs) {
-  return ours["normal_error_um"]["rms"].get<double>() / theirs["normal_error_um"]["rms"].get<double>();
-}
-
-ordered_json side_by_side(const slave::Plan& plan, const geometry::Polyline& contour,
-                          const ContourRunSettings& settings, const ContourRunSettings& independent) {
-  const auto ours = measure(run_contour(plan, contour, settings), settings);
-  const auto theirs = measure(run_contour(plan, contour, independent), independent);
-  return {{"normal_error_um", ours["normal_error_um"]},
-          {"independent_normal_error_um", theirs["normal_error_um"]},
-          {"mean_mm_s", ours["tangential_speed"]["mean_mm_s"]},
-          {"independent_mean_mm_s", theirs["tangential_speed"]["mean_mm_s"]},
-          {"ripple_percent", ours["tangential_speed"]["ripple_percent"]},
-          {"independent_ripple_percent", theirs["tangential_speed"]["ripple_percent"]},
-          {"normal_error_ratio", ratio(ours, theirs)}};
-}
-
-/// The same drive for both laws: once without the robot's model (eq. 21-24), once with all of it. Then what
-/// is used beside independent joints at their best, as the sensors are and without their error.
-ordered_json equal_terms(const slave::Plan& plan, const geometry::Polyline& contour,
-                         const ContourRunSettings& used) {
-  ordered_json out;
-  for (const auto model : {slave::ModelUse::kNone, slave::ModelUse::kWhole}) {
-    ContourRunSettings settings = used;
-    settings.follower.model = settings.follower.independent_model = model;
-    ContourRunSettings other = settings;
-    other.controller = slave::ControllerKind::kIndependent;
-    out[model == slave::ModelUse::kNone ? "both_without_model" : "both_with_model"] =
-        side_by_side(plan, contour, settings, other);
-  }
-  ContourRunSettings settings = used;
-  ContourRunSettings best = used;
-  best.controller = slave::ControllerKind::kIndependent;
-  best.follower.tune_independent();
-  for (const bool perfect : {false, true}) {
-    settings.perfect_sensor = best.perfect_sensor = perfect;
-    out[perfect ? "independent_tuned_perfect_sensor" : "independent_tuned"] =
-        side_by_side(plan, contour, settings, best);
-  }
-  out["independent_tuning"] = tuning(best);
-  return out;
-}
-
 ordered_json one_picture(const std::string& image, const Options& options,
                          const ContourExperiment& experiment, const std::filesystem::path& out) {
   const ContourRunSettings settings = run_settings(options);
@@ -343,7 +279,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
     const auto measured = measure(baseline, other);
     result["independent"] = {{"normal_error_um", measured["normal_error_um"]},
                              {"tangential_speed", measured["tangential_speed"]}};
-    result["normal_error_ratio"] = ratio(result, measured);
+    result["normal_error_ratio"] = normal_error_ratio(result, measured);
     result["equal_terms"] = equal_terms(*plan, contour, settings);
   }
   draw(fmt::format("{} at {:g} mm/s", image, options.speed_mm_s), runs, out / "panels.png");

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "slave/laser/kerf.h"
-#include "tests/experiments/contour_run.h"
+#include "tests/experiments/independent_rivals.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -73,24 +73,38 @@ TEST(ContourRun, WithoutAnyModelContouringStillBeatsIndependentJoints) {
 }
 
 TEST(ContourRun, ContouringBeatsIndependentJointsAtTheirBest) {
-  // Friction and weight ahead, preview and a fast observer for them; what then remains is mostly the
-  // sensors'.
+  const ContourRunSettings settings = at(8e-3);
+  ContourRunSettings thesis = settings;
+  thesis.controller = slave::ControllerKind::kIndependent;
+  const auto tuned = measured(octagon(6e-3), tuned_independent(settings));
+  const double best = tuned["normal_error_um"]["rms"];
+  EXPECT_LT(best, 0.8 * measured(octagon(6e-3), thesis)["normal_error_um"]["rms"].get<double>());
+  EXPECT_LT(measured(octagon(6e-3), settings)["normal_error_um"]["rms"].get<double>(), 0.4 * best);
+  EXPECT_NEAR(tuned["tangential_speed"]["mean_mm_s"].get<double>(), 8.0, 0.08);
+}
+
+TEST(ContourRun, AndOnesThatKnowTheirFrictionAndWeight) {
+  // What then remains is mostly the sensors'.
   for (const bool perfect : {false, true}) {
     ContourRunSettings settings = at(8e-3);
     settings.perfect_sensor = perfect;
-    const auto contouring = measured(octagon(6e-3), settings);
-    const auto thesis = [&] {
-      settings.controller = slave::ControllerKind::kIndependent;
-      return measured(octagon(6e-3), settings);
-    }();
-    settings.follower.tune_independent();
-    const auto tuned = measured(octagon(6e-3), settings);
-    const double normal = contouring["normal_error_um"]["rms"];
-    const double best = tuned["normal_error_um"]["rms"];
-    EXPECT_LT(best, 0.3 * thesis["normal_error_um"]["rms"].get<double>());
-    EXPECT_LT(normal, (perfect ? 0.4 : 0.9) * best);
-    EXPECT_NEAR(tuned["tangential_speed"]["mean_mm_s"].get<double>(), 8.0, 0.08);
+    const auto assisted = measured(octagon(6e-3), assisted_independent(settings));
+    const double normal = measured(octagon(6e-3), settings)["normal_error_um"]["rms"];
+    EXPECT_LT(normal, (perfect ? 0.4 : 0.9) * assisted["normal_error_um"]["rms"].get<double>());
   }
+}
+
+TEST(ContourRun, RivalsAreAsFastAlongThePath) {
+  const ContourRunSettings settings = at(8e-3);
+  const auto hz = [](const ContourRunSettings& s) {
+    return closed_loop_hz(s.follower.along_rad_s, s.follower);
+  };
+  EXPECT_NEAR(hz(tuned_independent(settings)), hz(settings), 0.02 * hz(settings));
+  EXPECT_GT(hz(assisted_independent(settings)), 1.9 * hz(settings));
+  // Where the observer is far faster than the law and not delayed, a law of w alone remains: T falls to -3 dB
+  // at 2.48 w (two poles at w and the zero of its damping).
+  slave::FollowerSettings fast{.control_hz = 24000.0, .observer_rad_s = 0.01, .velocity_rad_s = 20000.0};
+  EXPECT_NEAR(closed_loop_hz(70.0, fast), 2.482 * 70.0 / (2.0 * std::numbers::pi), 0.5);
 }
 
 TEST(ContourRun, MatchedPreviewHalvesTheErrorOfADelayedLoop) {
