@@ -10,6 +10,7 @@
 
 #include "common/vision/corners.h"
 #include "common/vision/modes.h"
+#include "common/vision/shadow.h"
 #include "common/vision/thesis_tracker.h"
 
 namespace telekerf::vision {
@@ -111,21 +112,58 @@ std::optional<std::string> clutter(const Field& field, const Outlines& outlines)
       size);
 }
 
-/// Second thoughts on a picture without a whole drawing: drawing and background the other way round (a lit
-/// plate in a dark frame), or lines across the edge of a shadow.
-bool separated_otherwise(const cv::Mat& grey, Field& field, Outlines& outlines) {
-  const double large = 0.2 * std::hypot(grey.cols, grey.rows);
-  if (frames(field.drawn)) {
-    invert(field);
-    outlines = outlines_of(field);
-    if (!clutter(field, outlines) && outlines.size_px >= large) return true;
+/// Large enough to be what the picture is about.
+bool stands_out(const cv::Mat& grey, const Outlines& outlines) {
+  return outlines.size_px >= 0.2 * std::hypot(grey.cols, grey.rows);
+}
+
+struct Separation {
+  Field field;
+  Outlines outlines;
+};
+
+/// Lines on paper whose light changes at once, if the picture shows any that stand out.
+std::optional<Separation> lines_across_shadows(const cv::Mat& grey, int small_side) {
+  auto field = make_field(without_shadows(grey, small_side));
+  if (!field) return std::nullopt;
+  Outlines outlines = outlines_of(*field);
+  if (clutter(*field, outlines) || !stands_out(grey, outlines) ||
+      outlines.width_px >= kThinnest * outlines.size_px)
+    return std::nullopt;
+  return Separation{std::move(*field), std::move(outlines)};
+}
+
+/// Drawing and background of a picture. Second thoughts, where no whole drawing is found or sharp edges are
+/// left over: lines across the edge of a shadow, or the other way round (a lit plate in a dark frame).
+tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
+  constexpr double kExplained = 0.95;
+  constexpr double kFewer = 0.5;
+  constexpr double kFainter = 0.8;
+  constexpr int kWideLines = 160;
+  constexpr int kThinLines = 480;
+  auto field = make_field(grey);
+  if (!field) return tl::unexpected(field.error());
+  Separation first{std::move(*field), {}};
+  first.outlines = outlines_of(first.field);
+  const auto complaint = clutter(first.field, first.outlines);
+  const double explained = explained_edges(first.field);
+  if (!complaint && explained > kExplained) return first;
+  // Of a wide region a rim is left, fainter than the region itself.
+  auto lines = lines_across_shadows(grey, kWideLines);
+  if (auto thin = lines_across_shadows(grey, kThinLines);
+      thin && (!lines || thin->field.contrast > lines->field.contrast))
+    lines = std::move(thin);
+  const bool as_clear = lines && lines->field.contrast > kFainter * first.field.contrast;
+  if (as_clear && (complaint || 1.0 - explained_edges(lines->field) < kFewer * (1.0 - explained)))
+    return std::move(*lines);
+  if (!complaint) return first;
+  if (frames(first.field.drawn)) {
+    invert(first.field);
+    first.outlines = outlines_of(first.field);
+    if (!clutter(first.field, first.outlines) && stands_out(grey, first.outlines)) return first;
   }
-  auto lines = make_field(without_shadows(grey));
-  if (!lines) return false;
-  field = std::move(*lines);
-  outlines = outlines_of(field);
-  return !clutter(field, outlines) && outlines.size_px >= large &&
-         outlines.width_px < kThinnest * outlines.size_px;
+  if (lines) return std::move(*lines);
+  return tl::unexpected(*complaint);
 }
 
 tl::expected<Contours, std::string> finished(Contours contours, double smallest_share, double sigma_px,
@@ -273,18 +311,15 @@ std::optional<Mode> mode_of(std::string_view name) {
 tl::expected<Extraction, std::string> extract(const cv::Mat& image, const ExtractSettings& settings) {
   const auto grey = grey_plane(image);
   if (!grey) return tl::unexpected(grey.error());
-  auto field = make_field(*grey);
-  if (!field) return tl::unexpected(field.error());
-  Outlines outlines = outlines_of(*field);
-  if (const auto complaint = clutter(*field, outlines)) {
-    if (!separated_otherwise(*grey, *field, outlines)) return tl::unexpected(*complaint);
-  }
+  auto found = separated(*grey);
+  if (!found) return tl::unexpected(found.error());
+  auto& [field, outlines] = *found;
 
   Extraction out;
   out.picture_width_px = image.cols;
   out.picture_height_px = image.rows;
-  out.contrast = field->contrast;
-  out.noise = field->noise;
+  out.contrast = field.contrast;
+  out.noise = field.noise;
   out.mode = settings.mode;
   out.why = "asked for";
   if (settings.mode == Mode::kAuto) {
@@ -294,9 +329,9 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
     out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", width, size,
                           out.mode == Mode::kStroke ? "stroke" : "region");
   }
-  auto contours = out.mode == Mode::kStroke   ? stroke_mode(*field, outlines, settings)
-                  : out.mode == Mode::kThesis ? thesis_mode(*field, outlines, settings)
-                                              : outline_mode(*field, std::move(outlines), settings);
+  auto contours = out.mode == Mode::kStroke   ? stroke_mode(field, outlines, settings)
+                  : out.mode == Mode::kThesis ? thesis_mode(field, outlines, settings)
+                                              : outline_mode(field, std::move(outlines), settings);
   if (!contours) return tl::unexpected(contours.error());
   out.contours = std::move(*contours);
   apply_ends(out.contours, settings.start_px, settings.end_px);

@@ -31,10 +31,6 @@ double noise_of(const cv::Mat& grey);
 /// Smooths and separates; the error says why the picture holds no drawing.
 tl::expected<Field, std::string> make_field(const cv::Mat& grey);
 
-/// The picture with its slow changes and shadows taken out, as they are behind lines; wide regions go as
-/// well.
-cv::Mat without_shadows(const cv::Mat& grey);
-
 /// Swaps drawing and background.
 void invert(Field& field);
 
