@@ -112,58 +112,75 @@ std::optional<std::string> clutter(const Field& field, const Outlines& outlines)
       size);
 }
 
-/// Large enough to be what the picture is about.
-bool stands_out(const cv::Mat& grey, const Outlines& outlines) {
-  return outlines.size_px >= 0.2 * std::hypot(grey.cols, grey.rows);
-}
-
+/// One way to tell drawing from background, and what speaks for it.
 struct Separation {
   Field field;
   Outlines outlines;
+  std::optional<std::string> complaint;
+  double explained = 0.0;   ///< share of the sharp edges
+  bool stands_out = false;  ///< large enough to be what the picture is about
 };
 
+Separation judged(Field field) {
+  Separation out{std::move(field), {}, {}};
+  out.outlines = outlines_of(out.field);
+  out.complaint = clutter(out.field, out.outlines);
+  out.explained = explained_edges(out.field);
+  out.stands_out = out.outlines.size_px >= 0.2 * std::hypot(out.field.drawn.cols, out.field.drawn.rows);
+  return out;
+}
+
 /// Lines on paper whose light changes at once, if the picture shows any that stand out.
-std::optional<Separation> lines_across_shadows(const cv::Mat& grey, int small_side) {
-  auto field = make_field(without_shadows(grey, small_side));
-  if (!field) return std::nullopt;
-  Outlines outlines = outlines_of(*field);
-  if (clutter(*field, outlines) || !stands_out(grey, outlines) ||
-      outlines.width_px >= kThinnest * outlines.size_px)
-    return std::nullopt;
-  return Separation{std::move(*field), std::move(outlines)};
+std::optional<Separation> lines_across_shadows(const cv::Mat& grey) {
+  constexpr int kWideLines = 160;
+  constexpr int kThinLines = 480;
+  std::optional<Separation> best;
+  for (const int small_side : {kWideLines, kThinLines}) {
+    auto field = make_field(without_shadows(grey, small_side));
+    if (!field) continue;
+    Separation found = judged(std::move(*field));
+    if (found.complaint || !found.stands_out || found.outlines.width_px >= kThinnest * found.outlines.size_px)
+      continue;
+    if (!best || found.field.contrast > best->field.contrast) best = std::move(found);
+  }
+  return best;
 }
 
 /// Drawing and background of a picture. Second thoughts, where no whole drawing is found or sharp edges are
-/// left over: lines across the edge of a shadow, or the other way round (a lit plate in a dark frame).
+/// left over: another level, lines across the edge of a shadow, or the other way round (a lit plate in a dark
+/// frame).
 tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
   constexpr double kExplained = 0.95;
-  constexpr double kFewer = 0.5;
-  constexpr double kFainter = 0.8;
-  constexpr int kWideLines = 160;
-  constexpr int kThinLines = 480;
+  constexpr double kFewer = 0.5;    // edges unexplained than before
+  constexpr double kFainter = 0.8;  // of a wide region a rim is left, fainter than the region itself
   auto field = make_field(grey);
   if (!field) return tl::unexpected(field.error());
-  Separation first{std::move(*field), {}};
-  first.outlines = outlines_of(first.field);
-  const auto complaint = clutter(first.field, first.outlines);
-  const double explained = explained_edges(first.field);
-  if (!complaint && explained > kExplained) return first;
-  // Of a wide region a rim is left, fainter than the region itself.
-  auto lines = lines_across_shadows(grey, kWideLines);
-  if (auto thin = lines_across_shadows(grey, kThinLines);
-      thin && (!lines || thin->field.contrast > lines->field.contrast))
-    lines = std::move(thin);
-  const bool as_clear = lines && lines->field.contrast > kFainter * first.field.contrast;
-  if (as_clear && (complaint || 1.0 - explained_edges(lines->field) < kFewer * (1.0 - explained)))
-    return std::move(*lines);
-  if (!complaint) return first;
+  Separation first = judged(std::move(*field));
+  if (!first.complaint && first.explained > kExplained) return first;
+  const auto better = [&](const Separation& other) {
+    if (other.complaint || !other.stands_out) return false;
+    return first.complaint || 1.0 - other.explained < kFewer * (1.0 - first.explained);
+  };
+  Field level = at_explaining_level(first.field);
+  if (frames(level.drawn)) invert(level);
+  Separation other = judged(std::move(level));
+  // Among texture some level always leaves a shape over.
+  constexpr std::size_t kFew = 8;
+  const bool texture = first.complaint && other.outlines.contours.size() > kFew;
+  const bool by_level = !texture && other.explained > kExplained && better(other);
+  auto lines = lines_across_shadows(grey);
+  const double clearest = by_level ? other.field.contrast : first.field.contrast;
+  const bool by_lines = lines && lines->field.contrast > kFainter * clearest && better(*lines);
+  if (by_level && !(by_lines && lines->explained > other.explained)) return other;
+  if (by_lines) return std::move(*lines);
+  if (!first.complaint) return first;
   if (frames(first.field.drawn)) {
     invert(first.field);
-    first.outlines = outlines_of(first.field);
-    if (!clutter(first.field, first.outlines) && stands_out(grey, first.outlines)) return first;
+    Separation inverted = judged(std::move(first.field));
+    if (better(inverted)) return inverted;
   }
   if (lines) return std::move(*lines);
-  return tl::unexpected(*complaint);
+  return tl::unexpected(*first.complaint);
 }
 
 tl::expected<Contours, std::string> finished(Contours contours, double smallest_share, double sigma_px,
@@ -205,7 +222,10 @@ tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines fo
       finished(std::move(found.contours), settings.smallest_share, 1.0,
                found.cut_off > 0 ? kCutOff : "the picture holds specks only, no shape with an outline");
   if (contours) {
-    for (PixelContour& contour : *contours) sharpen_corners(contour.points_px, true, {.blur_px = blur_px});
+    for (PixelContour& contour : *contours) {
+      move_to_local_level(field, blur_px, contour.points_px);
+      sharpen_corners(contour.points_px, true, {.blur_px = blur_px});
+    }
   }
   return contours;
 }
@@ -313,7 +333,8 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   if (!grey) return tl::unexpected(grey.error());
   auto found = separated(*grey);
   if (!found) return tl::unexpected(found.error());
-  auto& [field, outlines] = *found;
+  Field& field = found->field;
+  Outlines& outlines = found->outlines;
 
   Extraction out;
   out.picture_width_px = image.cols;

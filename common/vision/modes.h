@@ -30,6 +30,10 @@ Outlines outlines_of(const Field& field);
 /// Centre lines of everything drawn, one pass each, crossings straight on; unsorted and unsmoothed.
 Contours strokes_of(const Field& field, const Outlines& outlines);
 
+/// Moves a closed border, points about one pixel apart, to where the picture is half way between drawing and
+/// background *here*: uneven light shifts a border of one level by a part of its blur.
+void move_to_local_level(const Field& field, double blur_px, std::vector<Vec2>& points);
+
 /// Low-pass along evenly spaced points that leaves circles of more than a few spacings as they are (twice a
 /// Gaussian minus its square); sigma in spacings. What it took away, rms.
 double smooth(std::vector<Vec2>& points, bool closed, double sigma);

@@ -63,6 +63,31 @@ double explained_edges(const Field& field) {
   return static_cast<double>(explained) / all;
 }
 
+Field at_explaining_level(const Field& field) {
+  constexpr int kFirst = 12;
+  constexpr int kStep = 8;
+  Field best = field;
+  best.drawn = field.drawn.clone();  // a copied field shares its planes
+  double most = explained_edges(field);
+  for (int level = kFirst; level < 256 - kFirst; level += kStep) {
+    Field other = field;
+    other.level = level + 0.5;
+    cv::Mat drawn;
+    cv::threshold(field.smooth, drawn, level, 255, field.dark ? cv::THRESH_BINARY_INV : cv::THRESH_BINARY);
+    other.drawn = drawn;
+    const double explained = explained_edges(other);
+    if (explained <= most) continue;
+    most = explained;
+    best = other;
+  }
+  if (best.level != field.level) {
+    cv::Mat background;
+    cv::bitwise_not(best.drawn, background);
+    best.contrast = std::abs(cv::mean(best.smooth, best.drawn)[0] - cv::mean(best.smooth, background)[0]);
+  }
+  return best;
+}
+
 cv::Mat without_shadows(const cv::Mat& grey, int small_side) {
   // The paper alone, in small: lines are filled up from their sides. Dark ones by a closing, light ones by an
   // opening; the one that takes more away has found the drawing.

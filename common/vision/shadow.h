@@ -11,6 +11,10 @@ namespace telekerf::vision {
 /// and columns only.
 double explained_edges(const Field& field);
 
+/// The same picture split where it explains most edges: a shadow is no drawing where all that is drawn is
+/// darker than it.
+Field at_explaining_level(const Field& field);
+
 /// The picture with its slow changes and shadows taken out, as they are behind lines; wide regions go as
 /// well. `small_side`: pixels of the picture's shorter side when it is searched for its paper; lines up to 15
 /// of these are left whole, and a shadow's edge is known to about two.

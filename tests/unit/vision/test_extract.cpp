@@ -239,6 +239,43 @@ TEST(Extract, FaintDrawingsShadowsAndUnevenLight) {
   }
 }
 
+/// The picture where a shadow of soft edge lies over the part on one side of a line through the middle.
+cv::Mat in_half_shadow(const cv::Mat& picture, double angle_rad, double darker, double edge_px) {
+  cv::Mat out(picture.size(), CV_8U);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const double beyond =
+          (x - 0.5 * picture.cols) * std::cos(angle_rad) + (y - 0.5 * picture.rows) * std::sin(angle_rad);
+      const double light = 1.0 - darker / (1.0 + std::exp(-beyond / edge_px));
+      out.at<unsigned char>(y, x) = cv::saturate_cast<unsigned char>(light * picture.at<unsigned char>(y, x));
+    }
+  }
+  return out;
+}
+
+TEST(Extract, AShadowsEdgeIsNoPartOfADrawing) {
+  struct Expected {
+    const char* shape;
+    Mode mode;
+  };
+  for (const Expected& c : {Expected{"figure-8", Mode::kStroke}, Expected{"spiral", Mode::kStroke},
+                            Expected{"letter-s", Mode::kStroke}, Expected{"circle", Mode::kStroke},
+                            Expected{"blob", Mode::kOutline}, Expected{"gear", Mode::kOutline}}) {
+    const drawing::Drawing drawing = turned(c.shape, 1);
+    for (const double angle : {0.4, 2.0, 3.9}) {
+      const cv::Mat lit =
+          drawing::render(drawing, {.paper = 205.0, .ink = 60.0, .blur_px = 1.5, .noise = 3.0});
+      const auto found = extract(in_half_shadow(lit, angle, 0.3, 12.0));
+      ASSERT_TRUE(found) << c.shape << ": " << found.error();
+      EXPECT_EQ(found->mode, c.mode) << c.shape << " " << found->why;
+      const Comparison off = compare(found->contours.front(), drawing.lines_px.front());
+      EXPECT_LT(off.rms_px, 0.35) << c.shape << " " << angle;
+      EXPECT_LT(off.max_px, 2.0) << c.shape << " " << angle;
+      EXPECT_LT(off.missed_px, 2.0) << c.shape << " " << angle;
+    }
+  }
+}
+
 TEST(Extract, ThinLinesOnUnevenPaperAndFaintRegionsAreFound) {
   const auto smaller = [](const char* shape, double scale) {
     return drawing::transformed(*drawing::by_name(shape), 0.7, scale, {319.5, 239.5}, {40.0, -10.0});
