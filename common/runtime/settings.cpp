@@ -82,6 +82,19 @@ void Settings::add(const std::string& name, std::string& value, const std::strin
                       {}});
 }
 
+void Settings::add(const std::string& name, std::string& value, const std::string& help,
+                   const std::function<std::string(const std::string&)>& complaint) {
+  entries_.push_back({name,
+                      fmt::format("{} [{}]", help, value),
+                      [name, &value, complaint](const ConfigFile& f) {
+                        value = f.text_or(name, value);
+                        if (const std::string wrong = complaint(value); !wrong.empty()) f.refuse(name, wrong);
+                      },
+                      false,
+                      true,
+                      {}});
+}
+
 void Settings::attach(CLI::App& app) {
   app.add_option("--config", config_, "TOML file with any of these settings (names with underscores)");
   for (auto& entry : entries_) {

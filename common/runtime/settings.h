@@ -23,6 +23,9 @@ class Settings {
   void add(const std::string& name, bool& value, const std::string& help);
   void add(const std::string& name, std::string& value, const std::string& help,
            const std::vector<std::string>& choices = {});
+  /// `complaint`: what a value must be, if it is not; empty: it is.
+  void add(const std::string& name, std::string& value, const std::string& help,
+           const std::function<std::string(const std::string&)>& complaint);
 
   /// Adds the flags (and --config FILE) to `app`; `fill` is called after parsing.
   void attach(CLI::App& app);
