@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/robot/udp_robot.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <boost/asio/buffer.hpp>
-#include <chrono>
+#include <cmath>
 
 #include "common/runtime/refusal.h"
 
@@ -14,19 +16,29 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 
 static_assert(std::endian::native == std::endian::little, "datagrams are little endian");
+/// Steps a second for which there is time to answer on one host.
+constexpr double kMostHz = 5000.0;
+constexpr std::uint32_t kLongestPeriod_ns = 100'000'000;
+/// A controller that has been silent this long has gone.
+constexpr std::chrono::milliseconds kGone{500};
+
 static_assert(sizeof(UdpCurrents) == 40 && sizeof(UdpReading) == 56, "datagrams hold no padding");
 
 }  // namespace
 
-UdpRobot::UdpRobot(const std::string& host, std::uint16_t port) : socket_(context_) {
+UdpRobot::UdpRobot(const std::string& host, std::uint16_t port, double period_s) : socket_(context_) {
+  const auto refuse = [&](const boost::system::error_code& error, const char* remedy) {
+    throw Refusal(fmt::format("drive = udp:{}:{}: {}; {}", host, port, error.message(), remedy));
+  };
   boost::system::error_code error;
   udp::resolver resolver(context_);
   const auto found = resolver.resolve(udp::v4(), host, std::to_string(port), error);
-  if (error || found.empty()) throw Refusal("no drive at " + host + ": " + error.message());
+  if (error || found.empty()) refuse(error, "give the host's IPv4 address or a name that it is known by");
   drive_ = found.begin()->endpoint();
   socket_.open(udp::v4(), error);
   if (!error) socket_.non_blocking(true, error);
-  if (error) throw Refusal("no socket for the drive at " + host + ": " + error.message());
+  if (error) refuse(error, "close what holds so many sockets");
+  outgoing_.period_ns = static_cast<std::uint32_t>(std::lround(period_s * 1e9));
 }
 
 JointReading UdpRobot::read() noexcept {
@@ -45,7 +57,7 @@ JointReading UdpRobot::read() noexcept {
     if (incoming.sequence <= newest_) continue;  // overtaken on the way
     newest_ = incoming.sequence;
     reading.joints_m = Vec3(incoming.joints_m);
-    reading.valid = incoming.valid == 1 && reading.joints_m.allFinite();
+    reading.valid = incoming.valid == 1;
     reading.tick = incoming.tick;
     reading.time_ns = incoming.time_ns;
   }
@@ -53,36 +65,49 @@ JointReading UdpRobot::read() noexcept {
 }
 
 void UdpRobot::write(const Vec3& currents_a) noexcept {
-  UdpCurrents outgoing;
-  outgoing.sequence = ++sequence_;
-  for (int i = 0; i < 3; ++i) outgoing.currents_a[i] = currents_a[i];
+  ++outgoing_.sequence;
+  for (int i = 0; i < 3; ++i) outgoing_.currents_a[i] = currents_a[i];
   boost::system::error_code error;
-  socket_.send_to(asio::buffer(&outgoing, sizeof(outgoing)), drive_, 0, error);
+  socket_.send_to(asio::buffer(&outgoing_, sizeof(outgoing_)), drive_, 0, error);
   if (error) ++dropped_;
 }
 
 Capabilities UdpRobot::capabilities() const {
-  return {"udp " + drive_.address().to_string() + ":" + std::to_string(drive_.port()), false, 0, 0, 1e3};
+  return {"udp " + drive_.address().to_string() + ":" + std::to_string(drive_.port()), false, 0, 0, kMostHz};
 }
 
-UdpDrive::UdpDrive(SimulatedRobot& plant, std::uint16_t port, double period_s)
-    : plant_(plant), period_s_(period_s), socket_(context_) {
+UdpDrive::UdpDrive(SimulatedRobot& plant, std::uint16_t port) : plant_(plant), socket_(context_) {
   boost::system::error_code error;
   socket_.open(udp::v4(), error);
   if (!error) socket_.bind({asio::ip::address_v4::loopback(), port}, error);
-  if (error) throw Refusal("cannot listen on UDP port " + std::to_string(port) + ": " + error.message());
+  if (error) throw Refusal(fmt::format("port = {}: {}; use a free one, or 0 for any", port, error.message()));
   receive();
+}
+
+bool UdpDrive::is_for_us(std::size_t size) {
+  if (size != sizeof(incoming_) || incoming_.magic != UdpCurrents::kMagic || incoming_.period_ns == 0 ||
+      incoming_.period_ns > kLongestPeriod_ns) {
+    return false;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (from_ != controller_) {
+    if (now - heard_ < kGone) return false;
+    controller_ = from_;
+    last_sequence_ = 0;
+  }
+  if (incoming_.sequence <= last_sequence_) return false;  // overtaken on the way
+  last_sequence_ = incoming_.sequence;
+  heard_ = now;
+  return true;
 }
 
 void UdpDrive::receive() {
   socket_.async_receive_from(
       asio::buffer(&incoming_, sizeof(incoming_)), from_,
       [this](boost::system::error_code error, std::size_t size) {
-        const bool ours = !error && size == sizeof(incoming_) && incoming_.magic == UdpCurrents::kMagic;
-        if (ours && incoming_.sequence > last_sequence_) {
-          last_sequence_ = incoming_.sequence;
+        if (!error && is_for_us(size)) {
           plant_.write(Vec3(incoming_.currents_a));
-          plant_.advance(period_s_);
+          plant_.advance(incoming_.period_ns * 1e-9);
           ++steps_;
           const JointReading reading = plant_.read();
           UdpReading answer;
@@ -101,6 +126,7 @@ void UdpDrive::receive() {
 std::uint64_t UdpDrive::serve_for(double seconds) {
   steps_ = 0;
   context_.restart();
+  context_.poll();
   context_.run_for(
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds)));
   return steps_;

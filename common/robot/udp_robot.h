@@ -3,11 +3,13 @@
 //
 // The smallest possible drive, to copy from (docs/attach-a-drive.md). Lost datagrams cost a step, never an
 // offset: positions are absolute. For one host or a wire of its own; there is no protection against a
-// stranger's datagrams.
+// stranger's datagrams. Controller and drive are in step: the reading that answers a step's currents is there
+// at the next step, unless the way there and back takes longer than a control period.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -20,7 +22,7 @@ namespace telekerf::robot {
 struct UdpCurrents {
   static constexpr std::uint32_t kMagic = 0x43554b54;
   std::uint32_t magic = kMagic;
-  std::uint32_t reserved = 0;
+  std::uint32_t period_ns = 0;  ///< until the next ones
   std::uint64_t sequence = 0;
   double currents_a[3] = {0, 0, 0};
 };
@@ -39,8 +41,9 @@ struct UdpReading {
 /// Controller's side. Neither call blocks: a datagram that is not there yet makes read() invalid.
 class UdpRobot final : public Robot {
  public:
-  /// Throws Refusal if the address cannot be resolved or opened.
-  UdpRobot(const std::string& host, std::uint16_t port);
+  /// `period_s`: between two writes, at most 0.1 s. Throws Refusal if the address cannot be resolved or
+  /// opened.
+  UdpRobot(const std::string& host, std::uint16_t port, double period_s);
 
   /// Newest answer that has arrived; invalid if none has come since the last call.
   JointReading read() noexcept override;
@@ -54,30 +57,33 @@ class UdpRobot final : public Robot {
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
   boost::asio::ip::udp::endpoint drive_;
-  std::uint64_t sequence_ = 0;
+  UdpCurrents outgoing_;
   std::uint64_t newest_ = 0;
   std::uint64_t dropped_ = 0;
 };
 
 /// The drive's side: a simulated robot that moves one period for each datagram of currents, and answers with
-/// its reading. Without datagrams nothing moves.
+/// its reading. Without datagrams nothing moves. It obeys one controller; another one is heard only after the
+/// first has been silent for a while.
 class UdpDrive {
  public:
-  /// Binds to `port` of the loopback interface; 0: any free one, see port().
-  UdpDrive(SimulatedRobot& plant, std::uint16_t port, double period_s);
+  /// Binds to `port` of the loopback interface; 0: any free one, see port(). Throws Refusal.
+  UdpDrive(SimulatedRobot& plant, std::uint16_t port);
 
   std::uint16_t port() const { return socket_.local_endpoint().port(); }
-  /// Serves what arrives within `seconds`; returns the number of steps.
+  /// Serves what arrives within `seconds`, at least what is there already; returns the number of steps.
   std::uint64_t serve_for(double seconds);
 
  private:
   void receive();
+  bool is_for_us(std::size_t size);
 
   SimulatedRobot& plant_;
-  double period_s_;
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
   boost::asio::ip::udp::endpoint from_;
+  boost::asio::ip::udp::endpoint controller_;
+  std::chrono::steady_clock::time_point heard_;
   UdpCurrents incoming_;
   std::uint64_t last_sequence_ = 0;
   std::uint64_t steps_ = 0;

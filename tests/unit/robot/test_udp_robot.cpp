@@ -26,7 +26,7 @@ class DriveProcess {
     pid_ = fork();
     if (pid_ == 0) {
       SimulatedRobot plant(model, 3, model.workspace.centre_m);
-      UdpDrive drive(plant, 0, kPeriod_s);
+      UdpDrive drive(plant, 0);
       const std::uint16_t port = drive.port();
       const bool told = write(ends[1], &port, sizeof(port)) == sizeof(port);
       if (told) drive.serve_for(60);
@@ -79,7 +79,7 @@ TEST(UdpRobot, ARobotInAnotherProcessIsControlledLikeAnyOther) {
   const RobotModel model = load_robot("slave-keops");
   const DriveProcess process(model);
   ASSERT_NE(process.port(), 0);
-  UdpRobot robot("127.0.0.1", process.port());
+  UdpRobot robot("127.0.0.1", process.port(), kPeriod_s);
   const Vec3 goal = model.workspace.centre_m + Vec3(0.005, -0.003, 0.001);
   const Vec3 tool = hold(robot, model, goal, 1500);
   EXPECT_LT((tool - goal).norm(), 20e-6);
@@ -87,19 +87,19 @@ TEST(UdpRobot, ARobotInAnotherProcessIsControlledLikeAnyOther) {
 }
 
 TEST(UdpRobot, NothingThereIsAnInvalidReadingNotAWait) {
-  UdpRobot robot("127.0.0.1", 9);  // nobody answers
+  UdpRobot robot("127.0.0.1", 9, kPeriod_s);  // nobody answers
   for (int i = 0; i < 10; ++i) {
     robot.write(Vec3::Zero());
     EXPECT_FALSE(robot.read().valid);
   }
-  EXPECT_THROW(UdpRobot("no.such.host.invalid", 9), Refusal);
+  EXPECT_THROW(UdpRobot("no.such.host.invalid", 9, kPeriod_s), Refusal);
 }
 
 TEST(UdpRobot, StrangersAreNotTakenAndNothingIsReadTwice) {
   const RobotModel model = load_robot("slave-keops");
   SimulatedRobot plant(model, 3, model.workspace.centre_m);
-  UdpDrive drive(plant, 0, kPeriod_s);
-  UdpRobot robot("127.0.0.1", drive.port());
+  UdpDrive drive(plant, 0);
+  UdpRobot robot("127.0.0.1", drive.port(), kPeriod_s);
   boost::asio::io_context context;
   boost::asio::ip::udp::socket stranger(context, boost::asio::ip::udp::v4());
   const std::string nonsense(40, 'x');
@@ -110,6 +110,25 @@ TEST(UdpRobot, StrangersAreNotTakenAndNothingIsReadTwice) {
   EXPECT_TRUE(reading.valid);
   EXPECT_LT((reading.joints_m - plant.true_state().joints_m).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_FALSE(robot.read().valid);  // nothing new
+}
+
+TEST(UdpRobot, ADriveObeysOneControllerUntilThatHasGone) {
+  const RobotModel model = load_robot("slave-keops");
+  SimulatedRobot plant(model, 3, model.workspace.centre_m);
+  UdpDrive drive(plant, 0);
+  UdpRobot first("127.0.0.1", drive.port(), kPeriod_s);
+  UdpRobot second("127.0.0.1", drive.port(), kPeriod_s);
+  first.write(Vec3::Zero());
+  EXPECT_EQ(drive.serve_for(0.05), 1u);
+  second.write(Vec3::Constant(1.0));
+  EXPECT_EQ(drive.serve_for(0.05), 0u);
+  EXPECT_FALSE(second.read().valid);
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  second.write(Vec3::Zero());
+  EXPECT_EQ(drive.serve_for(0.05), 1u);
+  EXPECT_TRUE(second.read().valid);
+  first.write(Vec3::Constant(1.0));
+  EXPECT_EQ(drive.serve_for(0.05), 0u);
 }
 
 }  // namespace

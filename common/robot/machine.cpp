@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/robot/machine.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+#include "common/runtime/refusal.h"
+#include "common/runtime/settings.h"
+
+namespace telekerf::robot {
+namespace {
+
+/// For the first reading.
+constexpr std::chrono::seconds kPatience{5};
+
+}  // namespace
+
+void MachineSettings::declare(Settings& settings) {
+  settings.add("drive", drive, fmt::format("what moves the robot ({})", drive_forms()),
+               complaint_about_drive);
+  settings.add("drive_stale_s", drive_stale_s, {.min = 0.002, .max = 10},
+               "no reading of the drive for this long: laser off, currents zero, end");
+}
+
+Machine::Machine(const RobotModel& nominal, const MachineSettings& settings, double control_hz, Drive drive)
+    : settings_(settings),
+      nominal_(nominal),
+      period_s_(1.0 / control_hz),
+      patience_(static_cast<std::uint64_t>(std::ceil(settings.drive_stale_s * control_hz - 1e-6))),
+      drive_(std::move(drive)) {
+  if (drive_.plant != nullptr) return;  // it is there, and its readings are counted
+  const double most_hz = drive_.robot->capabilities().max_rate_hz;
+  if (control_hz > most_hz) {
+    throw Refusal(
+        fmt::format("drive = {}: takes at most {:g} steps a second, the controller makes {:g}; "
+                    "lower its rate",
+                    settings_.drive, most_hz, control_hz));
+  }
+  (void)stand();
+}
+
+JointReading Machine::newest() noexcept {
+  JointReading reading = drive_.robot->read();
+  reading.valid = reading.valid && reading.tick != newest_tick_ && reading.joints_m.allFinite();
+  if (reading.valid) newest_tick_ = reading.tick;
+  return reading;
+}
+
+Machine::Stand Machine::stand() {
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  JointReading reading = newest();
+  while (!reading.valid) {
+    if (std::chrono::steady_clock::now() > until) {
+      throw Refusal(fmt::format("drive = {}: no reading for {} s; is it switched on, homed and connected?",
+                                settings_.drive, kPatience.count()));
+    }
+    drive_.robot->write(Vec3::Zero());
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    reading = newest();
+  }
+  const auto tool_m = DeltaKinematics(nominal_.geometry).forward(reading.joints_m);
+  if (!tool_m) {
+    throw Refusal(
+        fmt::format("drive = {}: the robot stands where {} has no pose: {}; move it into its workspace, or "
+                    "correct its file",
+                    settings_.drive, nominal_.name, describe(tool_m.error())));
+  }
+  return {reading.joints_m, nominal_.in_workpiece(*tool_m)};
+}
+
+JointReading Machine::read() noexcept {
+  JointReading reading = newest();
+  reading.valid = reading.valid && !lost();
+  if (reading.valid) {
+    started_ = true;
+    missing_ = 0;
+  } else if (!lost()) {
+    ++missing_;
+    ++missed_;
+  }
+  return reading;
+}
+
+void Machine::write(const Vec3& currents_a) noexcept {
+  drive_.robot->write(started_ && !lost() ? currents_a : Vec3(Vec3::Zero()));
+}
+
+void Machine::advance() noexcept {
+  if (drive_.plant != nullptr) drive_.plant->advance(period_s_);
+}
+
+std::string Machine::loss() const {
+  if (drive_.plant != nullptr) {
+    return fmt::format(
+        "drive = {}: the robot left the poses that it can take, so the laser is off and the currents are "
+        "zero; "
+        "is the work too large for it, or a bandwidth too high?",
+        settings_.drive);
+  }
+  return fmt::format(
+      "drive = {}: no reading for {:g} s (drive_stale_s), so the laser is off and the currents are zero; is "
+      "the "
+      "drive still running and connected?",
+      settings_.drive, settings_.drive_stale_s);
+}
+
+std::optional<Vec3> Machine::true_tool_m() const noexcept {
+  if (drive_.plant == nullptr) return std::nullopt;
+  return nominal_.in_workpiece(drive_.plant->true_tool_in_base_m());
+}
+
+std::optional<Vec3> Machine::true_tool_velocity_m_per_s() const noexcept {
+  if (drive_.plant == nullptr) return std::nullopt;
+  return drive_.plant->true_tool_velocity_m_per_s();
+}
+
+}  // namespace telekerf::robot

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-robot: a simulated robot in a process of its own, for `drive = udp:127.0.0.1:PORT`.
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+#include "common/robot/udp_robot.h"
+#include "common/runtime/loop.h"
+#include "common/runtime/refusal.h"
+#include "common/runtime/settings.h"
+
+namespace telekerf::robot {
+namespace {
+
+struct Flags {
+  std::string robot = "slave-keops";
+  double mismatch = 0.1;
+  std::uint64_t seed = 1;
+  int port = 7000;
+};
+
+int run(const Flags& flags) {
+  const RobotModel model = load_robot(flags.robot);
+  SimulatedRobot plant(mismatched(model, flags.mismatch, flags.seed), flags.seed,
+                       model.in_base(Vec3::Zero()));
+  UdpDrive drive(plant, static_cast<std::uint16_t>(flags.port));
+  catch_stop_signals();
+  fmt::print("robot: {} is simulated at udp:127.0.0.1:{}\n", model.name, drive.port());
+  std::fflush(stdout);
+  std::uint64_t steps = 0;
+  while (!stop_requested() && !plant.broken()) steps += drive.serve_for(0.1);
+  fmt::print("robot: {} steps\n", steps);
+  if (plant.broken()) throw Refusal("the robot left the poses that it can take; is its controller stable?");
+  return 0;
+}
+
+}  // namespace
+}  // namespace telekerf::robot
+
+int main(int argc, char** argv) {
+  CLI::App app("A simulated robot in a process of its own: --drive udp:127.0.0.1:PORT moves it",
+               "telekerf-robot");
+  telekerf::robot::Flags flags;
+  telekerf::Settings settings;
+  settings.add("robot", flags.robot, "robot: a shipped name or a file");
+  settings.add("mismatch", flags.mismatch, {.min = 0, .max = 0.5}, "how far it is off its file, as a share");
+  settings.add("seed", flags.seed, {.min = 0, .max = 1e15}, "of what is random in it");
+  settings.add("port", flags.port, {.min = 0, .max = 65535}, "UDP port on this host, 0: any free one");
+  settings.attach(app);
+  telekerf::Action action = [&] {
+    settings.fill();
+    return run(flags);
+  };
+  return telekerf::run_program(app, argc, argv, action);
+}
