@@ -21,6 +21,13 @@ void print_table(const nlohmann::ordered_json& r) {
   line("contour", fmt::format("{} points, {} mm, {}", r["contour"]["points"].get<int>(),
                               cell(r["contour"]["length_m"].get<double>() * 1e3, 1),
                               r["contour"]["closed"].get<bool>() ? "closed" : "open"));
+  for (const char* site : {"master", "slave"}) {
+    const auto& drive = r["drive"][site];
+    if (drive["tool"] == "measured") {
+      line(fmt::format("{}'s tool", site),
+           fmt::format("as measured by {}: nobody knows the true one", drive["name"].get<std::string>()));
+    }
+  }
   line("constraint (master to contour)",
        fmt::format("rms {} um, max {} um", cell(r["constraint"]["rms_um"], 1),
                    cell(r["constraint"]["max_um"], 1)));

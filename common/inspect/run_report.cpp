@@ -130,7 +130,8 @@ class Coverage {
 nlohmann::ordered_json loop_json(const Figures& figures) {
   return {{"rate_hz", figure(figures, "rate_hz")},
           {"slack_us", {{"p50", figure(figures, "slack_p50_us")}, {"p99", figure(figures, "slack_p99_us")}}},
-          {"overruns", static_cast<std::int64_t>(figure(figures, "overruns"))}};
+          {"overruns", static_cast<std::int64_t>(figure(figures, "overruns"))},
+          {"readings_missed", static_cast<std::int64_t>(figure(figures, "readings_missed"))}};
 }
 
 double tick_s(const std::vector<SlaveRow>& rows) {
@@ -198,6 +199,7 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   report["beta"] = figure(record.master_figures, "beta", 1.0);
   report["law"] = word(record, "law");
   report["estimator"] = word(record, "estimator");
+  report["drive"] = {{"master", words_of(record.master_drive)}, {"slave", words_of(record.slave_drive)}};
   report["constraint"] = um(constraint);
   report["tracking"] = um(tracking);
   report["prediction"] = um(prediction);

@@ -83,6 +83,11 @@ nlohmann::json as_json(const Figures& figures) {
   return json;
 }
 
+DriveRecord read_drive(const nlohmann::json& json) {
+  const nlohmann::json drive = json.value("drive", nlohmann::json::object());
+  return {drive.value("name", DriveRecord{}.name), drive.value("tool", "true") == "true"};
+}
+
 nlohmann::json read_json(const fs::path& path) {
   std::ifstream in(path);
   if (!in)
@@ -100,6 +105,10 @@ void read_figures(const nlohmann::json& json, Figures& figures) {
 }
 
 }  // namespace
+
+Words words_of(const DriveRecord& drive) {
+  return {{"name", drive.name}, {"tool", drive.true_tool ? "true" : "measured"}};
+}
 
 void add_figures(const LoopStatistics& loop, Figures& figures) {
   figures["rate_hz"] = loop.rate_hz;
@@ -146,9 +155,11 @@ void write_master(const fs::path& folder, const RunRecord& record) {
                   r.beta});
   }
   write_whole(folder / "master.csv", text);
-  write_whole(
-      folder / "master.json",
-      nlohmann::json{{"figures", as_json(record.master_figures)}, {"words", record.words}}.dump(2) + "\n");
+  write_whole(folder / "master.json", nlohmann::json{{"figures", as_json(record.master_figures)},
+                                                     {"drive", words_of(record.master_drive)},
+                                                     {"words", record.words}}
+                                              .dump(2) +
+                                          "\n");
 }
 
 void write_slave(const fs::path& folder, const RunRecord& record) {
@@ -159,8 +170,10 @@ void write_slave(const fs::path& folder, const RunRecord& record) {
                   r.force_n[0], r.force_n[1], r.force_n[2]});
   }
   write_whole(folder / "slave.csv", text);
-  write_whole(folder / "slave.json",
-              nlohmann::json{{"figures", as_json(record.slave_figures)}}.dump(2) + "\n");
+  write_whole(folder / "slave.json", nlohmann::json{{"figures", as_json(record.slave_figures)},
+                                                    {"drive", words_of(record.slave_drive)}}
+                                             .dump(2) +
+                                         "\n");
 }
 
 RunRecord read_run(const fs::path& folder) {
@@ -197,11 +210,14 @@ RunRecord read_run(const fs::path& folder) {
   }
   const auto master = read_json(folder / "master.json");
   read_figures(master, record.master_figures);
+  record.master_drive = read_drive(master);
   const nlohmann::json words = master.value("words", nlohmann::json::object());
   for (const auto& [name, value] : words.items()) {
     if (value.is_string()) record.words[name] = value.get<std::string>();
   }
-  read_figures(read_json(folder / "slave.json"), record.slave_figures);
+  const auto slave = read_json(folder / "slave.json");
+  read_figures(slave, record.slave_figures);
+  record.slave_drive = read_drive(slave);
   return record;
 }
 

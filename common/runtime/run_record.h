@@ -19,8 +19,8 @@ using Triple = std::array<double, 3>;
 struct MasterRow {
   std::uint64_t tick = 0;
   double t_s = 0.0;
-  Triple tool_m{};            ///< true tool
-  Triple hand_n{};            ///< hand force on the tool
+  Triple tool_m{};            ///< true tool, or the measured one (DriveRecord)
+  Triple hand_n{};            ///< hand force on the tool; of a real hand what is estimated
   double constraint_n = 0.0;  ///< force by which the constraint answers, across the curve
   bool guided = false;        ///< on the constraint, the hand moves it
   bool engaged = false;       ///< the slave follows
@@ -37,7 +37,7 @@ struct SlaveRow {
   double t_s = 0.0;
   double applied = -1.0;  ///< master tick being applied; negative: none (holding)
   Triple ref_m{};         ///< commanded reference
-  Triple tool_m{};        ///< true tool
+  Triple tool_m{};        ///< true tool, or the measured one (DriveRecord)
   double laser_w = 0.0;
   int interlock = 0;
   bool settled = false;  ///< following, and no offset of an approach is left
@@ -71,12 +71,21 @@ void add_figures(const LoopStatistics& loop, Figures& figures);
 
 using Words = std::map<std::string, std::string>;
 
+/// What moved a robot, and with it what its rows can tell.
+struct DriveRecord {
+  std::string name = "simulated";  ///< as the user chose it
+  bool true_tool = true;           ///< false: nobody knows it, the rows hold the measured one
+};
+/// As results say it: `name`, and `tool`: "true" or "measured".
+Words words_of(const DriveRecord& drive);
+
 struct RunRecord {
   std::vector<std::array<double, 2>> contour_m;  ///< as extracted, true size
   bool contour_closed = true;
   std::vector<MasterRow> master;
   std::vector<SlaveRow> slave;
   Figures master_figures, slave_figures;
+  DriveRecord master_drive, slave_drive;
   Words words;  ///< netem, law, codec, image ...
 };
 
