@@ -100,6 +100,13 @@ int run(Flags& flags) {
   const BusSettings bus_settings = flags.bus.bus_settings(Site::kOperator, "master");
   flags.station.epoch = bus_settings.epoch;
   Station station(flags.station);
+  const robot::Machine& machine = station.machine();
+  if (machine.plant() == nullptr) {
+    fmt::print(
+        "master: {} is not simulated, so no hand is either: it feels a real one, and the laser button "
+        "is {}\n",
+        flags.station.machine.drive, flags.station.pressed ? "held (pressed)" : "never held");
+  }
   catch_stop_signals();
   Bus bus(bus_settings);
   Reader<StateBlock> states(bus);
@@ -158,13 +165,14 @@ int run(Flags& flags) {
                             master_values(out, task ? task->guide.beta : 1.0, node.link().clocks()));
     }
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
-    return !done && !stop_requested() && !contour.refused();
+    return !done && !stop_requested() && !contour.refused() && !machine.lost();
   });
+  station.release();
   herald.request_stop();
   herald.join();
 
   if (contour.refused()) throw Refusal(contour.refusal());
-  if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested()) {
+  if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !machine.lost()) {
     throw Refusal(
         fmt::format("nobody to work with for {:.0f} s in cell '{}' of domain {}: are telekerf-vision and "
                     "telekerf-slave running there?",
@@ -173,6 +181,7 @@ int run(Flags& flags) {
   if (!flags.record.empty() && contour.current() != nullptr) {
     record_run(flags, station, contour, bus, states.counters(), loop);
   }
+  if (machine.lost()) throw Refusal(machine.loss());
   return 0;
 }
 

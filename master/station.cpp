@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "common/bus/wire_cost.h"
 #include "common/runtime/refusal.h"
@@ -23,6 +24,8 @@ void StationSettings::declare(Settings& settings) {
   settings.add("robot", robot, "robot: a shipped name or a file");
   settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
                "slave motion = beta x master motion");
+  machine.declare(settings);
+  settings.add("pressed", pressed, "drive not simulated: the laser button is held while the slave follows");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot and hand");
@@ -91,11 +94,13 @@ StationSettings StationSettings::validated() const {
   return settings;
 }
 
-Station::Station(const StationSettings& settings)
+Station::Station(const StationSettings& settings, robot::Drive drive)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
-      robot_(robot::mismatched(model_, settings_.mismatch, settings_.seed), settings_.seed,
-             model_.in_base(Vec3::Zero())),
+      machine_(model_, settings_.machine, settings_.node.control_hz,
+               drive.robot ? std::move(drive)
+                           : robot::attach(settings_.machine.drive, model_, settings_.node.control_hz,
+                                           {settings_.mismatch, settings_.seed, {}})),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
@@ -106,15 +111,26 @@ std::unique_ptr<Task> Station::prepare(const ContourMessage& contour, std::optio
   return std::make_unique<Task>(Task{std::move(guide), std::move(hand)});
 }
 
+HandSample Station::hand(Task& task) noexcept {
+  const auto tool_m = machine_.true_tool_m();
+  const auto velocity = machine_.true_tool_velocity_m_per_s();
+  if (!tool_m || !velocity) return {.button = settings_.pressed};
+  const double now_s = static_cast<double>(node_.tick()) * control_period_s();
+  return task.hand.sample(now_s, *tool_m, *velocity, guided_);
+}
+
 MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
                             std::span<const Received<StateBlock>> states,
                             std::span<const EventMessage> events) noexcept {
   const Tick tick = node_.tick();
-  const double now_s = static_cast<double>(tick) * control_period_s();
-  const Vec3 tool_m = model_.in_workpiece(robot_.true_tool_in_base_m());
+  const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
 
   MasterInputs inputs;
-  inputs.joints = robot_.read();
+  inputs.joints = machine_.read();
+  if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to tell the slave
+    machine_.write(Vec3::Zero());
+    return {};
+  }
   inputs.states = states;
   inputs.events = events;
   inputs.engage = engage;
@@ -123,25 +139,30 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
   HandSample hand;
   if (task != nullptr) {
     inputs.guide = &task->guide;
-    hand = task->hand.sample(now_s, tool_m, robot_.true_tool_velocity_m_per_s(), guided_);
+    hand = this->hand(*task);
     inputs.button = hand.button;
   }
   MasterOutputs out = node_.step(now_ns, inputs);
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
-  robot_.write(out.currents_a);
-  robot_.set_tool_force(hand.force_n);
-  recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(tool_m), triple(hand.force_n),
-                  out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
-                  triple(out.observed.slave.position_m), out.observed.joined,
+  machine_.write(out.currents_a);
+  if (robot::SimulatedRobot* const plant = machine_.plant()) {
+    plant->set_tool_force(hand.force_n);
+  } else {
+    hand.force_n = out.hand_n;
+  }
+  recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(true_tool_m.value_or(out.tool_m)),
+                  triple(hand.force_n), out.constraint_n, guided_, out.mode == MasterMode::kEngaged,
+                  inputs.button, triple(out.observed.slave.position_m), out.observed.joined,
                   task != nullptr ? task->guide.beta : settings_.beta,
                   out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                   triple(out.slave_force.force_n)});
-  robot_.advance(control_period_s());
+  machine_.advance();
   return out;
 }
 
 void Station::report(RunRecord& record) const {
   record.master = recorder_.rows();
+  record.master_drive = {settings_.machine.drive, machine_.plant() != nullptr};
   const LinkMeter& link = node_.link();
   const auto& command = settings_.node.command.codec;
   const double run_s = static_cast<double>(node_.tick()) * control_period_s();
@@ -169,6 +190,7 @@ void Station::report(RunRecord& record) const {
   // All coded bytes, redundant copies and block heads included, over the axis samples they newly carry.
   f["bits_per_sample"] =
       packets > 0.0 ? 8.0 * static_cast<double>(link.payload_bytes()) / (packets * 3.0 * command.block) : 0.0;
+  f["readings_missed"] = static_cast<double>(machine_.readings_missed());
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
   const ClockEstimate clocks = link.clocks();
   f["clock_offset_us"] = clocks.offset_s * 1e6;

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "common/bus/messages.h"
-#include "common/robot/simulated_robot.h"
+#include "common/robot/machine.h"
 #include "common/runtime/run_record.h"
 #include "common/runtime/settings.h"
 #include "master/master_node.h"
@@ -23,6 +23,8 @@ inline constexpr double kLargestBeta = 10.0;
 struct StationSettings {
   MasterSettings node;
   std::string robot = "master-horizontal";
+  robot::MachineSettings machine;
+  bool pressed = false;  ///< without a simulated hand: the laser button, while the slave follows
   double beta = 0.5;
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   HandSettings hand;
@@ -48,13 +50,14 @@ struct Task {
 
 class Station {
  public:
-  explicit Station(const StationSettings& settings);
+  /// `drive`: another robot than the one that the settings name. Throws Refusal.
+  explicit Station(const StationSettings& settings, robot::Drive drive = {});
 
   /// Allocates: call it outside the loop. `beta`: another one than the settings'. Throws Refusal if the robot
   /// cannot take the scaled contour.
   std::unique_ptr<Task> prepare(const ContourMessage& contour, std::optional<double> beta = {}) const;
 
-  /// One control step: read, decide, write, and let the simulated plant move. `task` may be null.
+  /// One control step: read, decide, write, and let a simulated plant move. `task` may be null.
   MasterOutputs step(std::int64_t now_ns, Task* task, bool engage,
                      std::span<const Received<StateBlock>> states,
                      std::span<const EventMessage> events) noexcept;
@@ -63,18 +66,20 @@ class Station {
   void choose(const ConstraintForm& form) noexcept { form_ = form; }
 
   const MasterNode& node() const { return node_; }
-  /// Of the simulated robot, master's workpiece frame, for judges.
-  Vec3 true_tool_m() const noexcept { return model_.in_workpiece(robot_.true_tool_in_base_m()); }
+  const robot::Machine& machine() const { return machine_; }
+  /// After the last step: leaves the robot without current.
+  void release() noexcept { machine_.release(); }
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
-  /// The simulated robot ran into a pose without kinematics.
-  bool broken() const noexcept { return robot_.broken(); }
   /// The master's part of the record: rows and figures.
   void report(RunRecord& record) const;
 
  private:
+  /// Simulated on a simulated robot; a real hand is felt by the robot alone.
+  HandSample hand(Task& task) noexcept;
+
   StationSettings settings_;
   robot::RobotModel model_;
-  robot::SimulatedRobot robot_;
+  robot::Machine machine_;
   MasterNode node_;
   Recorder<MasterRow> recorder_;
   bool guided_ = false;

@@ -44,12 +44,17 @@ int run(Flags& flags) {
   const BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "slave");
   flags.station.epoch = bus_settings.epoch;
   if (flags.automatic) {
-    return run_automatic(
-        bus_settings, flags.automatic_settings,
-        {flags.station.robot, flags.station.mismatch, flags.station.seed, flags.station.node.laser_w},
-        flags.record);
+    return run_automatic(bus_settings, flags.automatic_settings,
+                         {flags.station.robot, flags.station.machine, flags.station.mismatch,
+                          flags.station.seed, flags.station.node.laser_w},
+                         flags.record);
   }
   Station station(flags.station);
+  const robot::Machine& machine = station.machine();
+  if (machine.plant() == nullptr) {
+    fmt::print("slave: {} is not simulated: what is recorded is the measured tool\n",
+               flags.station.machine.drive);
+  }
   catch_stop_signals();
   Bus bus(bus_settings);
   Reader<CommandBlock> commands(bus);
@@ -83,8 +88,9 @@ int run(Flags& flags) {
     const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, arrived_events);
     if (out.state) states.write(*out.state);
     mode.store(out.mode, std::memory_order_relaxed);
-    return !stop_requested() && !contour.refused();
+    return !stop_requested() && !contour.refused() && !machine.lost();
   });
+  station.release();
   herald.request_stop();
 
   if (!flags.record.empty()) {
@@ -95,6 +101,7 @@ int run(Flags& flags) {
     write_slave(flags.record, record);
   }
   if (contour.refused()) throw Refusal(contour.refusal());
+  if (machine.lost()) throw Refusal(machine.loss());
   return 0;
 }
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "common/runtime/refusal.h"
 
@@ -17,6 +19,7 @@ Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 void StationSettings::declare(Settings& settings) {
   settings.add("robot", robot, "robot: a shipped name or a file");
+  machine.declare(settings);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot");
@@ -62,12 +65,14 @@ StationSettings StationSettings::validated() const {
   return settings;
 }
 
-Station::Station(const StationSettings& settings)
+Station::Station(const StationSettings& settings, robot::Drive drive)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
-      // Another machine than the master's, so other deviations with the same seed.
-      robot_(robot::mismatched(model_, settings_.mismatch, settings_.seed + 1000), settings_.seed + 1000,
-             model_.in_base(Vec3::Zero())),
+      machine_(model_, settings_.machine, settings_.node.control_hz,
+               drive.robot ? std::move(drive)
+                           : robot::attach(settings_.machine.drive, model_, settings_.node.control_hz,
+                                           // Another machine than the master's with the same seed.
+                                           {settings_.mismatch, settings_.seed + 1000, {}})),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
@@ -88,23 +93,28 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
                            std::span<const Received<CommandBlock>> commands,
                            std::span<const EventMessage> events) noexcept {
   SlaveInputs inputs;
-  inputs.joints = robot_.read();
+  inputs.joints = machine_.read();
+  if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to report
+    machine_.write(Vec3::Zero());
+    return {};
+  }
   inputs.commands = commands;
   inputs.events = events;
   inputs.corridor = corridor;
-  const Vec3 tool_m = model_.in_workpiece(robot_.true_tool_in_base_m());
+  const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
-  robot_.write(out.currents_a);
+  machine_.write(out.currents_a);
   recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick,
-                  triple(out.reference.position_m), triple(tool_m), out.laser_w,
+                  triple(out.reference.position_m), triple(true_tool_m.value_or(out.tool_m)), out.laser_w,
                   static_cast<int>(out.interlock), out.settled, triple(out.force_n)});
   ++tick_;
-  robot_.advance(control_period_s());
+  machine_.advance();
   return out;
 }
 
 void Station::report(RunRecord& record) const {
   record.slave = recorder_.rows();
+  record.slave_drive = {settings_.machine.drive, machine_.plant() != nullptr};
   const SlaveCounters counters = node_.counters();
   Figures& f = record.slave_figures;
   f["rate_hz"] = settings_.node.control_hz;
@@ -127,6 +137,7 @@ void Station::report(RunRecord& record) const {
                              (std::max(static_cast<double>(tick_), 1.0) * control_period_s());
   f["playout_corrections"] = static_cast<double>(node_.playout().corrections());
   f["playout_ms"] = node_.playout().wait_s() * 1e3;
+  f["readings_missed"] = static_cast<double>(machine_.readings_missed());
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
 }
 

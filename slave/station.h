@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/bus/messages.h"
-#include "common/robot/simulated_robot.h"
+#include "common/robot/machine.h"
 #include "common/runtime/run_record.h"
 #include "common/runtime/settings.h"
 #include "slave/slave_node.h"
@@ -18,6 +18,7 @@ namespace telekerf::slave {
 struct StationSettings {
   SlaveSettings node;
   std::string robot = "slave-keops";
+  robot::MachineSettings machine;
   std::string codec = "sdct";  ///< of both parts of the state stream
   double mismatch = 0.1;       ///< how far the simulated robot is off its file, as a share
   std::uint64_t seed = 1;
@@ -30,7 +31,8 @@ struct StationSettings {
 
 class Station {
  public:
-  explicit Station(const StationSettings& settings);
+  /// `drive`: another robot than the one that the settings name. Throws Refusal.
+  explicit Station(const StationSettings& settings, robot::Drive drive = {});
 
   /// Allocates: call it outside the loop. Throws Refusal if the contour leaves the workspace.
   std::unique_ptr<Corridor> prepare(const ContourMessage& contour) const;
@@ -43,19 +45,17 @@ class Station {
   void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {
     node_.change(feedback, force);
   }
-  /// Of the world on the simulated tool, for trials.
-  void set_tool_force(const Vec3& force_n) noexcept { robot_.set_tool_force(force_n); }
-  /// Of the simulated robot, workpiece frame, for judges.
-  Vec3 true_tool_m() const noexcept { return model_.in_workpiece(robot_.true_tool_in_base_m()); }
-
   const SlaveNode& node() const { return node_; }
+  const robot::Machine& machine() const { return machine_; }
+  /// After the last step: leaves the robot without current.
+  void release() noexcept { machine_.release(); }
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
   void report(RunRecord& record) const;
 
  private:
   StationSettings settings_;
   robot::RobotModel model_;
-  robot::SimulatedRobot robot_;
+  robot::Machine machine_;
   SlaveNode node_;
   Recorder<SlaveRow> recorder_;
   Tick tick_ = 0;

@@ -53,6 +53,10 @@ class Writer {
     here_m_ = track[track.size() - 1].position_m;
   }
 
+  void follow(const Job& job) {
+    for (std::size_t i = 0; i < job.track.size(); ++i) push(job.track[i], job.phases[i]);
+  }
+
   std::vector<Reference> points;
   std::vector<JobPhase> phases;
 
@@ -124,6 +128,16 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
              std::move(lines),
              1.0 / settings.plan.control_hz,
              length_m};
+}
+
+Job approached_from(const Vec3& tool_m, const Job& job, const JobSettings& settings) {
+  Writer writer(settings, tool_m);
+  writer.move(job.track[0].position_m, JobPhase::kApproach);
+  writer.follow(job);
+  Job whole = job;
+  whole.track = Track(std::move(writer.points));
+  whole.phases = std::move(writer.phases);
+  return whole;
 }
 
 }  // namespace telekerf::slave

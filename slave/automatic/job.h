@@ -37,4 +37,7 @@ struct Job {
 tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& contours,
                                         const JobSettings& settings, const Vec3& home_m = Vec3::Zero());
 
+/// The same job for a tool that rests elsewhere: it is brought to the job's start first.
+Job approached_from(const Vec3& tool_m, const Job& job, const JobSettings& settings);
+
 }  // namespace telekerf::slave

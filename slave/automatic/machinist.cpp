@@ -38,6 +38,7 @@ MachinistOutputs Machinist::step(const robot::JointReading& reading, bool stop) 
                             : follower_.step(reading, job_.track, static_cast<double>(tick_));
   out.saturated = follower_.drive().saturated();
   out.tool_m = follower_.tool_m();
+  out.tool_velocity_m_per_s = follower_.drive().state().tool_velocity_m_per_s;
   out.reference_m = reference.position_m;
   out.tick = tick_;
   out.phase = job_.phases[tick_];

@@ -30,6 +30,7 @@ struct MachinistOutputs {
   bool saturated = false;  ///< a motor at its limit
   Vec3 reference_m = Vec3::Zero();
   Vec3 tool_m = Vec3::Zero();  ///< measured
+  Vec3 tool_velocity_m_per_s = Vec3::Zero();
 };
 
 class Machinist {

@@ -13,7 +13,7 @@
 
 namespace telekerf::slave {
 
-/// One tick with the beam released, workpiece frame; tool and its velocity are the truth.
+/// One tick with the beam released, workpiece frame; tool and its velocity are the truth where it is known.
 struct PassRow {
   Reference reference;
   Vec3 tool_m = Vec3::Zero();

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <thread>
 #include <vector>
 
 #include "common/bus/contour_watch.h"
 #include "common/bus/endpoints.h"
-#include "common/robot/simulated_robot.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/refusal.h"
 #include "slave/automatic/machinist.h"
@@ -23,11 +23,12 @@
 namespace telekerf::slave {
 namespace {
 
-constexpr double kControlHz = 2400.0;
-constexpr int kHoldTicks = 240;
-constexpr double kPatience_s = 0.5;  ///< vision is usually there by then
+constexpr double kHold_s = 0.1;
+constexpr double kPatience_s = 0.5;   ///< vision is usually there by then
+constexpr double kAtHome_m = 0.1e-3;  ///< the tool may be this far from where the job starts
 
-/// A tick of the whole work, in the order of the job's track; tool and velocity are the truth.
+/// A tick of the whole work, in the order of the job's track; tool and velocity are the truth, or what is
+/// measured if nobody knows it.
 struct Row {
   std::size_t tick;
   Vec3 tool_m, tool_velocity_m_per_s;
@@ -37,7 +38,7 @@ struct Row {
 JobSettings job_settings(const AutomaticSettings& s, const robot::RobotModel& model) {
   JobSettings job;
   job.reach_m = model.workspace.radius_m;
-  job.plan.control_hz = kControlHz;
+  job.plan.control_hz = s.machining_hz;
   job.plan.speed_m_per_s = s.speed_mm_s * 1e-3;
   job.plan.corner = s.corner == "exact"  ? CornerPolicy::kExact
                     : s.corner == "slow" ? CornerPolicy::kSlow
@@ -128,13 +129,14 @@ void write_json(const std::filesystem::path& file, const nlohmann::ordered_json&
 
 /// result.json holds nothing of the wall clock; that stands in timing.json.
 void report(const std::filesystem::path& folder, const Job& job, const std::vector<Row>& rows,
-            const AutomaticSettings& settings, int limit_violations, bool finished, double wall_s,
-            const LoopStatistics& loop) {
+            const AutomaticSettings& settings, const DriveRecord& drive, int limit_violations, bool finished,
+            const nlohmann::ordered_json& timing) {
   const std::vector<Pass> passes = passes_of(job, rows);
-  nlohmann::ordered_json result{{"finished", finished},          {"controller", settings.controller},
-                                {"corner", settings.corner},     {"sensor", settings.sensor},
-                                {"contours", job.plans.size()},  {"order", job.order},
-                                {"contours_cut", passes.size()}, {"length_mm", job.cut_length_m * 1e3}};
+  nlohmann::ordered_json result{
+      {"finished", finished},     {"controller", settings.controller}, {"corner", settings.corner},
+      {"drive", words_of(drive)}, {"sensor", settings.sensor},         {"contours", job.plans.size()},
+      {"order", job.order},       {"contours_cut", passes.size()},     {"length_mm", job.cut_length_m * 1e3}};
+  if (!drive.true_tool) result["sensor"] = nullptr;  // the machine's own, whatever it is
   result.update(measure(passes, settings.speed_mm_s * 1e-3));
   result["limit_violations"] = limit_violations;
   result["time_s"] = static_cast<double>(rows.size()) * job.period_s;
@@ -142,8 +144,7 @@ void report(const std::filesystem::path& folder, const Job& job, const std::vect
   result["burn"] = burn(passes, settings.material, folder);
   write_trace(folder / "trace.csv", job, rows);
   write_json(folder / "result.json", result);
-  write_json(folder / "timing.json",
-             {{"time_s", wall_s}, {"rate_hz", loop.rate_hz}, {"overruns", loop.overruns}});
+  write_json(folder / "timing.json", timing);
   fmt::print("{}\n", result.dump(2));
 }
 
@@ -157,6 +158,7 @@ void AutomaticSettings::declare(Settings& settings) {
   settings.add("sensor", sensor, "automatic: what reads the joints", {"hall", "encoder"});
   settings.add("kerf_um", kerf_um, {.min = 0, .max = 2000}, "automatic: width of the cut to compensate");
   settings.add("no_framing", no_framing, "automatic: no run round the work with the pilot beam");
+  settings.add("machining_hz", machining_hz, {.min = 800, .max = 10000}, "automatic: control rate");
   settings.add("wait_s", wait_s, {.min = 1, .max = 3600},
                "automatic: give up after this long without a contour");
 }
@@ -169,9 +171,14 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
     std::filesystem::create_directories(folder, failed);
     if (failed) throw Refusal(fmt::format("record = {}: {}", folder, failed.message()));
   }
-  robot::RobotModel worse = robot::mismatched(model, options.mismatch, options.seed + 1000);
-  worse.sensor.kind = settings.sensor == "hall" ? robot::Sensor::Kind::kHall : robot::Sensor::Kind::kEncoder;
-  robot::SimulatedRobot plant(worse, options.seed + 1000, model.in_base(Vec3::Zero()));
+  using Sensor = robot::Sensor::Kind;
+  robot::Machine machine(model, options.machine, settings.machining_hz,
+                         robot::attach(options.machine.drive, model, settings.machining_hz,
+                                       {options.mismatch, options.seed + 1000,
+                                        settings.sensor == "hall" ? Sensor::kHall : Sensor::kEncoder}));
+  const DriveRecord drive{options.machine.drive, machine.plant() != nullptr};
+  if (!drive.true_tool)
+    fmt::print("slave: {} is not simulated: what is recorded is the measured tool\n", drive.name);
   const JobSettings jobs = job_settings(settings, model);
   catch_stop_signals();
   Bus bus(bus_settings);
@@ -199,17 +206,23 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   }
   if (contour.refused()) throw Refusal(contour.refusal());
   if (contour.current() == nullptr) return 1;
-  const Job& job = *contour.current();
+  const robot::Machine::Stand stand = machine.stand();
+  std::optional<Job> from_there;
+  if ((stand.tool_m - contour.current()->track[0].position_m).norm() > kAtHome_m)
+    from_there = approached_from(stand.tool_m, *contour.current(), jobs);
+  const Job& job = from_there ? *from_there : *contour.current();
 
   MachinistSettings machinist_settings;
+  machinist_settings.follower.control_hz = settings.machining_hz;
   machinist_settings.follower.quiet_for(jobs.plan.speed_m_per_s, jobs.plan.corner == CornerPolicy::kSlow);
   machinist_settings.controller = kind_of(settings.controller);
   machinist_settings.laser_w = options.laser_w;
   Machinist machinist(model, job, machinist_settings);
-  machinist.reset(plant.read().joints_m);
+  machinist.reset(stand.joints_m);
 
   std::vector<Row> rows;
-  rows.reserve(job.track.size() + kHoldTicks);
+  const auto hold_ticks = static_cast<std::size_t>(kHold_s * settings.machining_hz);
+  rows.reserve(job.track.size() + hold_ticks);
   std::atomic<int> phase{-1};
   std::atomic<double> progress{0.0};
   std::jthread herald([&](const std::stop_token& stop) {
@@ -228,33 +241,42 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   });
 
   bool stop = false, done = false;
-  int held = 0, limit_violations = 0;
+  std::size_t held = 0;
+  int limit_violations = 0;
   std::int64_t first_ns = 0, last_ns = 0;
-  const LoopStatistics loop = run_loop(kControlHz, [&](std::int64_t now_ns) {
+  const LoopStatistics loop = run_loop(settings.machining_hz, [&](std::int64_t now_ns) {
     if (first_ns == 0) first_ns = now_ns;
     last_ns = now_ns;
     while (const auto event = events.take()) stop = stop || event->value.kind == EventMessage::Kind::kStop;
     stop = stop || stop_requested();
-    const Vec3 tool = model.in_workpiece(plant.true_tool_in_base_m());
-    const Vec3 velocity = plant.true_tool_velocity_m_per_s();
-    const MachinistOutputs out = machinist.step(plant.read(), stop);
-    plant.write(out.currents_a);
-    plant.advance(1.0 / kControlHz);
-    rows.push_back({out.tick, tool, velocity, out.laser_w});
+    const auto true_tool_m = machine.true_tool_m();
+    const auto true_velocity = machine.true_tool_velocity_m_per_s();
+    const MachinistOutputs out = machinist.step(machine.read(), stop);
+    machine.write(out.currents_a);
+    machine.advance();
+    const Vec3 velocity = true_velocity.value_or(out.tool_velocity_m_per_s);
+    rows.push_back({out.tick, true_tool_m.value_or(out.tool_m), velocity, out.laser_w});
     if (out.saturated || velocity.norm() > model.limits.velocity_m_per_s) ++limit_violations;
     phase.store(static_cast<int>(out.phase), std::memory_order_relaxed);
     progress.store(out.progress, std::memory_order_relaxed);
     done = out.done;
     // A stopped tool is held until it stands.
     if (stop) ++held;
-    return !done && held < kHoldTicks && rows.size() < rows.capacity();
+    return !done && !machine.lost() && held < hold_ticks && rows.size() < rows.capacity();
   });
+  machine.release();
   const double wall_s = static_cast<double>(last_ns - first_ns) * 1e-9;
   herald.request_stop();
   herald.join();
-  const bool finished = done && !stop;
+  const bool finished = done && !stop && !machine.lost();
   fmt::print("slave: {}\n", finished ? "finished" : "stopped");
-  if (!folder.empty()) report(folder, job, rows, settings, limit_violations, finished, wall_s, loop);
+  if (!folder.empty())
+    report(folder, job, rows, settings, drive, limit_violations, finished,
+           {{"time_s", wall_s},
+            {"rate_hz", loop.rate_hz},
+            {"overruns", loop.overruns},
+            {"readings_missed", machine.readings_missed()}});
+  if (machine.lost()) throw Refusal(machine.loss());
   return finished ? 0 : 1;
 }
 

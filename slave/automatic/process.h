@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/bus/bus_flags.h"
+#include "common/robot/machine.h"
 #include "common/runtime/settings.h"
 
 namespace telekerf::slave {
@@ -17,13 +18,15 @@ struct AutomaticSettings {
   std::string sensor = "hall";  ///< what the simulated robot has, whatever its file says
   double kerf_um = 0.0;         ///< closed contours are moved by half of it
   bool no_framing = false;
-  double wait_s = 20.0;  ///< for vision, then it gives up
+  double wait_s = 20.0;          ///< for vision, then it gives up
+  double machining_hz = 2400.0;  ///< control rate
   void declare(Settings& settings);
 };
 
 /// Of the robot in the process, as the slave has them anyway.
 struct AutomaticRobot {
   std::string robot = "slave-keops";
+  robot::MachineSettings machine;
   double mismatch = 0.1;
   std::uint64_t seed = 1;
   double laser_w = 10.0;
@@ -31,7 +34,7 @@ struct AutomaticRobot {
 
 /// Waits for a picture's contours, works them off, writes result.json, timing.json, trace.csv, mark.png and
 /// depth.png into `folder` (empty: none). Returns 0 when all were finished, 1 when it was stopped. Throws
-/// Refusal.
+/// Refusal, also when the drive was lost.
 int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
                   const AutomaticRobot& robot, const std::string& folder);
 

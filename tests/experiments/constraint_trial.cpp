@@ -46,7 +46,7 @@ Trial run_trial(const ContourMessage& contour, const TrialSettings& settings) {
     if (settings.form && guided_since) {
       if (const auto form = settings.form(now - *guided_since)) station.choose(*form);
     }
-    const Vec3 true_tool = station.true_tool_m();  // as in the record: before the step moves it
+    const Vec3 true_tool = *station.machine().true_tool_m();  // as in the record: before the step moves it
     const auto out = station.step(std::llround(now * 1e9), task.get(), false, {}, {});
     const bool is_guided = out.mode == master::MasterMode::kGuiding;
     trial.off_m.push_back(std::numeric_limits<double>::quiet_NaN());
@@ -75,7 +75,7 @@ Trial run_trial(const ContourMessage& contour, const TrialSettings& settings) {
     trial.rms_m = std::sqrt(squares / static_cast<double>(guided));
     trial.mean_speed_m_per_s = trial.travelled_m / (static_cast<double>(guided) * dt);
   }
-  trial.broken = station.broken();
+  trial.broken = station.machine().plant()->broken();
   RunRecord record;
   station.report(record);
   trial.rows = std::move(record.master);

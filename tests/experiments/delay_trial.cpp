@@ -129,8 +129,8 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
 
     commands.clear();
     forward.deliver(now_ns, commands);
-    if (tick == hand.tool.size() / 2) slave.set_tool_force(Vec3(trial.push_n, 0.0, 0.0));
-    const Vec3 tool_m = slave.true_tool_m();
+    if (tick == hand.tool.size() / 2) slave.machine().plant()->set_tool_force(Vec3(trial.push_n, 0.0, 0.0));
+    const Vec3 tool_m = *slave.machine().true_tool_m();
     const auto out = slave.step(now_ns, corridor.get(), commands, {});
     if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
     if (out.applied_tick < 0.0) continue;

@@ -2,8 +2,10 @@
 // The control path allocates nothing: both stations' steps, streaming, guided and engaged.
 #include <gtest/gtest.h>
 
+#include <thread>
 #include <vector>
 
+#include "common/robot/udp_robot.h"
 #include "tests/lap/virtual_lap.h"
 #include "tests/unit/allocations.h"
 
@@ -36,6 +38,31 @@ TEST(ControlPath, NeitherStationsStepAllocates) {
     in_steps += ::telekerf::testing::allocations() - before;
   }
   EXPECT_GT(testing::allocations(), 0u) << "the counter counts";
+  EXPECT_EQ(in_steps, 0u);
+}
+
+TEST(ControlPath, NorDoesOneWithARobotInAnotherProcess) {
+  slave::StationSettings settings;
+  const robot::RobotModel model = robot::load_robot(settings.robot);
+  robot::SimulatedRobot plant(model, 1, model.in_base(Vec3::Zero()));
+  robot::UdpDrive drive(plant, 0);
+  settings.machine.drive = "udp:127.0.0.1:" + std::to_string(drive.port());
+  std::jthread answering([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) drive.serve_for(0.01);
+  });
+  slave::Station slave(settings);  // waits for the drive's first answer
+  answering.request_stop();
+  answering.join();
+
+  std::uint64_t in_steps = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const auto before = ::telekerf::testing::allocations();
+    (void)slave.step(n * std::int64_t{1'000'000}, nullptr, {}, {});
+    in_steps += ::telekerf::testing::allocations() - before;
+    for (int i = 0; i < 1000 && drive.serve_for(0.0) == 0; ++i) std::this_thread::yield();
+  }
+  EXPECT_TRUE(slave.machine().started());
+  EXPECT_FALSE(slave.machine().lost());
   EXPECT_EQ(in_steps, 0u);
 }
 

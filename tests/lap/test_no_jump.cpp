@@ -98,7 +98,7 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
   double largest_motion = 0.0;
   double largest_gap_m = 0.0;
   slave::Motion last;
-  Vec3 before_m = slave.true_tool_m();
+  Vec3 before_m = *slave.machine().true_tool_m();
   Vec3 last_step_m = Vec3::Zero();
   for (int sequence = 0; sequence < GetParam().sequences; ++sequence) {
     const int what = static_cast<int>(uniform(0.0, 8.0));
@@ -150,7 +150,7 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
         ASSERT_LT(gap.norm(), 0.5 * kH * kAllowed)
             << GetParam().law << " sequence " << sequence << " of kind " << what << ", tick " << tick;
       }
-      const Vec3 now_m = slave.true_tool_m();
+      const Vec3 now_m = *slave.machine().true_tool_m();
       const Vec3 step_m = now_m - before_m;
       largest_motion = std::max(largest_motion, (step_m - last_step_m).norm() / kH);
       ASSERT_LT((step_m - last_step_m).norm() / kH, kAllowed)

@@ -82,7 +82,7 @@ TEST(ForceFeedbackOverTheLink, APushOnTheSlavesToolIsSeenAfterTheDelay) {
   int seen_at = 0;
   int estimated_at = 0;
   for (int n = 0; n < 4000; ++n) {
-    if (n == kPushedAt) slave.set_tool_force(push_n);
+    if (n == kPushedAt) slave.machine().plant()->set_tool_force(push_n);
     const auto out = slave.step(n * kMs, nullptr, {}, {});
     sent_n.push_back(out.force_n);
     if (out.state) backward.push(n * kMs, *out.state, wire_bytes(*out.state));
@@ -179,7 +179,7 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
     }
     commands.clear();
     forward.deliver(now_ns, commands);
-    const Vec3 tool_m = slave.true_tool_m();
+    const Vec3 tool_m = *slave.machine().true_tool_m();
     const auto out = slave.step(now_ns, corridor.get(), commands, {});
     if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
     if (tick > 500) {

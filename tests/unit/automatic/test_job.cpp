@@ -115,6 +115,27 @@ TEST_F(AtWork, EveryContourIsCutWithinItsOwnCorridor) {
   EXPECT_NEAR(lit_m[1], 12e-3, 0.4e-3);
 }
 
+TEST_F(AtWork, AToolThatRestsElsewhereIsBroughtToTheStartFirst) {
+  const Vec3 elsewhere_m(2e-3, -3e-3, -1e-3);
+  plant = robot::SimulatedRobot(robot::mismatched(model, 0.1, 7), 7, model.in_base(elsewhere_m));
+  const Job whole = approached_from(elsewhere_m, *job, JobSettings{});
+  ASSERT_EQ(whole.phases.size(), whole.track.size());
+  ASSERT_GT(whole.track.size(), job->track.size() + 240u);
+  EXPECT_EQ(whole.track[0].position_m, elsewhere_m);
+  EXPECT_EQ(whole.phases.front(), JobPhase::kApproach);
+  Machinist machinist(model, whole, {});
+  machinist.reset(plant.read().joints_m);
+  double lit_s = 0.0;
+  for (std::size_t i = 0; i < whole.track.size(); ++i) {
+    const auto out = machinist.step(plant.read(), false);
+    EXPECT_LT((out.tool_m - out.reference_m).norm(), 100e-6) << i;
+    plant.write(out.currents_a);
+    plant.advance(whole.period_s);
+    if (out.laser_w > 0.0) lit_s += whole.period_s;
+  }
+  EXPECT_NEAR(lit_s, 8e-3 / 8e-3, 0.05);
+}
+
 TEST_F(AtWork, AStopPutsTheBeamOutAtOnceAndHoldsTheToolForGood) {
   Machinist machinist(model, *job, {});
   machinist.reset(plant.read().joints_m);

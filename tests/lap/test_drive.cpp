@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stations with a robot of which they know nothing but `Robot`.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "tests/lap/virtual_lap.h"
+
+namespace telekerf::lap {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+/// As a vendor's: it moves by itself. The world may push its tool, and its line may break.
+class Foreign : public robot::Robot {
+ public:
+  struct World {
+    std::optional<robot::SimulatedRobot> plant;
+    Vec3 written_a = Vec3::Zero();
+    bool broken_line = false;
+  };
+  Foreign(World& world, const robot::RobotModel& model, std::uint64_t seed) : world_(world) {
+    world_.plant.emplace(robot::mismatched(model, 0.1, seed), seed, model.in_base(Vec3::Zero()));
+  }
+  robot::JointReading read() noexcept override {
+    return world_.broken_line ? robot::JointReading{} : world_.plant->read();
+  }
+  void write(const Vec3& currents_a) noexcept override {
+    world_.written_a = currents_a;
+    world_.plant->write(currents_a);
+    world_.plant->advance(1e-3);
+  }
+  robot::Capabilities capabilities() const override { return {"foreign", false, 0, 0, 1e3}; }
+
+ private:
+  World& world_;
+};
+
+robot::Drive foreign(Foreign::World& world, const std::string& name, std::uint64_t seed) {
+  return {std::make_unique<Foreign>(world, robot::load_robot(name), seed), nullptr};
+}
+
+bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), sizeof(Vec3)) == 0; }
+
+/// A master with a simulated hand and a slave, without a network between them.
+class Cell {
+ public:
+  Cell() {
+    const LapSettings lap;
+    contour = find_contour(lap);
+    master_settings.hand_speed_mm_s = 30.0;
+    master = std::make_unique<master::Station>(master_settings);
+    task = master->prepare(contour);
+  }
+
+  /// One step of both; the master hears `slave`.
+  slave::SlaveOutputs step(slave::Station& slave) {
+    const std::int64_t now_ns = tick++ * kMs;
+    const auto out = master->step(now_ns, task.get(), true, states, {});
+    commands.clear();
+    if (out.command) commands.push_back({*out.command, now_ns});
+    if (!corridor) corridor = slave.prepare(contour);
+    const auto followed = slave.step(now_ns, corridor.get(), commands, {});
+    states.clear();
+    if (followed.state) states.push_back({*followed.state, now_ns});
+    return followed;
+  }
+
+  ContourMessage contour;
+  master::StationSettings master_settings;
+  std::unique_ptr<master::Station> master;
+  std::unique_ptr<master::Task> task;
+  std::unique_ptr<slave::Corridor> corridor;
+  std::vector<Received<CommandBlock>> commands;
+  std::vector<Received<StateBlock>> states;
+  std::int64_t tick = 0;
+};
+
+slave::StationSettings slave_settings(const std::string& drive) {
+  slave::StationSettings settings;
+  settings.machine.drive = drive;
+  return settings;
+}
+
+TEST(Drive, BehindTheSeamTheSlaveDoesBitByBitWhatItDoesWithItsOwnPlant) {
+  Cell cell;
+  slave::Station own(slave_settings("simulated"));
+  Foreign::World world;
+  slave::Station other(slave_settings("foreign"),
+                       foreign(world, "slave-keops", slave_settings("").seed + 1000));
+  const robot::RobotModel model = robot::load_robot("slave-keops");
+  std::vector<Vec3> measured_m;
+  int lit = 0;
+  for (int n = 0; n < 6000; ++n) {
+    const Vec3 true_tool_m = model.in_workpiece(world.plant->true_tool_in_base_m());
+    const auto here = cell.step(own);
+    const auto there = other.step((cell.tick - 1) * kMs, cell.corridor.get(), cell.commands, {});
+    ASSERT_TRUE(same_bits(here.currents_a, there.currents_a)) << n;
+    ASSERT_TRUE(same_bits(here.tool_m, there.tool_m)) << n;
+    ASSERT_EQ(here.laser_w, there.laser_w) << n;
+    ASSERT_EQ(here.interlock, there.interlock) << n;
+    ASSERT_LT((there.tool_m - true_tool_m).norm(), 20e-6) << n;
+    measured_m.push_back(there.tool_m);
+    lit += there.laser_w > 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(lit, 1000);
+
+  RunRecord simulated, measured;
+  own.report(simulated);
+  other.report(measured);
+  EXPECT_EQ(words_of(simulated.slave_drive), (Words{{"name", "simulated"}, {"tool", "true"}}));
+  EXPECT_EQ(words_of(measured.slave_drive), (Words{{"name", "foreign"}, {"tool", "measured"}}));
+  ASSERT_EQ(measured.slave.size(), measured_m.size());
+  ASSERT_EQ(simulated.slave.size(), measured_m.size());
+  int apart = 0;
+  for (std::size_t i = 0; i < measured_m.size(); ++i) {
+    ASSERT_EQ(Vec3(measured.slave[i].tool_m.data()), measured_m[i]) << "the record holds the measured tool";
+    apart += Vec3(simulated.slave[i].tool_m.data()) == measured_m[i] ? 0 : 1;
+  }
+  EXPECT_GT(apart, 1000) << "the true tool is another";
+}
+
+TEST(Drive, ItsLossPutsTheBeamOutAtOnceAndTheCurrentsSoon) {
+  Cell cell;
+  Foreign::World world;
+  slave::Station slave(slave_settings("foreign"), foreign(world, "slave-keops", 7));
+  slave::SlaveOutputs out;
+  for (int n = 0; n < 8000 && !(n > 5000 && out.laser_w > 0.0); ++n) out = cell.step(slave);
+  ASSERT_GT(out.laser_w, 0.0);
+  EXPECT_EQ(slave.machine().readings_missed(), 0u);
+
+  world.broken_line = true;
+  for (int n = 1; n <= 20; ++n) {
+    EXPECT_FALSE(slave.machine().lost()) << n;
+    out = cell.step(slave);
+    EXPECT_EQ(out.laser_w, 0.0) << n;
+    EXPECT_EQ(out.interlock, Interlock::kStale) << n;
+    EXPECT_EQ(world.written_a.isZero(0.0), n == 20) << n;
+  }
+  EXPECT_TRUE(slave.machine().lost());
+
+  world.broken_line = false;
+  for (int n = 0; n < 100; ++n) {
+    EXPECT_EQ(cell.step(slave).laser_w, 0.0);
+    EXPECT_EQ(world.written_a, Vec3(Vec3::Zero()));
+  }
+}
+
+TEST(Drive, AMissingReadingIsBridgedWithTheBeamOff) {
+  Cell cell;
+  Foreign::World world;
+  slave::Station slave(slave_settings("foreign"), foreign(world, "slave-keops", 7));
+  slave::SlaveOutputs out;
+  for (int n = 0; n < 8000 && !(n > 5000 && out.laser_w > 0.0); ++n) out = cell.step(slave);
+  ASSERT_GT(out.laser_w, 0.0);
+  world.broken_line = true;
+  for (int n = 0; n < 3; ++n) EXPECT_EQ(cell.step(slave).laser_w, 0.0);
+  world.broken_line = false;
+  int lit = 0;
+  for (int n = 0; n < 50; ++n) {
+    out = cell.step(slave);
+    lit += out.laser_w > 0.0 ? 1 : 0;
+    EXPECT_LT((out.tool_m - out.reference.position_m).norm(), 100e-6);
+  }
+  EXPECT_GT(lit, 40);
+  EXPECT_EQ(slave.machine().readings_missed(), 3u);
+}
+
+TEST(Drive, AHandOnARobotThatIsNotSimulatedIsFeltAndNoneIsInvented) {
+  LapSettings lap;
+  lap.image = "circle";
+  const ContourMessage contour = find_contour(lap);
+  master::StationSettings settings;
+  settings.machine.drive = "foreign";
+  Foreign::World world;
+  master::Station master(settings, foreign(world, settings.robot, 7));
+  const auto task = master.prepare(contour);
+  master::MasterOutputs out;
+  std::int64_t tick = 0;
+  const auto run = [&](int steps) {
+    for (int n = 0; n < steps; ++n) out = master.step(tick++ * kMs, task.get(), true, {}, {});
+  };
+  run(3000);
+  ASSERT_EQ(out.mode, master::MasterMode::kGuiding);
+  const Vec3 rest_m = out.tool_m;
+  run(1000);
+  EXPECT_LT((out.tool_m - rest_m).norm(), 0.2e-3) << "nobody pushes, nothing moves";
+
+  const Vec2 across = out.active.piece.shape.gradient(out.tool_m.head<2>());
+  const Vec3 push_n(-1.5 * across.y(), 1.5 * across.x(), 0.0);
+  world.plant->set_tool_force(push_n);
+  run(300);
+  EXPECT_GT((out.tool_m - rest_m).norm(), 1e-3) << "a real hand moves the pen along the curve";
+
+  RunRecord record;
+  master.report(record);
+  EXPECT_EQ(words_of(record.master_drive), (Words{{"name", "foreign"}, {"tool", "measured"}}));
+  const MasterRow& row = record.master.back();
+  const Vec3 recorded_n(row.hand_n[0], row.hand_n[1], row.hand_n[2]);
+  EXPECT_LT((recorded_n - push_n).norm(), 0.5) << "the record holds what was felt";
+  for (const MasterRow& any : record.master) ASSERT_FALSE(any.button) << "nobody held the button";
+}
+
+}  // namespace
+}  // namespace telekerf::lap
