@@ -31,6 +31,7 @@ class Program {
   Program& operator=(const Program&) = delete;
 
   void interrupt() { ::kill(child_.id(), SIGINT); }
+  void kill() { child_.terminate(); }
   bool running() { return child_.running(); }
   /// Exit code, or -1 if it does not end in time.
   int wait(std::chrono::seconds timeout) {
