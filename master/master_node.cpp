@@ -34,22 +34,25 @@ MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& set
       constraint_(constraint_of(settings)),
       stream_(settings.command, epoch) {}
 
-void MasterNode::choose_mode(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool) noexcept {
-  const auto hold_here = [&](MasterMode mode) {
-    if (mode_ != mode) hold_m_ = tool.position_m;
-    mode_ = mode;
-  };
-  for (const auto& event : inputs.events) {
-    if (event.kind == EventMessage::Kind::kStop) hold_here(MasterMode::kStopped);
+void MasterNode::heed(std::span<const EventMessage> events) noexcept {
+  for (const auto& event : events) {
+    if (event.kind == EventMessage::Kind::kStop) mode_ = MasterMode::kStopped;
     if (event.kind == EventMessage::Kind::kClearStop && mode_ == MasterMode::kStopped)
-      hold_here(MasterMode::kIdle);
+      mode_ = MasterMode::kIdle;
   }
+}
+
+void MasterNode::choose_mode(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool) noexcept {
+  const MasterMode before = mode_;
+  heed(inputs.events);
+  if (mode_ != before) hold_m_ = tool.position_m;
   if (mode_ == MasterMode::kStopped) return;
   if (inputs.guide != guide_ || (mode_ == MasterMode::kIdle && inputs.guide != nullptr)) {
     guide_ = inputs.guide;
     constraint_.enter();
     if (guide_ == nullptr) {
-      hold_here(MasterMode::kIdle);
+      if (mode_ != MasterMode::kIdle) hold_m_ = tool.position_m;
+      mode_ = MasterMode::kIdle;
       return;
     }
     // To the nearest point of the curve and the working plane, along a straight line.

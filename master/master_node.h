@@ -68,6 +68,9 @@ class MasterNode {
   MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch);
 
   MasterOutputs step(std::int64_t now_ns, const MasterInputs& inputs) noexcept;
+  /// Emergency stop and its end alone; step() does it itself. For a robot that does not tell yet where it
+  /// stands.
+  void heed(std::span<const EventMessage> events) noexcept;
 
   const LinkMeter& link() const noexcept { return link_; }
   Tick tick() const noexcept { return tick_; }

@@ -128,6 +128,7 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
   MasterInputs inputs;
   inputs.joints = machine_.read();
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to tell the slave
+    node_.heed(events);
     machine_.write(Vec3::Zero());
     return {};
   }

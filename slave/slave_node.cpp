@@ -41,20 +41,12 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
                .control_period_ns = period_ns(settings)},
               epoch) {}
 
-void SlaveNode::obey(const EventMessage& event) noexcept {
-  switch (event.kind) {
-    case EventMessage::Kind::kStop:
-      mode_ = SlaveMode::kStopped;
-      break;
-    case EventMessage::Kind::kClearStop:
-      if (mode_ == SlaveMode::kStopped) mode_ = SlaveMode::kWaiting;
-      break;
-    case EventMessage::Kind::kEngage:
-    case EventMessage::Kind::kDisengage:
-    case EventMessage::Kind::kSetBeta:
-    case EventMessage::Kind::kFinished:
-    case EventMessage::Kind::kSetNetem:
-      break;  // what the stream itself says counts
+void SlaveNode::heed(std::span<const EventMessage> events) noexcept {
+  // Engaging and the like come with the stream itself.
+  for (const auto& event : events) {
+    if (event.kind == EventMessage::Kind::kStop) mode_ = SlaveMode::kStopped;
+    if (event.kind == EventMessage::Kind::kClearStop && mode_ == SlaveMode::kStopped)
+      mode_ = SlaveMode::kWaiting;
   }
 }
 
@@ -176,7 +168,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
     reference_known_ = true;
   }
 
-  for (const auto& event : inputs.events) obey(event);
+  heed(inputs.events);
   std::optional<std::uint32_t> contour_id;
   if (inputs.corridor != nullptr) contour_id = inputs.corridor->contour_id;
   for (const auto& command : inputs.commands) intake_.receive(command, contour_id);

@@ -76,6 +76,9 @@ class SlaveNode {
   SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch);
 
   SlaveOutputs step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept;
+  /// Emergency stop and its end alone; step() does it itself. For a robot that does not tell yet where it
+  /// stands.
+  void heed(std::span<const EventMessage> events) noexcept;
 
   /// Another codec, block length or redundancy of the state stream, from where its next block begins; the
   /// rate stays. Throws Refusal.
@@ -87,7 +90,6 @@ class SlaveNode {
   const PlayoutClock& playout() const noexcept { return intake_.clock(); }
 
  private:
-  void obey(const EventMessage& event) noexcept;
   Motion choose_source(std::int64_t now_ns, const Motion& tool, SlaveOutputs& out) noexcept;
   Motion follow(const StreamSample& sample, const Motion& found) noexcept;
   Motion hold_on() noexcept;

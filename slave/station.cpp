@@ -95,6 +95,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   SlaveInputs inputs;
   inputs.joints = machine_.read();
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to report
+    node_.heed(events);
     machine_.write(Vec3::Zero());
     return {};
   }

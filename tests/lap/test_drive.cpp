@@ -149,6 +149,23 @@ TEST(Drive, ItsLossPutsTheBeamOutAtOnceAndTheCurrentsSoon) {
   }
 }
 
+TEST(Drive, AStopBeforeTheFirstReadingIsHeeded) {
+  EventMessage stop;
+  stop.kind = EventMessage::Kind::kStop;
+  Foreign::World there;
+  slave::Station slave(slave_settings("foreign"), foreign(there, "slave-keops", 7));
+  Foreign::World here;
+  master::StationSettings settings;
+  settings.machine.drive = "foreign";
+  master::Station master(settings, foreign(here, settings.robot, 7));
+  there.broken_line = here.broken_line = true;
+  (void)slave.step(0, nullptr, {}, {&stop, 1});
+  (void)master.step(0, nullptr, true, {}, {&stop, 1});
+  there.broken_line = here.broken_line = false;
+  EXPECT_EQ(slave.step(kMs, nullptr, {}, {}).mode, slave::SlaveMode::kStopped);
+  EXPECT_EQ(master.step(kMs, nullptr, true, {}, {}).mode, master::MasterMode::kStopped);
+}
+
 TEST(Drive, AMissingReadingIsBridgedWithTheBeamOff) {
   Cell cell;
   Foreign::World world;
