@@ -151,7 +151,8 @@ std::optional<Separation> lines_across_shadows(const cv::Mat& grey) {
 /// frame).
 tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
   constexpr double kExplained = 0.95;
-  constexpr double kFewer = 0.5;    // edges unexplained than before
+  constexpr double kFewer = 0.5;  // edges unexplained than before
+  constexpr double kAsGood = 0.03;
   constexpr double kFainter = 0.8;  // of a wide region a rim is left, fainter than the region itself
   auto field = make_field(grey);
   if (!field) return tl::unexpected(field.error());
@@ -161,9 +162,7 @@ tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
     if (other.complaint || !other.stands_out) return false;
     return first.complaint || 1.0 - other.explained < kFewer * (1.0 - first.explained);
   };
-  Field level = at_explaining_level(first.field);
-  if (frames(level.drawn)) invert(level);
-  Separation other = judged(std::move(level));
+  Separation other = judged(at_explaining_level(first.field));
   // Among texture some level always leaves a shape over.
   constexpr std::size_t kFew = 8;
   const bool texture = first.complaint && other.outlines.contours.size() > kFew;
@@ -171,7 +170,7 @@ tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
   auto lines = lines_across_shadows(grey);
   const double clearest = by_level ? other.field.contrast : first.field.contrast;
   const bool by_lines = lines && lines->field.contrast > kFainter * clearest && better(*lines);
-  if (by_level && !(by_lines && lines->explained > other.explained)) return other;
+  if (by_level && !(by_lines && lines->explained > other.explained - kAsGood)) return other;
   if (by_lines) return std::move(*lines);
   if (!first.complaint) return first;
   if (frames(first.field.drawn)) {

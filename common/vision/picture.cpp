@@ -207,6 +207,19 @@ tl::expected<cv::Mat, std::string> grey_plane(const cv::Mat& image) {
   }
 }
 
+bool border_is_dark(const cv::Mat& smooth, double level) {
+  int dark = 0;
+  const int rows = smooth.rows;
+  const int cols = smooth.cols;
+  for (int x = 0; x < cols; ++x) {
+    dark += (smooth.at<unsigned char>(0, x) < level) + (smooth.at<unsigned char>(rows - 1, x) < level);
+  }
+  for (int y = 0; y < rows; ++y) {
+    dark += (smooth.at<unsigned char>(y, 0) < level) + (smooth.at<unsigned char>(y, cols - 1) < level);
+  }
+  return dark >= rows + cols;
+}
+
 double noise_of(const cv::Mat& grey) {
   // |1 -2 1; -2 4 -2; 1 -2 1|: blind to planes and straight edges; its standard deviation is 6 sigma.
   std::array<double, 2048> counts{};
@@ -248,19 +261,6 @@ double percentile(const std::array<double, 256>& counts, int first, int last, do
     seen += counts[i];
   }
   return last;
-}
-
-bool border_is_dark(const cv::Mat& smooth, double level) {
-  int dark = 0;
-  const int rows = smooth.rows;
-  const int cols = smooth.cols;
-  for (int x = 0; x < cols; ++x) {
-    dark += (smooth.at<unsigned char>(0, x) < level) + (smooth.at<unsigned char>(rows - 1, x) < level);
-  }
-  for (int y = 0; y < rows; ++y) {
-    dark += (smooth.at<unsigned char>(y, 0) < level) + (smooth.at<unsigned char>(y, cols - 1) < level);
-  }
-  return dark >= rows + cols;
 }
 
 using Light = Eigen::Matrix<double, 6, 1>;  ///< of 1, u, v, u u, u v, v v

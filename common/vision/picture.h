@@ -28,6 +28,8 @@ struct Field {
 tl::expected<cv::Mat, std::string> grey_plane(const cv::Mat& image);
 /// Standard deviation of the noise from the median of second differences, which edges hardly touch.
 double noise_of(const cv::Mat& grey);
+/// Most of the picture's border, which is background, is darker than `level`.
+bool border_is_dark(const cv::Mat& smooth, double level);
 /// Smooths and separates; the error says why the picture holds no drawing.
 tl::expected<Field, std::string> make_field(const cv::Mat& grey);
 

@@ -11,75 +11,85 @@ namespace {
 
 constexpr int kReach = 2;  ///< pixels to either side that a step is measured over
 
+/// A place where the picture is steep: a border lies on it if its level is between `low` and `high`.
 struct Edge {
   int step = 0;  ///< grey levels
-  bool on_border = false;
+  int low = 0;
+  int high = 0;
 };
 
-/// The steepest places along one row or column: `smooth` and `drawn` with `count` pixels, `stride` bytes
-/// apart.
-void collect(const unsigned char* smooth, const unsigned char* drawn, int count, std::size_t stride,
-             std::vector<Edge>& edges) {
+/// The steepest places along one row or column of `count` pixels, `stride` bytes apart.
+void collect(const unsigned char* smooth, int count, std::size_t stride, std::vector<Edge>& edges) {
   const auto step = [&](int i) {
     return std::abs(smooth[(i + kReach) * stride] - smooth[(i - kReach) * stride]);
   };
   for (int i = 2 * kReach; i + 2 * kReach < count; ++i) {
     const int here = step(i);
     if (here < 4 || here < step(i - 1) || here <= step(i + 1)) continue;
-    bool on_border = false;
-    for (int k = i - kReach - 1; k < i + kReach + 1; ++k)
-      on_border = on_border || drawn[k * stride] != drawn[(k + 1) * stride];
-    edges.push_back({here, on_border});
+    Edge edge{here, 255, 0};
+    for (int k = i - kReach - 1; k <= i + kReach + 1; ++k) {
+      edge.low = std::min<int>(edge.low, smooth[k * stride]);
+      edge.high = std::max<int>(edge.high, smooth[k * stride]);
+    }
+    edges.push_back(edge);
   }
 }
 
-}  // namespace
-
-double explained_edges(const Field& field) {
+/// The sharp edges of some rows and columns; none if there are too few to say anything.
+std::vector<Edge> sharp_edges(const Field& field) {
   constexpr int kLines = 100;
+  constexpr std::size_t kFewest = 8;
   constexpr std::size_t kSteepest = 40;  // at least as many places cross a drawing that stands out
   constexpr double kSharp = 0.5;         // share of their steps
   std::vector<Edge> edges;
   const cv::Mat& smooth = field.smooth;
-  const cv::Mat& drawn = field.drawn;
   for (int y = 0; y < smooth.rows; y += smooth.rows / kLines + 1)
-    collect(smooth.ptr(y), drawn.ptr(y), smooth.cols, 1, edges);
+    collect(smooth.ptr(y), smooth.cols, 1, edges);
   for (int x = 0; x < smooth.cols; x += smooth.cols / kLines + 1)
-    collect(smooth.ptr(0) + x, drawn.ptr(0) + x, smooth.rows, smooth.step[0], edges);
+    collect(smooth.ptr(0) + x, smooth.rows, smooth.step[0], edges);
   const double noise = field.noise / (2.0 * field.sigma_px * std::sqrt(M_PI));
   std::erase_if(edges, [&](const Edge& e) { return e.step < 8.0 * noise; });
-  if (edges.size() < 8) return 1.0;
+  if (edges.size() < kFewest) return {};
   const auto steep = edges.begin() + static_cast<std::ptrdiff_t>(std::min(kSteepest, edges.size() / 4));
   std::nth_element(edges.begin(), steep, edges.end(),
                    [](const Edge& a, const Edge& b) { return a.step > b.step; });
   const double sharp = kSharp * steep->step;
-  int all = 0;
-  int explained = 0;
-  for (const Edge& e : edges) {
-    if (e.step < sharp) continue;
-    ++all;
-    explained += e.on_border;
-  }
-  return static_cast<double>(explained) / all;
+  std::erase_if(edges, [&](const Edge& e) { return e.step < sharp; });
+  return edges;
 }
 
+double explained_at(const std::vector<Edge>& edges, double level) {
+  if (edges.empty()) return 1.0;
+  const auto on_border = std::count_if(edges.begin(), edges.end(),
+                                       [&](const Edge& e) { return e.low < level && level < e.high; });
+  return static_cast<double>(on_border) / static_cast<double>(edges.size());
+}
+
+}  // namespace
+
+double explained_edges(const Field& field) { return explained_at(sharp_edges(field), field.level); }
+
 Field at_explaining_level(const Field& field) {
-  constexpr int kFirst = 12;
-  constexpr int kStep = 8;
+  const std::vector<Edge> edges = sharp_edges(field);
   Field best = field;
-  best.drawn = field.drawn.clone();  // a copied field shares its planes
-  double most = explained_edges(field);
-  for (int level = kFirst; level < 256 - kFirst; level += kStep) {
-    Field other = field;
-    other.level = level + 0.5;
-    cv::Mat drawn;
-    cv::threshold(field.smooth, drawn, level, 255, field.dark ? cv::THRESH_BINARY_INV : cv::THRESH_BINARY);
-    other.drawn = drawn;
-    const double explained = explained_edges(other);
+  double most = explained_at(edges, field.level);
+  for (int level = 8; level < 248; ++level) {
+    const double explained = explained_at(edges, level + 0.5);
     if (explained <= most) continue;
     most = explained;
-    best = other;
+    best.level = level + 0.5;
   }
+  // Of all levels as good one that keeps off the background, where specks begin.
+  if (best.level != field.level) {
+    double last = best.level;
+    while (last < 248.0 && explained_at(edges, last + 1.0) >= most) last += 1.0;
+    best.dark = !border_is_dark(best.smooth, 0.5 * (best.level + last));
+    best.level = std::floor(best.level + (best.dark ? 1.0 : 2.0) / 3.0 * (last - best.level)) + 0.5;
+  }
+  // A copied field shares its planes.
+  best.drawn = cv::Mat();
+  cv::threshold(best.smooth, best.drawn, std::floor(best.level), 255,
+                best.dark ? cv::THRESH_BINARY_INV : cv::THRESH_BINARY);
   if (best.level != field.level) {
     cv::Mat background;
     cv::bitwise_not(best.drawn, background);
