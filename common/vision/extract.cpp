@@ -164,13 +164,19 @@ tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
   };
   Separation other = judged(at_explaining_level(first.field));
   // Among texture some level always leaves a shape over.
-  constexpr std::size_t kFew = 8;
-  const bool texture = first.complaint && other.outlines.contours.size() > kFew;
+  constexpr std::ptrdiff_t kFew = 8;
+  const auto rivals =
+      std::count_if(other.outlines.contours.begin(), other.outlines.contours.end(),
+                    [&](const PixelContour& c) { return size_of(c) > 0.1 * other.outlines.size_px; });
+  const bool texture = first.complaint && rivals > kFew;
   const bool by_level = !texture && other.explained > kExplained && better(other);
   auto lines = lines_across_shadows(grey);
   const double clearest = by_level ? other.field.contrast : first.field.contrast;
   const bool by_lines = lines && lines->field.contrast > kFainter * clearest && better(*lines);
-  if (by_level && !(by_lines && lines->explained > other.explained - kAsGood)) return other;
+  // Lines that a shadow makes faint are whole only without it; where the two see opposite drawings, a level
+  // is not misled by lines as wide as the gaps between them.
+  const bool whole = by_lines && lines->field.dark == other.field.dark;
+  if (by_level && !(whole && lines->explained > other.explained - kAsGood)) return other;
   if (by_lines) return std::move(*lines);
   if (!first.complaint) return first;
   if (frames(first.field.drawn)) {
