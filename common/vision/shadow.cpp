@@ -116,8 +116,7 @@ cv::Mat without_shadows(const cv::Mat& grey, int small_side) {
   cv::resize(paper, paper, grey.size(), 0, 0, cv::INTER_LINEAR);
   cv::Mat out;
   if (dark) {
-    cv::subtract(paper, grey, out);
-    cv::subtract(cv::Scalar(230), out, out);
+    cv::divide(grey, paper, out, 230.0);  // ink takes its share of whatever light there is
   } else {
     cv::subtract(grey, paper, out);
     cv::add(out, cv::Scalar(25), out);
