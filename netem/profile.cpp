@@ -30,9 +30,7 @@ class Section {
       : file_(file), tables_(std::move(tables)) {}
 
   double number(const std::string& key, double fallback, Bounds bounds) const {
-    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
-      fallback = file_.number_or(*table + key, fallback, bounds);
-    }
+    for (const std::string& name : names(key)) fallback = file_.number_or(name, fallback, bounds);
     return fallback;
   }
   /// 0 stands for none, so that a stage can take away what was there before it.
@@ -44,36 +42,28 @@ class Section {
     return value;
   }
   std::int64_t integer(const std::string& key, std::int64_t fallback, Bounds bounds) const {
-    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
-      fallback = file_.integer_or(*table + key, fallback, bounds);
-    }
+    for (const std::string& name : names(key)) fallback = file_.integer_or(name, fallback, bounds);
     return fallback;
   }
   bool boolean(const std::string& key, bool fallback) const {
-    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
-      fallback = file_.boolean_or(*table + key, fallback);
-    }
+    for (const std::string& name : names(key)) fallback = file_.boolean_or(name, fallback);
     return fallback;
   }
   std::string text(const std::string& key, std::string fallback) const {
-    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
-      fallback = file_.text_or(*table + key, fallback);
-    }
+    for (const std::string& name : names(key)) fallback = file_.text_or(name, fallback);
     return fallback;
   }
   std::vector<double> numbers(const std::string& key, Bounds bounds) const {
     std::vector<double> values;
-    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
-      if (file_.has(*table + key)) values = file_.numbers(*table + key, 0, bounds);
+    for (const std::string& name : names(key)) {
+      if (file_.has(name)) values = file_.numbers(name, 0, bounds);
     }
     return values;
   }
   /// Index into `choices`, which stand in the enum's order.
   int choice(const std::string& key, int fallback, const std::vector<std::string>& choices) const {
     std::string value = choices[fallback];
-    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
-      value = file_.choice_or(*table + key, value, choices);
-    }
+    for (const std::string& name : names(key)) value = file_.choice_or(name, value, choices);
     for (std::size_t i = 0; i < choices.size(); ++i) {
       if (choices[i] == value) return static_cast<int>(i);
     }
@@ -99,6 +89,13 @@ class Section {
   }
 
  private:
+  /// The key in every table, the most general one first.
+  std::vector<std::string> names(const std::string& key) const {
+    std::vector<std::string> out;
+    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) out.push_back(*table + key);
+    return out;
+  }
+
   const ConfigFile& file_;
   std::vector<std::string> tables_;
 };
