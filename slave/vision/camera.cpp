@@ -128,7 +128,8 @@ class CaptureCamera : public Camera {
   bool open() {
     // A device that is not there yet is no news; what can be said is said once, in a sentence of ours.
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    return file_.empty() ? capture_.open(device_, cv::CAP_V4L2) : capture_.open(file_.string());
+    // Each by name: left to choose, OpenCV asks every photo camera on USB for a file that it cannot read.
+    return file_.empty() ? capture_.open(device_, cv::CAP_V4L2) : capture_.open(file_.string(), cv::CAP_FFMPEG);
   }
 
   void keep_pace() {
