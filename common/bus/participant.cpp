@@ -155,7 +155,7 @@ void Bus::Participant::set_profile(const netem::Profile& profile) {
   link_->set_profile(profile);
 }
 
-dds::Topic* Bus::Participant::topic(const char* name, dds::TypeSupport type) {
+dds::Topic* Bus::Participant::topic(const char* name, const dds::TypeSupport& type) {
   const std::lock_guard lock(topics_mutex_);
   if (auto* existing = participant_->lookup_topicdescription(name))
     return dynamic_cast<dds::Topic*>(existing);

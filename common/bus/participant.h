@@ -34,7 +34,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   void set_profile(const netem::Profile& profile);
 
   /// The topic of this name, created at first use; `type` is registered then.
-  eprosima::fastdds::dds::Topic* topic(const char* name, eprosima::fastdds::dds::TypeSupport type);
+  eprosima::fastdds::dds::Topic* topic(const char* name, const eprosima::fastdds::dds::TypeSupport& type);
   eprosima::fastdds::dds::Publisher* publisher() { return publisher_; }
   eprosima::fastdds::dds::Subscriber* subscriber() { return subscriber_; }
   bool is_own(const eprosima::fastrtps::rtps::GUID_t& writer) const {

@@ -31,7 +31,7 @@ double CircleOrLine::phi(const Vec2& x) const noexcept {
 }
 
 Vec2 CircleOrLine::gradient(const Vec2& x) const noexcept {
-  const Vec2 left(-direction.y(), direction.x());
+  Vec2 left(-direction.y(), direction.x());
   if (is_line) return left;
   const Vec2 d = x - centre_m;
   const double distance = d.norm();

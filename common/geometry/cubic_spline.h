@@ -36,7 +36,7 @@ class CubicSpline {
     Vector jerk = Vector::Zero();
   };
 
-  static tl::expected<CubicSpline, std::string> through(std::vector<double> times_s,
+  static tl::expected<CubicSpline, std::string> through(const std::vector<double>& times_s,
                                                         const std::vector<Vector>& values,
                                                         SplineEnds ends = SplineEnds::kNotAKnot) {
     Eigen::MatrixXd rows(values.size(), N);
@@ -45,7 +45,7 @@ class CubicSpline {
     const auto second = spline_second_derivatives(times_s, rows, ends);
     if (!second) return tl::unexpected(second.error());
     CubicSpline out;
-    out.times_s_ = std::move(times_s);
+    out.times_s_ = times_s;
     for (std::size_t i = 0; i + 1 < values.size(); ++i) {
       const double h = out.times_s_[i + 1] - out.times_s_[i];
       const Vector m0 = second->row(static_cast<Eigen::Index>(i)).transpose();

@@ -171,6 +171,7 @@ void set_end(const Field& field, std::vector<Vec2>& p, double width_px) {
 
 void bridge(std::vector<Vec2>& p, const std::vector<bool>& junction, bool closed) {
   const std::size_t n = p.size();
+  if (n == 0) return;
   std::vector<bool> good(n);
   for (std::size_t i = 0; i < n; ++i) good[i] = !junction[i];
   for (const auto& [first, last] : runs_of_bad(good, closed)) {

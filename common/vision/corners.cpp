@@ -29,6 +29,7 @@ class Sharpener {
       : p_(points), closed_(closed), rule_(rule), n_(static_cast<std::ptrdiff_t>(points.size())) {}
 
   std::vector<Corner> corners() const {
+    if (n_ == 0) return {};
     const auto k = static_cast<std::ptrdiff_t>(std::lround(rule_.rounded_px));
     std::vector<double> turns(p_.size(), 0.0);
     for (std::ptrdiff_t i = 0; i < n_; ++i) {

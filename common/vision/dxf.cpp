@@ -203,7 +203,7 @@ class Reader {
     const auto flush = [&] {
       if (!entity) return;
       if (entity->kind == "POLYLINE") {
-        polyline = std::move(entity);
+        polyline = std::exchange(entity, std::nullopt);
       } else if (entity->kind == "VERTEX" && polyline) {
         polyline->vertices.push_back({Vec2(entity->number[10], entity->number[20]), entity->number[42]});
       } else if (entity->kind == "SEQEND" && polyline) {

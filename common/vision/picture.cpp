@@ -137,7 +137,7 @@ cv::Mat colour_distance(const cv::Mat& bgr, const cv::Scalar& background) {
       const float b = in[x][0];
       const float g = in[x][1];
       const float r = in[x][2];
-      to[x] = static_cast<unsigned char>(std::sqrt((b * b + g * g + r * r) / 3.0F) + 0.5F);
+      to[x] = cv::saturate_cast<unsigned char>(std::sqrt((b * b + g * g + r * r) / 3.0F));
     }
   }
   return out;
@@ -273,7 +273,7 @@ bool light_of(const cv::Mat& grey, double noise, Light& light) {
   // A block's median, from a few of its pixels: the paper's, even where a good part of the block is drawn on.
   constexpr int kSide = 5;
   cv::Mat small(kBlocks, kBlocks, CV_8U);
-  std::array<unsigned char, kSide * kSide> sample{};
+  std::array<unsigned char, std::size_t{kSide} * kSide> sample{};
   for (int y = 0; y < kBlocks; ++y) {
     for (int x = 0; x < kBlocks; ++x) {
       for (int k = 0; k < kSide * kSide; ++k) {
