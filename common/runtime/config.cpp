@@ -149,7 +149,7 @@ std::string ConfigFile::choice_or(const std::string& key, const std::string& fal
                                   const std::vector<std::string>& choices) const {
   const std::string value = text_or(key, fallback);
   for (const auto& choice : choices) {
-    if (choice == value) return value;
+    if (choice == value) return choice;
   }
   refuse(key, fmt::format("must be one of {}", fmt::join(choices, ", ")));
 }

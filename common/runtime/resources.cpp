@@ -31,7 +31,7 @@ std::vector<std::string> shipped_names(const std::string& kind, const std::strin
 fs::path find_resource(const std::string& kind, const std::string& name, const std::string& extension) {
   std::error_code ignored;
   if (fs::is_regular_file(name, ignored)) return name;
-  const fs::path shipped = data_folder() / kind / (name + extension);
+  fs::path shipped = data_folder() / kind / (name + extension);
   if (name.find('/') == std::string::npos && fs::is_regular_file(shipped, ignored)) return shipped;
   throw Refusal(fmt::format("'{}' is neither a file nor one of the shipped {}: {}", name, kind,
                             fmt::join(shipped_names(kind, extension), ", ")));
