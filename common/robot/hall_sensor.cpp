@@ -174,6 +174,7 @@ HallAccuracy hall_accuracy(const Sensor& spec, double path_m, std::uint64_t seed
   constexpr int kSamples = 4000;
   HallSensor sensor(spec, seed);
   std::vector<HallCounts> sweep;
+  sweep.reserve(kSamples);
   for (int i = 0; i < kSamples; ++i) sweep.push_back(sensor.sample(2 * spec.pitch_m * i / kSamples));
   const auto calibration = calibrated ? calibrate_hall(sweep, spec.adc_bits) : std::nullopt;
   HallDecoder decoder(spec.pitch_m, spec.adc_bits, calibration.value_or(HallCalibration{}));

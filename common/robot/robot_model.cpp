@@ -93,7 +93,7 @@ Friction read_friction(const ConfigFile& file) {
 
 Workspace read_workspace(const ConfigFile& file, const DeltaKinematics& kinematics) {
   if (!file.has("workspace")) {
-    const Workspace computed = largest_cylinder(kinematics);
+    Workspace computed = largest_cylinder(kinematics);
     if (computed.radius_m <= 0)
       file.refuse("geometry", "leaves no workspace: the rods reach no common place");
     return computed;

@@ -35,6 +35,7 @@ HallCalibration calibration_of(HallSensor& sensor, const Sensor& spec) {
   if (!spec.calibrated) return {};
   constexpr int kSamples = 2000;
   std::vector<HallCounts> sweep;
+  sweep.reserve(kSamples);
   for (int i = 0; i < kSamples; ++i) sweep.push_back(sensor.sample(2 * spec.pitch_m * i / kSamples));
   return calibrate_hall(sweep, spec.adc_bits).value_or(HallCalibration{});
 }
@@ -68,7 +69,7 @@ SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed,
     HallSensor sensor(model_.sensor, random());
     HallDecoder decoder(model_.sensor.pitch_m, model_.sensor.adc_bits, calibration_of(sensor, model_.sensor));
     home(decoder, sensor, state_.joints_m[i]);
-    hall_.push_back({std::move(sensor), decoder});
+    hall_.push_back({sensor, decoder});
   }
 }
 
