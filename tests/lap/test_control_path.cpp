@@ -37,7 +37,9 @@ TEST(ControlPath, NeitherStationsStepAllocates) {
     if (state.state) states.push_back({*state.state, now_ns});
     in_steps += ::telekerf::testing::allocations() - before;
   }
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   EXPECT_GT(testing::allocations(), 0u) << "the counter counts";
+#endif
   EXPECT_EQ(in_steps, 0u);
 }
 
