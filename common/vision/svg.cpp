@@ -44,6 +44,19 @@ std::optional<double> length_of(const char* text) {
   return std::nullopt;
 }
 
+/// A length of the page itself; nothing where it is left to the viewer (no length, auto, a per cent), `complaint`
+/// where it is no length, since the drawing would then come out in some other size than meant.
+std::optional<double> page_length_of(const tinyxml2::XMLElement& root, const char* name, std::string& complaint) {
+  const char* text = root.Attribute(name);
+  if (text == nullptr || std::strcmp(text, "auto") == 0 || std::strchr(text, '%') != nullptr) return std::nullopt;
+  const auto length_m = length_of(text);
+  if (!length_m || !(*length_m > 0.0)) {
+    complaint = fmt::format("{} = \"{:.30}\" is no length above 0; write it like \"100.5mm\"", name, text);
+    return std::nullopt;
+  }
+  return length_m;
+}
+
 struct ViewBox {
   Vec2 corner = Vec2::Zero();
   Vec2 size = Vec2::Zero();
@@ -542,11 +555,11 @@ tl::expected<VectorDrawing, std::string> read_svg(std::string_view text, const V
         "a transform of the whole <svg> is not read; put it on a group within");
   }
   VectorDrawing out;
-  const auto width = length_of(root->Attribute("width"));
-  const auto height = length_of(root->Attribute("height"));
   Affine view = Affine::Identity();
   double metres = kPixel;
   std::string complaint;
+  const auto width = page_length_of(*root, "width", complaint);
+  const auto height = page_length_of(*root, "height", complaint);
   const auto box = view_box_of(*root, complaint);
   if (!complaint.empty()) return tl::unexpected(complaint);
   if (box) {

@@ -198,6 +198,12 @@ TEST(Svg, DamageIsAnErrorThatSaysWhere) {
             std::string::npos);
   EXPECT_NE(error("<svg><polyline points='1 2 3'/></svg>").find("odd"), std::string::npos);
   EXPECT_NE(error("<svg viewBox='0 0 0 0'><line x2='1'/></svg>").find("viewBox"), std::string::npos);
+  for (const std::string width : {"10,5mm", "-5mm", "0", "3 apples", "nan"}) {
+    const std::string svg = "<svg width='" + width + "' viewBox='0 0 9 9'><line x2='1'/></svg>";
+    EXPECT_NE(error(svg).find(width), std::string::npos) << svg;
+  }
+  for (const std::string width : {"100%", "auto", "10.5mm", " 7 "})
+    EXPECT_EQ(error("<svg width='" + width + "' viewBox='0 0 9 9'><line x2='1'/></svg>"), "no error") << width;
   std::string deep = "<svg>";
   for (int i = 0; i < 300; ++i) deep += "<g>";
   EXPECT_NE(error(deep).find("no error"), 0u);
