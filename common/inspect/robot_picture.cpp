@@ -160,6 +160,9 @@ void draw_workspace(const robot::RobotModel& robot, const std::filesystem::path&
          0.45);
     x += 70;
   }
+  if (!cv::haveImageWriter(file.string())) {
+    throw Refusal("--picture " + file.string() + ": no picture has such an extension; use .png");
+  }
   if (!cv::imwrite(file.string(), picture)) throw Refusal("cannot write the picture " + file.string());
 }
 

@@ -91,11 +91,15 @@ Friction read_friction(const ConfigFile& file) {
   return f;
 }
 
-Workspace read_workspace(const ConfigFile& file, const DeltaKinematics& kinematics) {
+Workspace read_workspace(const ConfigFile& file, const DeltaKinematics& kinematics, bool needed) {
   if (!file.has("workspace")) {
+    if (!needed) return {};
     Workspace computed = largest_cylinder(kinematics);
-    if (computed.radius_m <= 0)
-      file.refuse("geometry", "leaves no workspace: the rods reach no common place");
+    if (computed.radius_m <= 0) {
+      file.refuse("geometry",
+                  "leaves no workspace: the rods reach no common place within the stroke; look at rod_length_m and "
+                  "stroke_m, and whether working_mode fits assembly_mode");
+    }
     return computed;
   }
   Workspace w;
@@ -103,12 +107,12 @@ Workspace read_workspace(const ConfigFile& file, const DeltaKinematics& kinemati
   w.centre_m = Vec3(centre[0], centre[1], centre[2]);
   w.radius_m = file.number("workspace.radius_m", {.min = 1e-4, .max = 10});
   w.height_m = file.number("workspace.height_m", {.min = 0, .max = 10});
-  if (!(worst_condition(kinematics, w) < 1e6))
+  if (needed && !(worst_condition(kinematics, w) < 1e6))
     file.refuse("workspace.radius_m", "the robot cannot reach all of it");
   return w;
 }
 
-RobotModel read(const ConfigFile& file, const std::string& name) {
+RobotModel read(const ConfigFile& file, const std::string& name, bool with_workspace = true) {
   RobotModel robot;
   robot.name = file.text_or("name", name);
   robot.geometry = read_geometry(file);
@@ -124,16 +128,16 @@ RobotModel read(const ConfigFile& file, const std::string& name) {
     const auto gravity = file.numbers("mounting.gravity_m_per_s2", 3, {.min = -20, .max = 20});
     robot.gravity_m_per_s2 = Vec3(gravity[0], gravity[1], gravity[2]);
   }
-  robot.workspace = read_workspace(file, DeltaKinematics(robot.geometry));
+  robot.workspace = read_workspace(file, DeltaKinematics(robot.geometry), with_workspace);
   file.refuse_unknown();
   return robot;
 }
 
 }  // namespace
 
-RobotModel load_robot(const std::string& name_or_path) {
+RobotModel load_robot(const std::string& name_or_path, bool with_workspace) {
   const auto path = find_resource("robots", name_or_path, ".toml");
-  return read(ConfigFile(path), path.stem().string());
+  return read(ConfigFile(path), path.stem().string(), with_workspace);
 }
 
 RobotModel parse_robot(const std::string& toml, const std::string& name) {
