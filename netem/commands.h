@@ -21,26 +21,6 @@ inline void add_direction(CLI::App& command, Direction& direction) {
   command.add_option_function<std::string>("--direction", read, "forward (operator to slave, default) or backward");
 }
 
-/// Refuses what is not a number as well, which CLI::Range lets pass.
-inline CLI::Validator within(double low, double high) {
-  return CLI::Validator(
-      [low, high](const std::string& text) {
-        double value = 0.0;
-        const bool good = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
-        return good ? std::string() : fmt::format("{} does not lie within [{:g}, {:g}]", text, low, high);
-      },
-      "NUMBER");
-}
-/// Whole numbers; CLI11 alone would take -1 for the largest of them.
-inline CLI::Validator whole_number() {
-  return CLI::Validator(
-      [](const std::string& text) {
-        const bool good = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
-        return good ? std::string() : fmt::format("'{}' is no whole number of 0 or more", text);
-      },
-      "NUMBER");
-}
-
 void add_link_command(CLI::App& app, Action& action);
 void add_tc_command(CLI::App& app, Action& action);
 void add_verify_command(CLI::App& app, Action& action);

@@ -2,6 +2,7 @@
 // telekerf-netem switch PROFILE: the processes of a running cell put another emulated network in place.
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 
 #include "common/bus/bus_flags.h"
@@ -21,6 +22,9 @@ struct Options {
 int run(Options& options) {
   options.settings.fill();
   (void)load_profile(options.profile);  // refused here rather than by everyone in the cell
+  // The others stand in other folders.
+  if (std::filesystem::is_regular_file(options.profile))
+    options.profile = std::filesystem::absolute(options.profile).string();
   Bus bus(options.bus.bus_settings(Site::kOperator, "netem-switch"));
   EventMessage event;
   event.kind = EventMessage::Kind::kSetNetem;

@@ -28,6 +28,13 @@ bool parse_row(std::string_view row, std::int64_t (&fields)[kFields]) {
   return true;
 }
 
+/// A line without its end, be it that of Unix or of Windows.
+bool next_line(std::istream& in, std::string& line) {
+  if (!std::getline(in, line)) return false;
+  if (line.ends_with('\r')) line.pop_back();
+  return true;
+}
+
 bool is_flag(std::int64_t field) { return field == 0 || field == 1; }
 
 }  // namespace
@@ -36,11 +43,11 @@ Recording load_recording(const std::string& file) {
   std::ifstream in(file);
   if (!in) throw Refusal(fmt::format("cannot open the trace '{}'", file));
   std::string line;
-  if (!std::getline(in, line) || line != kTraceHeader) {
+  if (!next_line(in, line) || line != kTraceHeader) {
     throw Refusal(fmt::format("{}: line 1 must be '{}'", file, kTraceHeader));
   }
   Recording recording;
-  for (int number = 2; std::getline(in, line); ++number) {
+  for (int number = 2; next_line(in, line); ++number) {
     const auto refuse = [&](const char* complaint) {
       throw Refusal(fmt::format("{}: line {} ('{}'): {}", file, number, line.substr(0, 80), complaint));
     };

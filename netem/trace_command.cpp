@@ -88,7 +88,7 @@ void add_trace_command(CLI::App& app, Action& action) {
       ->check(whole_number())
       ->capture_default_str();
   command->add_option("--bytes", options->bytes, "size of a packet, for rates and slots")
-      ->check(CLI::Range(1, 65535))
+      ->check(within(1, 65535))
       ->capture_default_str();
   add_direction(*command, options->direction);
   command->callback([options, &action] { action = [options] { return print_trace(*options); }; });

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/results.h"
 #include "netem/commands.h"
 #include "netem/verify.h"
 
@@ -62,7 +63,7 @@ int run(const Options& options) {
                        {"good", good},
                        {"reports", nlohmann::json::array()}};
     for (const auto& report : reports) out["reports"].push_back(to_json(report));
-    fmt::print("{}\n", out.dump(2));
+    fmt::print("{}\n", json_text(out));
   } else {
     for (const auto& report : reports) print_table(report);
     fmt::print("{}: {} over {} packets each way, seed {}\n", profile.name,

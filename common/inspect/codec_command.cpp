@@ -8,6 +8,7 @@
 #include "common/codec/measure.h"
 #include "common/inspect/commands.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 
 namespace telekerf::inspect {
 namespace {
@@ -64,7 +65,7 @@ int run(const Options& options) {
   report["refused_blocks"] = figures.refused_blocks;
   report["encode_ns"] = figures.encode_ns;
   report["decode_ns"] = figures.decode_ns;
-  fmt::print("{}\n", report.dump(2));
+  fmt::print("{}\n", json_text(report));
   return 0;
 }
 
@@ -97,7 +98,7 @@ void add_codec_command(CLI::App& app, Action& action) {
   command->add_option("--loss", options->link.loss, "share of packets lost")->capture_default_str();
   command->add_option("--burst", options->link.burst, "mean length of a burst of losses, packets")
       ->capture_default_str();
-  command->add_option("--seed", options->link.seed, "of the losses")->capture_default_str();
+  command->add_option("--seed", options->link.seed, "of the losses")->check(whole_number())->capture_default_str();
   command->add_option("--decoded", options->decoded, "CSV file for what the receiver has in the end");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +13,7 @@
 #include "common/inspect/commands.h"
 #include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/results.h"
 #include "common/vision/export.h"
 
 namespace telekerf::inspect {
@@ -48,13 +48,6 @@ std::size_t harmonics_of(const std::string& text) {
     throw Refusal(fmt::format("--harmonics {}: must be auto or a whole number within [1, 4096]", text));
   }
   return static_cast<std::size_t>(value);
-}
-
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.flush();
-  if (!stream) throw Refusal(fmt::format("{}: cannot be written", file.string()));
 }
 
 vision::LoadRequest request_of(const Options& o) {
@@ -117,16 +110,15 @@ int inspect(const Options& o) {
   json["travel_m"] = gcode.travel_m;
 
   const std::filesystem::path out(o.out);
-  std::error_code error;
-  std::filesystem::create_directories(out, error);
-  write(out / "contour.csv", vision::to_csv(line));
-  write(out / "contour.svg", vision::to_svg(loaded->contours));
-  write(out / "contour.ngc", gcode.text);
+  make_out_folder(out);
+  write_whole(out / "contour.csv", vision::to_csv(line));
+  write_whole(out / "contour.svg", vision::to_svg(loaded->contours));
+  write_whole(out / "contour.ngc", gcode.text);
   const cv::Mat overlay = vision::overlay_of(*loaded);
   if (overlay.empty() || !cv::imwrite((out / "overlay.png").string(), overlay)) {
     throw Refusal(fmt::format("{}: cannot be written", (out / "overlay.png").string()));
   }
-  std::cout << json.dump(2) << '\n';
+  std::cout << json_text(json) << '\n';
   return 0;
 }
 
@@ -141,16 +133,24 @@ void add_contour_command(CLI::App& app, Action& action) {
   sub->add_option("--mode", o->mode, "how pixels become points")
       ->check(CLI::IsMember({"auto", "thesis", "outline", "stroke"}))
       ->capture_default_str();
-  sub->add_option("--start", o->start, "where the path starts, pixels X,Y")->delimiter(',')->expected(2);
-  sub->add_option("--end", o->end, "where an open path ends, pixels X,Y")->delimiter(',')->expected(2);
-  auto* width = sub->add_option("--width-mm", o->width_mm, "true width of the whole picture")
-                    ->check(CLI::PositiveNumber);
+  const CLI::Validator pixels = within(-1e6, 1e6);
+  sub->add_option("--start", o->start, "where the path starts, pixels X,Y")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(pixels);
+  sub->add_option("--end", o->end, "where an open path ends, pixels X,Y")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(pixels);
+  const CLI::Validator length_mm = within(1e-3, 1e6);
+  auto* width =
+      sub->add_option("--width-mm", o->width_mm, "true width of the whole picture")->check(length_mm);
   sub->add_option("--height-mm", o->height_mm, "and its true height, where pixels are not square")
-      ->check(CLI::PositiveNumber)
+      ->check(length_mm)
       ->needs(width);
   sub->add_option("--workspace-mm", o->workspace_mm,
                   "without --width-mm the contour fills 60 % of this radius")
-      ->check(CLI::PositiveNumber)
+      ->check(length_mm)
       ->capture_default_str();
   sub->add_option("--anchor", o->anchor, "what lies on the workpiece's origin")
       ->check(CLI::IsMember({"box", "first", "image"}))
@@ -159,9 +159,11 @@ void add_contour_command(CLI::App& app, Action& action) {
                   "elliptic Fourier descriptors of a closed contour: a number or auto")
       ->capture_default_str();
   sub->add_option("--tolerance-mm", o->tolerance_mm, "largest deviation that auto allows")
-      ->check(CLI::PositiveNumber)
+      ->check(within(1e-6, 1e3))
       ->capture_default_str();
-  sub->add_option("--select", o->select, "which contour, 0 is the largest")->capture_default_str();
+  sub->add_option("--select", o->select, "which contour, 0 is the largest")
+      ->check(whole_number())
+      ->capture_default_str();
   sub->add_option("--out", o->out, "folder for contour.csv, contour.svg, contour.ngc and overlay.png")
       ->required();
   sub->callback([o, &action] { action = [o] { return inspect(*o); }; });

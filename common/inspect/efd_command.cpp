@@ -2,6 +2,8 @@
 // telekerf-inspect efd: elliptic Fourier descriptors of a closed polygon, in the file's own units.
 #include <fmt/format.h>
 
+#include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -11,6 +13,7 @@
 #include "common/geometry/elliptic_fourier.h"
 #include "common/inspect/commands.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "common/vision/export.h"
 
 namespace telekerf::inspect {
@@ -18,8 +21,8 @@ namespace {
 
 int inspect(const std::string& path, std::size_t harmonics) {
   std::ifstream file(path, std::ios::binary);
+  if (!file || !std::filesystem::is_regular_file(path)) throw Refusal(fmt::format("{}: cannot be read", path));
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file.good() && !file.eof()) throw Refusal(fmt::format("{}: cannot be read", path));
   const auto points = vision::points_from_csv(text);
   if (!points) throw Refusal(fmt::format("{}: {}", path, points.error()));
   const geometry::Polyline polygon{*points, true};
@@ -31,7 +34,11 @@ int inspect(const std::string& path, std::size_t harmonics) {
   json["coefficients"] = nlohmann::json::array();
   for (const auto& h : fit->harmonics) json["coefficients"].push_back({h.a, h.b, h.c, h.d});
   json["max_deviation"] = geometry::largest_deviation_m(*fit, polygon);
-  std::cout << json.dump() << '\n';
+  for (const auto& h : fit->harmonics) {
+    if (!std::isfinite(h.a + h.b + h.c + h.d))
+      throw Refusal(fmt::format("{}: its numbers are too large to calculate with", path));
+  }
+  std::cout << json_text(json) << '\n';
   return 0;
 }
 
@@ -42,7 +49,7 @@ void add_efd_command(CLI::App& app, Action& action) {
   auto harmonics = std::make_shared<std::size_t>(20);
   auto* sub = app.add_subcommand("efd", "Prints the elliptic Fourier descriptors of a closed polygon");
   sub->add_option("POINTS", *path, "CSV file with x,y a line")->required();
-  sub->add_option("--harmonics", *harmonics, "how many")->check(CLI::Range(1, 4096))->capture_default_str();
+  sub->add_option("--harmonics", *harmonics, "how many")->check(within(1, 4096))->capture_default_str();
   sub->callback(
       [path, harmonics, &action] { action = [path, harmonics] { return inspect(*path, *harmonics); }; });
 }

@@ -10,6 +10,7 @@
 #include "common/robot/hall_sensor.h"
 #include "common/robot/robot_model.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 
 namespace telekerf::inspect {
 namespace {
@@ -81,7 +82,7 @@ Json hall(const robot::RobotModel& model) {
 }
 
 int run(const Options& options) {
-  const robot::RobotModel model = robot::load_robot(options.robot);
+  const robot::RobotModel model = robot::load_robot(options.robot, options.workspace);
   const robot::DeltaKinematics kinematics(model.geometry);
   Json out;
   if (!options.ik.empty()) {
@@ -103,7 +104,7 @@ int run(const Options& options) {
       out["picture"] = options.picture;
     }
   }
-  std::printf("%s\n", out.dump(2).c_str());
+  std::printf("%s\n", json_text(out).c_str());
   return 0;
 }
 

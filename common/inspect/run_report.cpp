@@ -13,6 +13,7 @@
 
 #include "common/geometry/nearest.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "common/runtime/spread.h"
 #include "common/runtime/version.h"
 #include "slave/laser/mark_picture.h"
@@ -304,9 +305,7 @@ void write_report(const std::filesystem::path& folder, const RunRecord& record) 
   if (!cv::imwrite((folder / "cut.png").string(), draw_cut(record))) {
     throw Refusal(fmt::format("{}: cannot be written", (folder / "cut.png").string()));
   }
-  std::ofstream out(folder / "report.json");
-  out << report.dump(2) << "\n";
-  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", (folder / "report.json").string()));
+  write_json(folder / "report.json", report);
 }
 
 }  // namespace telekerf::inspect

@@ -15,7 +15,11 @@ namespace telekerf {
 namespace {
 
 std::string shown(const toml::node& node) {
-  if (node.is_table()) return "a table";
+  if (const auto* array = node.as_array()) {
+    std::vector<std::string> elements;
+    for (const auto& element : *array) elements.push_back(element.is_table() ? "{..}" : shown(element));
+    return fmt::format("[{}]", fmt::join(elements, ", "));
+  }
   if (const auto* number = node.as_floating_point()) return fmt::format("{:#}", number->get());
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
@@ -68,6 +72,7 @@ ConfigFile::ConfigFile(const std::filesystem::path& file)
   try {
     document_->root = toml::parse_file(name_);
   } catch (const toml::parse_error& error) {
+    if (error.source().begin.line == 0) throw Refusal(fmt::format("{}: cannot be read; is the name right?", name_));
     throw Refusal(fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
   }
 }
@@ -87,7 +92,7 @@ ConfigFile& ConfigFile::operator=(ConfigFile&&) noexcept = default;
 
 void ConfigFile::refuse(const std::string& key, const std::string& complaint) const {
   const toml::node* node = document_->find(key);
-  if (node == nullptr) throw Refusal(fmt::format("{}: {}: {}", name_, key, complaint));
+  if (node == nullptr || node->is_table()) throw Refusal(fmt::format("{}: {}: {}", name_, key, complaint));
   throw Refusal(fmt::format("{}: {} = {}: {}", name_, key, shown(*node), complaint));
 }
 
@@ -147,7 +152,8 @@ std::string ConfigFile::text_or(const std::string& key, const std::string& fallb
 
 std::string ConfigFile::choice_or(const std::string& key, const std::string& fallback,
                                   const std::vector<std::string>& choices) const {
-  const std::string value = text_or(key, fallback);
+  if (document_->find(key) == nullptr) return fallback;
+  const std::string value = text(key);
   for (const auto& choice : choices) {
     if (choice == value) return choice;
   }

@@ -14,4 +14,9 @@ using Action = std::function<int()>;
 /// Exit codes: `contract.md`; usage errors are 2 as well.
 int run_program(CLI::App& app, int argc, char** argv, Action& action);
 
+/// Bounds of an option, inclusive; refuses what is not a number as well, which CLI::Range lets pass.
+CLI::Validator within(double low, double high);
+/// Whole numbers; CLI11 alone would take -1 for the largest of them.
+CLI::Validator whole_number();
+
 }  // namespace telekerf

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 
 namespace telekerf {
 namespace fs = std::filesystem;
@@ -23,21 +24,6 @@ constexpr const char* kSlaveColumns =
     "tick,t_s,applied_tick,ref_x_m,ref_y_m,ref_z_m,tool_x_m,tool_y_m,tool_z_m,laser_w,interlock,settled,"
     "force_x_n,force_y_n,force_z_n";
 constexpr const char* kContourColumns = "x_m,y_m";
-
-/// Written beside and renamed, so that nothing half-written is ever found under the final name.
-void write_whole(const fs::path& path, const std::string& text) {
-  std::error_code failed;
-  fs::create_directories(path.parent_path(), failed);
-  const fs::path draft = path.string() + ".part";
-  {
-    std::ofstream out(draft, std::ios::binary);
-    out << text;
-    if (!out.flush())
-      throw Refusal(fmt::format("{}: cannot be written; is the folder writable?", path.string()));
-  }
-  fs::rename(draft, path, failed);
-  if (failed) throw Refusal(fmt::format("{}: {}", path.string(), failed.message()));
-}
 
 std::vector<std::vector<double>> read_table(const fs::path& path, std::string_view columns) {
   std::ifstream in(path);
@@ -126,7 +112,7 @@ void write_contour(const fs::path& folder, const RunRecord& record) {
   std::string text = std::string(kContourColumns) + "\n";
   for (const auto& point : record.contour_m) append(text, {point[0], point[1]});
   write_whole(folder / "contour.csv", text);
-  write_whole(folder / "contour.json", nlohmann::json{{"closed", record.contour_closed}}.dump(2) + "\n");
+  write_json(folder / "contour.json", nlohmann::json{{"closed", record.contour_closed}});
 }
 
 void write_master(const fs::path& folder, const RunRecord& record) {
@@ -155,11 +141,9 @@ void write_master(const fs::path& folder, const RunRecord& record) {
                   r.beta});
   }
   write_whole(folder / "master.csv", text);
-  write_whole(folder / "master.json", nlohmann::json{{"figures", as_json(record.master_figures)},
-                                                     {"drive", words_of(record.master_drive)},
-                                                     {"words", record.words}}
-                                              .dump(2) +
-                                          "\n");
+  write_json(folder / "master.json", nlohmann::json{{"figures", as_json(record.master_figures)},
+                                                    {"drive", words_of(record.master_drive)},
+                                                    {"words", record.words}});
 }
 
 void write_slave(const fs::path& folder, const RunRecord& record) {
@@ -170,10 +154,8 @@ void write_slave(const fs::path& folder, const RunRecord& record) {
                   r.force_n[0], r.force_n[1], r.force_n[2]});
   }
   write_whole(folder / "slave.csv", text);
-  write_whole(folder / "slave.json", nlohmann::json{{"figures", as_json(record.slave_figures)},
-                                                    {"drive", words_of(record.slave_drive)}}
-                                             .dump(2) +
-                                         "\n");
+  write_json(folder / "slave.json", nlohmann::json{{"figures", as_json(record.slave_figures)},
+                                                   {"drive", words_of(record.slave_drive)}});
 }
 
 RunRecord read_run(const fs::path& folder) {

@@ -102,7 +102,8 @@ void Settings::attach(CLI::App& app) {
       app.add_flag_callback(
           flag_of(entry.name), [&entry] { entry.given = "true"; }, entry.help);
     } else {
-      app.add_option(flag_of(entry.name), entry.given, entry.help);
+      app.add_option_function<std::string>(
+          flag_of(entry.name), [&entry](const std::string& text) { entry.given = text; }, entry.help);
     }
   }
 }
@@ -115,15 +116,15 @@ void Settings::apply(const ConfigFile& file) {
 void Settings::fill() {
   if (!config_.empty()) apply(ConfigFile(std::filesystem::path(config_)));
   for (const auto& entry : entries_) {
-    if (entry.given.empty()) continue;
-    const std::string text = entry.quoted ? quoted_toml(entry.given) : entry.given;
+    if (!entry.given) continue;
+    const std::string text = entry.quoted ? quoted_toml(*entry.given) : *entry.given;
     try {
       apply(ConfigFile(fmt::format("{} = {}\n", entry.name, text), "command line"));
     } catch (const Refusal& refusal) {
       const std::string what = refusal.what();
       if (what.find(entry.name) != std::string::npos) throw;
       throw Refusal(
-          fmt::format("command line: {} {}: not a value of its kind", flag_of(entry.name), entry.given));
+          fmt::format("command line: {} {}: not a value of its kind", flag_of(entry.name), *entry.given));
     }
   }
 }

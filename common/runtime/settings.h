@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ class Settings {
     std::function<void(const ConfigFile&)> read;
     bool is_flag = false;
     bool quoted = false;
-    std::string given;  ///< the command line's text
+    std::optional<std::string> given;  ///< the command line's text
   };
   void apply(const ConfigFile& file);
 

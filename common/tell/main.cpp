@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
   for (const Word& word : kWords)
     app.add_subcommand(word.name, word.help)->callback([&say, &word] { say(word.kind); });
   auto* beta = app.add_subcommand("beta", "Slave motion = beta x master motion from now on");
-  beta->add_option("value", options.event.value, "0.01 to 10")->required()->check(CLI::Range(0.01, 10.0));
+  beta->add_option("value", options.event.value, "0.01 to 10")->required()->check(within(0.01, 10.0));
   beta->callback([&] { say(Kind::kSetBeta); });
   return run_program(app, argc, argv, action);
 }

@@ -16,6 +16,7 @@
 #include "common/bus/endpoints.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "slave/automatic/machinist.h"
 #include "slave/automatic/pass.h"
 #include "slave/laser/material.h"
@@ -121,12 +122,6 @@ void write_trace(const std::filesystem::path& file, const Job& job, const std::v
   if (!trace.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
 }
 
-void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
-  std::ofstream stream(file);
-  stream << json.dump(2) << "\n";
-  if (!stream.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
-}
-
 /// result.json holds nothing of the wall clock; that stands in timing.json.
 void report(const std::filesystem::path& folder, const Job& job, const std::vector<Row>& rows,
             const AutomaticSettings& settings, const DriveRecord& drive, int limit_violations, bool finished,
@@ -145,7 +140,7 @@ void report(const std::filesystem::path& folder, const Job& job, const std::vect
   write_trace(folder / "trace.csv", job, rows);
   write_json(folder / "result.json", result);
   write_json(folder / "timing.json", timing);
-  fmt::print("{}\n", result.dump(2));
+  fmt::print("{}\n", json_text(result));
 }
 
 }  // namespace

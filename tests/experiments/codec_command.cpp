@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/bus/wire_cost.h"
 #include "common/codec/measure.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "tests/experiments/codec_bound.h"
 #include "tests/experiments/codec_recordings.h"
 #include "tests/experiments/codec_traces.h"
@@ -247,9 +247,6 @@ Json wire_row(const SeededTrace& seeded, const char* name, int block, int redund
 }
 
 int run(const Options& options) {
-  std::error_code failed;
-  std::filesystem::create_directories(options.out, failed);
-  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
   auto traces = seeded_traces(options.seconds, options.rate_hz, options.seed);
   const auto seeded = traces.size();
   for (auto& recorded : recorded_traces(options.seconds, options.seed)) traces.push_back(std::move(recorded));
@@ -258,6 +255,7 @@ int run(const Options& options) {
     const double fine = noise_of(trace);
     traces.push_back({std::move(trace), "its unit", fine, false});
   }
+  make_out_folder(options.out);
   Json results;
   for (const int block : {16, 32}) {
     Figure figure{
@@ -285,10 +283,7 @@ int run(const Options& options) {
       }
     }
   }
-  const auto file = std::filesystem::path(options.out) / "codec.json";
-  std::ofstream out(file);
-  out << results.dump(2) << '\n';
-  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
+  write_json(std::filesystem::path(options.out) / "codec.json", results);
   for (const auto& row : results["rate_distortion"]) {
     fmt::print(
         "{:<13} N {:<3} rmse {:<9.2g} SDCT {:<7} truncated {:<7} DPCM {:<7} dead-band {:<8} held {:<7} limit "
@@ -310,12 +305,14 @@ void add_codec_command(CLI::App& app, Action& action) {
   command->add_option("--out", options->out, "folder for the results")->capture_default_str();
   command->add_option("--trace", options->traces, "CSV recordings to hold the codecs against as well");
   command->add_option("--rate-hz", options->rate_hz, "samples a second")
-      ->check(CLI::Range(100.0, 1e5))
+      ->check(within(100.0, 1e5))
       ->capture_default_str();
   command->add_option("--seconds", options->seconds, "length of the made-up traces")
-      ->check(CLI::Range(5.0, 600.0))
+      ->check(within(5.0, 600.0))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the made-up traces and losses")->capture_default_str();
+  command->add_option("--seed", options->seed, "of the made-up traces and losses")
+      ->check(whole_number())
+      ->capture_default_str();
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

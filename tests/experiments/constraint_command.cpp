@@ -6,11 +6,11 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "tests/experiments/commands.h"
 #include "tests/experiments/constraint_bars.h"
 #include "tests/experiments/plot.h"
@@ -142,9 +142,7 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
 }
 
 int run(const Options& options) {
-  std::error_code failed;
-  std::filesystem::create_directories(options.out, failed);
-  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
+  make_out_folder(options.out);
   const std::vector<ContourMessage> all = contours();
   nlohmann::ordered_json results{{"experiment", "constraint"}, {"seed", options.seed}};
   std::vector<Bar> bars;
@@ -212,10 +210,8 @@ int run(const Options& options) {
         {{"contour", row["contour"]}, {"curve", row["curve"]}, {"k", row["k"]}, {"cost_ns", row["cost_ns"]}});
     row.erase("cost_ns");
   }
-  std::ofstream(std::filesystem::path(options.out) / "timing.json") << timing.dump(2) << "\n";
-  std::ofstream out(std::filesystem::path(options.out) / "constraint.json");
-  out << results.dump(2) << "\n";
-  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", options.out));
+  write_json(std::filesystem::path(options.out) / "timing.json", timing);
+  write_json(std::filesystem::path(options.out) / "constraint.json", results);
   return good ? 0 : 1;
 }
 
@@ -225,9 +221,9 @@ void add_constraint_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
       "constraint", "The virtual constraint against its bars, and over k: constraint.json, constraint.png");
-  command->add_option("--seed", options->seed, "of robot and hand")->capture_default_str();
+  command->add_option("--seed", options->seed, "of robot and hand")->check(whole_number())->capture_default_str();
   command->add_option("--duration-s", options->duration_s, "length of one run")
-      ->check(CLI::Range(5.0, 100.0))
+      ->check(within(5.0, 100.0))
       ->capture_default_str();
   command->add_option("--out", options->out, "folder for the results")->capture_default_str();
   command->callback([options, &action] { action = [options] { return run(*options); }; });

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
@@ -14,6 +13,7 @@
 #include <random>
 
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/settings.h"
 #include "common/vision/load.h"
@@ -108,14 +108,16 @@ Source contour_of(const std::string& image, const Options& options, const robot:
   vision::LoadRequest request;
   request.scale.workspace_radius_m = model.workspace.radius_m;
   if (options.width_mm > 0.0) request.scale.picture_width_m = options.width_mm * 1e-3;
-  const bool drawn = image.rfind("outline-", 0) == 0;
+  constexpr std::string_view kDrawn = "outline-";
+  const bool drawn = image.starts_with(kDrawn) && image.size() > kDrawn.size() && image.size() < 25 &&
+                     image.find_first_not_of("0123456789", kDrawn.size()) == image.npos;
   const std::string file = drawn ? image : find_resource("pictures", image, ".png").string();
   const auto load = [&] {
-    return drawn ? vision::contours_of(irregular_outline(std::stoull(image.substr(8))), request)
+    return drawn ? vision::contours_of(irregular_outline(std::stoull(image.substr(kDrawn.size()))), request)
                  : vision::load_contours(file, request);
   };
   const auto found = load();
-  if (!found) throw Refusal(fmt::format("{}: {}", file, found.error()));
+  if (!found) throw Refusal(drawn ? fmt::format("{}: {}", file, found.error()) : found.error());
   const auto wanted = [&](const vision::Loaded& loaded) {
     return std::find_if(loaded.contours.begin(), loaded.contours.end(),
                         [&](const geometry::Polyline& c) { return c.closed == closed; });
@@ -253,10 +255,10 @@ ordered_json one_picture(const std::string& image, const Options& options,
   const geometry::Polyline& contour = source.contour;
   const auto plan = slave::make_plan(contour, settings.plan);
   if (!plan) throw Refusal(fmt::format("{}: {}", image, plan.error()));
-  std::filesystem::create_directories(out);
   const ContourRun run = run_contour(*plan, contour, settings);
+  make_out_folder(out);
   ordered_json result{{"experiment", experiment.name},
-                      {"image", image},
+                      {"image", std::filesystem::path(image).filename().string()},
                       {"length_mm", plan->path.length_m() * 1e3},
                       {"closed", contour.closed},
                       {"controller", options.controller},
@@ -319,18 +321,9 @@ ordered_json one_picture(const std::string& image, const Options& options,
   return result;
 }
 
-void write_json(const std::filesystem::path& file, const ordered_json& json) {
-  std::ofstream stream(file);
-  stream << json.dump(2) << "\n";
-  if (!stream.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
-}
-
 int run(Options& options, const ContourExperiment& experiment) {
   options.settings.fill();
   const std::filesystem::path out = options.out;
-  std::error_code failed;
-  std::filesystem::create_directories(out, failed);
-  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
   ordered_json result;
   if (!options.image.empty()) {
     result = one_picture(options.image, options, experiment, out);
@@ -347,7 +340,7 @@ int run(Options& options, const ContourExperiment& experiment) {
     result["pictures"] = all;
   }
   write_json(out / "result.json", result);
-  fmt::print("{}\n", result.dump(2));
+  fmt::print("{}\n", json_text(result));
   return 0;
 }
 

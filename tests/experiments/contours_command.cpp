@@ -17,6 +17,7 @@
 #include "common/robot/delta_kinematics.h"
 #include "common/robot/robot_model.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "common/runtime/resources.h"
 #include "common/vision/load.h"
 #include "common/vision/modes.h"
@@ -340,9 +341,8 @@ void add_contours_command(CLI::App& app, Action& action) {
   sub->add_option("--out", *out, "folder for the figures")->required();
   sub->callback([out, &action] {
     action = [out] {
-      std::error_code error;
-      std::filesystem::create_directories(*out, error);
-      std::cout << Drawer(*out).draw().dump(2) << '\n';
+      make_out_folder(*out);
+      std::cout << json_text(Drawer(*out).draw()) << '\n';
       return 0;
     };
   });

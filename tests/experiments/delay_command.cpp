@@ -7,12 +7,12 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "tests/experiments/commands.h"
 #include "tests/experiments/delay_ideal.h"
@@ -138,11 +138,12 @@ Run one_run(const Options& options) {
       throw Refusal(
           "--netem says everything about the network: give either it or --rtt-ms, --jitter-ms, --loss");
     }
-    run.profile = options.netem;
+    run.profile = std::filesystem::path(options.netem).stem().string();
     run.trial.network = netem::load_profile(options.netem);
   }
   run.trial.block = options.block;
   run.trial.redundancy = options.redundancy;
+  (void)master_settings(run.trial);  // refused here, before any thread runs
   run.hand_s = 20.0;
   return run;
 }
@@ -299,21 +300,12 @@ void print_row(const Run& run) {
              run.result.prediction_rmse_um, run.result.stable ? "stable" : "NOT STABLE");
 }
 
-void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
-  std::ofstream out(file);
-  out << json.dump(2) << "\n";
-  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
-}
-
 int run(Options& options) {
   options.settings.fill();
-  const std::filesystem::path folder = options.out;
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
-
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Run> runs = options.one() ? std::vector<Run>{one_run(options)} : full_benchmark(options.seed);
+  const std::filesystem::path folder = options.out;
+  make_out_folder(folder);
   run_all(runs, options.seed);
   nlohmann::ordered_json json;
   json["seed"] = options.seed;
@@ -326,7 +318,7 @@ int run(Options& options) {
     draw_start(folder / "start.png");
   }
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  write_json(folder / "timing.json", {{"seconds", took.count()}, {"runs", runs.size()}});
+  write_json(folder / "timing.json", nlohmann::ordered_json{{"seconds", took.count()}, {"runs", runs.size()}});
   bool good = true;
   for (const Run& run : runs) {
     if (options.one() || !run.profile.empty() || !run.condition.empty()) print_row(run);
@@ -345,15 +337,17 @@ void add_delay_command(CLI::App& app, Action& action) {
       "delay", "Laws and estimators across delays: delay.json, plots; any condition given: one run");
   auto options = std::make_shared<Options>();
   auto& s = options->settings;
-  s.add("law", options->law, "anchored, remote-acceleration or local");
-  s.add("estimator", options->estimator, "predictor, delayed-innovation, thesis or none");
-  s.add("codec", options->codec, "of the command stream");
+  s.add("law", options->law, "who computes the slave's acceleration",
+        {"anchored", "remote-acceleration", "local"});
+  s.add("estimator", options->estimator, "how the slave's state is predicted",
+        {"predictor", "delayed-innovation", "thesis", "none"});
+  s.add("codec", options->codec, "of the command stream", codec::codec_names());
   s.add("block", options->block, {.min = 4, .max = 64}, "samples a block of it");
   s.add("redundancy", options->redundancy, {.min = 0, .max = 7}, "previous blocks repeated in a packet");
   s.add("netem", options->netem, "network profile: a shipped name or a file");
-  s.add("rtt_ms", options->rtt_ms, {.min = -1, .max = 10000}, "round trip, -1: not given");
-  s.add("jitter_ms", options->jitter_ms, {.min = -1, .max = 10000}, "one way, standard deviation");
-  s.add("loss", options->loss, {.min = -1, .max = 1}, "as a fraction");
+  s.add("rtt_ms", options->rtt_ms, {.min = 0, .max = 10000}, "round trip; 0 if another condition is given alone");
+  s.add("jitter_ms", options->jitter_ms, {.min = 0, .max = 10000}, "one way, standard deviation");
+  s.add("loss", options->loss, {.min = 0, .max = 1}, "as a fraction");
   s.add("seed", options->seed, {.min = 0, .max = 1e15}, "of everything random");
   s.add("out", options->out, "folder for the results");
   s.attach(*command);

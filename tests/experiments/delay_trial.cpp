@@ -79,14 +79,18 @@ HandRecord record_hand(const std::string& image, double duration_s, std::uint64_
   return record;
 }
 
+master::StationSettings master_settings(const DelayTrial& trial) {
+  master::StationSettings settings;
+  settings.law = trial.law;
+  settings.estimator = trial.estimator;
+  settings.codec = trial.codec;
+  settings.node.command.codec.block = trial.block;
+  settings.node.command.codec.redundancy = trial.redundancy;
+  return settings.validated();
+}
+
 DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
-  master::StationSettings master_settings;
-  master_settings.law = trial.law;
-  master_settings.estimator = trial.estimator;
-  master_settings.codec = trial.codec;
-  master_settings.node.command.codec.block = trial.block;
-  master_settings.node.command.codec.redundancy = trial.redundancy;
-  auto stream_settings = master_settings.validated().node.command;
+  auto stream_settings = master_settings(trial).node.command;
   if (trial.wrong_start) {
     stream_settings.wrong_position_m = Vec3(0.01, 0.0, 0.0);
     stream_settings.wrong_velocity_m_per_s = Vec3(0.05, 0.0, 0.0);
@@ -155,9 +159,10 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   const Spread predictions = between(prediction, 0.5, 1.0);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   result.tracking_rmse_um = tracking.count == 0 ? kNone : tracking.rms() * 1e6;
-  result.tracking_max_um = tracking.max * 1e6;
+  result.tracking_max_um = tracking.count == 0 ? kNone : tracking.max * 1e6;
   result.prediction_rmse_um = predictions.count == 0 ? kNone : predictions.rms() * 1e6;
-  result.prediction_max_um = predictions.max * 1e6;
+  result.prediction_max_um = predictions.count == 0 ? kNone : predictions.max * 1e6;
+  if (error.empty()) result.settle_s = kNone;
   for (std::size_t i = 0; i < error.size(); ++i) {
     if (error[i] > 1e-3) result.settle_s = static_cast<double>(i + 1) * 1e-3;
   }

@@ -8,6 +8,7 @@
 
 #include "common/bus/messages.h"
 #include "master/command_stream.h"
+#include "master/station.h"
 #include "netem/profile.h"
 
 namespace telekerf::experiments {
@@ -37,7 +38,7 @@ struct DelayTrial {
 
 /// Measures of contract.md over the second half of the ticks that were applied while engaged.
 struct DelayResult {
-  double tracking_rmse_um = 0.0;
+  double tracking_rmse_um = 0.0;  ///< this and the next four: NaN if nothing was followed
   double tracking_max_um = 0.0;
   double prediction_rmse_um = 0.0;
   double prediction_max_um = 0.0;
@@ -49,6 +50,9 @@ struct DelayResult {
   std::vector<double> error_m;       ///< tracking by applied tick, NaN where none was applied
   std::vector<double> prediction_error_m;
 };
+
+/// The master's side of the trial; throws Refusal if its law, estimator and codec do not go together.
+master::StationSettings master_settings(const DelayTrial& trial);
 
 DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial);
 

@@ -5,11 +5,11 @@
 
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "tests/experiments/commands.h"
 #include "tests/experiments/kinematics_validation.h"
 #include "tests/experiments/plot.h"
@@ -77,14 +77,12 @@ struct Row {
 };
 
 int run(const Options& options) {
-  std::error_code failed;
-  std::filesystem::create_directories(options.out, failed);
-  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
   const robot::RobotModel model = robot::load_robot(options.robot);
   const KinematicsValidation steps = validate_kinematics(model, options.step_m);
   const DynamicsValidation fall = validate_free_fall(model);
   const DynamicsValidation forced = validate_forced_motion(model);
   const std::filesystem::path out = options.out;
+  make_out_folder(out);
   draw_figure(figure(steps, model.name, options.step_m), out / "kinematics.png");
 
   const std::array<Row, 5> rows{{
@@ -110,7 +108,7 @@ int run(const Options& options) {
   results["engine"] = {{"rod_error_m", steps.worst_violation_m}, {"tool_tilt_rad", steps.worst_tilt_rad}};
   results["travelled_m"] = {{"free_fall", fall.travelled_m}, {"forced_motion", forced.travelled_m}};
   results["good"] = good;
-  std::ofstream(out / "results.json") << results.dump(2) << "\n";
+  write_json(out / "results.json", results);
   return good ? 0 : 1;
 }
 
@@ -123,7 +121,7 @@ void add_kinematics_command(CLI::App& app, Action& action) {
   command->add_option("--robot", options->robot, "Shipped name or path of a robot file")
       ->capture_default_str();
   command->add_option("--step-m", options->step_m, "Size of the steps")
-      ->check(CLI::Range(1e-4, 0.05))
+      ->check(within(1e-4, 0.05))
       ->capture_default_str();
   command->add_option("--out", options->out, "Folder for the results")->capture_default_str();
   command->callback([options, &action] { action = [options] { return run(*options); }; });

@@ -7,6 +7,7 @@
 
 #include "common/inspect/run_report.h"
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "tests/experiments/commands.h"
 #include "tests/lap/virtual_lap.h"
@@ -25,11 +26,9 @@ int run(Options& options) {
   options.settings.fill();
   options.lap.network = netem::load_profile(options.netem);
   const RunRecord record = lap::run_lap(options.lap);
-  std::error_code failed;
-  std::filesystem::create_directories(options.out, failed);
-  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
+  make_out_folder(options.out);
   inspect::write_report(options.out, record);
-  fmt::print("{}\n", inspect::make_report(record).dump(2));
+  fmt::print("{}\n", json_text(inspect::make_report(record)));
   return 0;
 }
 

@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <numbers>
 
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "tests/experiments/commands.h"
 #include "tests/experiments/contour_run.h"
@@ -69,9 +69,6 @@ nlohmann::ordered_json spread(const ContourRun& run, int axis) {
 int run(Options& options) {
   options.settings.fill();
   const std::filesystem::path out = options.out;
-  std::error_code failed;
-  std::filesystem::create_directories(out, failed);
-  if (failed) throw Refusal(fmt::format("--out {}: {}", options.out, failed.message()));
   ContourRunSettings settings;
   settings.plan.speed_m_per_s = options.speed_mm_s * 1e-3;
   settings.follower.loop_delay = 1;
@@ -81,6 +78,7 @@ int run(Options& options) {
   const auto flat = slave::Path::through(flat_contour, slave::path_settings(settings.plan));
   if (!flat) throw Refusal(flat.error());
 
+  make_out_folder(out);
   nlohmann::ordered_json result{{"experiment", "space-contour"}, {"speed_mm_s", options.speed_mm_s}};
   Figure figure{.title = fmt::format("contours on curved workpieces at {:g} mm/s", options.speed_mm_s),
                 .columns = 2};
@@ -121,10 +119,8 @@ int run(Options& options) {
   result["bar_um"] = kBar_um;
   result["good"] = good;
   draw_figure(figure, out / "space-contour.png");
-  std::ofstream stream(out / "result.json");
-  stream << result.dump(2) << "\n";
-  if (!stream.flush()) throw Refusal(fmt::format("{}: cannot be written", (out / "result.json").string()));
-  fmt::print("{}\n", result.dump(2));
+  write_json(out / "result.json", result);
+  fmt::print("{}\n", json_text(result));
   return good ? 0 : 1;
 }
 

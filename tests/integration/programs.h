@@ -30,7 +30,7 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  void interrupt() { ::kill(child_.id(), SIGINT); }
+  void interrupt(int signal = SIGINT) { ::kill(child_.id(), signal); }
   void kill() { child_.terminate(); }
   bool running() { return child_.running(); }
   /// Exit code, or -1 if it does not end in time.
@@ -54,12 +54,18 @@ class Program {
   }
 
   static std::filesystem::path scratch() {
-    static const std::filesystem::path folder = [] {
-      auto path = std::filesystem::temp_directory_path() / ("telekerf-" + std::to_string(::getpid()));
-      std::filesystem::create_directories(path);
-      return path;
-    }();
-    return folder;
+    /// Gone with the test's process.
+    struct Folder {
+      std::filesystem::path path =
+          std::filesystem::temp_directory_path() / ("telekerf-" + std::to_string(::getpid()));
+      Folder() { std::filesystem::create_directories(path); }
+      ~Folder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path, ignored);
+      }
+    };
+    static const Folder folder;
+    return folder.path;
   }
 
  private:

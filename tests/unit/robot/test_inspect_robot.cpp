@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -73,6 +75,35 @@ TEST(InspectRobot, WorkspaceIsPrintedAndDrawn) {
   EXPECT_GE(out.at("worst_condition").get<double>(), out.at("condition").get<double>());
   EXPECT_GT(std::filesystem::file_size(file), 10000u);
   std::filesystem::remove(file);
+}
+
+std::string one_sentence(const Result& result) {
+  EXPECT_EQ(result.exit_code, 2) << result.text;
+  EXPECT_EQ(std::count(result.text.begin(), result.text.end(), '\n'), 1) << result.text;
+  return result.text;
+}
+
+TEST(InspectRobot, ANumberMayBeginWithItsPoint) {
+  const auto ik = json_of(inspect("master-horizontal --ik .01 -.005 .12"));
+  EXPECT_NEAR(ik.at("joints_m").at(0).get<double>(), 0.00555728090000841, 1e-15);
+}
+
+TEST(InspectRobot, KinematicsNeedNoWorkspace) {
+  // A printer whose working mode was left out: forward kinematics hold, but no pose is reached both ways.
+  const auto file = std::filesystem::temp_directory_path() / "telekerf-test-printer.toml";
+  std::ofstream(file) << "[geometry]\nbase_radius_m = 0.13025\ntool_radius_m = 0\n"
+                         "rod_length_m = [0.269, 0.269, 0.269]\nrail_angle_deg = [90, 210, 330]\n"
+                         "attack_angle_deg = [90, 90, 90]\nassembly_mode = \"below\"\nstroke_m = [-1, 1]\n";
+  const auto fk = json_of(inspect(file.string() + " --fk 0.231101645177054 0.233456816788892 0.261930399179169"));
+  EXPECT_NEAR(fk.at("tool_m").at(0).get<double>(), 0.03, 1e-12);
+  EXPECT_NEAR(fk.at("tool_m").at(2).get<double>(), 0.01, 1e-12);
+  EXPECT_NE(one_sentence(inspect(file.string() + " --ik 0.03 -0.02 0.01")).find("working_mode"), std::string::npos);
+  EXPECT_NE(one_sentence(inspect(file.string() + " --workspace")).find("working_mode"), std::string::npos);
+  std::filesystem::remove(file);
+}
+
+TEST(InspectRobot, APictureOfNoKnownKindIsRefused) {
+  EXPECT_NE(one_sentence(inspect("slave-keops --workspace --picture x.foo")).find("x.foo"), std::string::npos);
 }
 
 TEST(InspectRobot, HallCalibrationIsReported) {

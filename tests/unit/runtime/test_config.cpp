@@ -32,6 +32,18 @@ TEST(Config, RefusalNamesFileKeyValueAndBound) {
   EXPECT_EQ(text, "f.toml: gain_hz = -4.0: must lie within [0, 10]");
 }
 
+TEST(Config, ARefusedListStandsInOneLine) {
+  const ConfigFile file("list = [0.25, nan, 3]\ntables = [{a = 1}]\n", "f.toml");
+  EXPECT_EQ(refusal_of([&] { (void)file.numbers("list", 3); }),
+            "f.toml: list = [0.25, nan, 3]: must be a finite number");
+  EXPECT_EQ(refusal_of([&] { (void)file.numbers("tables", 0); }), "f.toml: tables = [{..}]: must hold numbers only");
+}
+
+TEST(Config, AFileThatIsNotThereIsNamed) {
+  EXPECT_EQ(refusal_of([] { ConfigFile(std::filesystem::path("nowhere.toml")); }),
+            "nowhere.toml: cannot be read; is the name right?");
+}
+
 TEST(Config, UnknownKeysAreRefusedByName) {
   const ConfigFile file("known = 1\n[t]\ntypo = 2\n", "f.toml");
   (void)file.number("known");
@@ -41,7 +53,7 @@ TEST(Config, UnknownKeysAreRefusedByName) {
   (void)other.number_or("u.far", 0.0);
   EXPECT_EQ(refusal_of([&] { other.refuse_unknown(); }), "f.toml: unknown key 't.typo'; known here: rate");
   EXPECT_EQ(refusal_of([&] { other.refuse("t.rate", "too low"); }), "f.toml: t.rate = 0.1: too low");
-  EXPECT_EQ(refusal_of([&] { other.refuse("t", "wrong"); }), "f.toml: t = a table: wrong");
+  EXPECT_EQ(refusal_of([&] { other.refuse("t", "wrong"); }), "f.toml: t: wrong");
 }
 
 TEST(Config, WrongTypesAndMissingKeysAreRefused) {

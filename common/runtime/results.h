@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a command leaves: a folder, text and JSON in it. Failures are Refusals that name the file.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace telekerf {
+
+/// Makes the folder that --out names, unless it is there.
+void make_out_folder(const std::filesystem::path& folder);
+
+/// Written beside and renamed, so that nothing half-written is ever found under the final name.
+void write_whole(const std::filesystem::path& file, const std::string& text);
+
+/// Bytes that are no UTF-8, as a file's name may hold, are replaced.
+template <typename Json>
+std::string json_text(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+template <typename Json>
+void write_json(const std::filesystem::path& file, const Json& json) {
+  write_whole(file, json_text(json) + "\n");
+}
+
+}  // namespace telekerf

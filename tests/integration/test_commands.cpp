@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tools as an outsider calls them: what they cannot do is one sentence and exit code 2, and leaves nothing
+// behind; what they print as JSON is one object.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/programs.h"
+
+namespace telekerf::integration {
+namespace {
+
+using std::chrono::seconds;
+namespace fs = std::filesystem;
+
+std::string file_of(const std::string& name, const std::string& text) {
+  const std::string path = (Program::scratch() / name).string();
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+struct Call {
+  const char* name;
+  const char* program;
+  std::vector<std::string> words;
+};
+
+class Refused : public testing::TestWithParam<Call> {};
+
+TEST_P(Refused, WithOneSentenceAndNothingLeft) {
+  const std::string out = (Program::scratch() / GetParam().name / "out").string();
+  std::vector<std::string> words = GetParam().words;
+  words.insert(words.end(), {"--out", out});
+  Program program(GetParam().program, words);
+  EXPECT_EQ(program.wait(seconds(30)), 2) << program.output();
+  const std::string said = program.output();
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  EXPECT_EQ(said.find("unexpected"), std::string::npos) << said;
+  // The last two words are what is wrong: the option or its value is named.
+  const std::string& value = GetParam().words.back();
+  const std::string& option = GetParam().words[GetParam().words.size() - 2];
+  EXPECT_TRUE(said.find(value.empty() ? "''" : value) != said.npos || said.find(option) != said.npos) << said;
+  EXPECT_FALSE(fs::exists(out));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    BadInput, Refused,
+    testing::Values(
+        Call{"DelayLaw", "telekerf-experiment", {"delay", "--law", "magic"}},
+        Call{"DelayCodec", "telekerf-experiment", {"delay", "--codec", "magic"}},
+        Call{"DelayEstimator", "telekerf-experiment", {"delay", "--estimator", "magic"}},
+        Call{"DelayEmptyLaw", "telekerf-experiment", {"delay", "--law", ""}},
+        Call{"LapEmptyImage", "telekerf-experiment", {"lap", "--image", ""}},
+        Call{"DelayProfile", "telekerf-experiment", {"delay", "--netem", "mars"}},
+        Call{"DelayNegativeLoss", "telekerf-experiment", {"delay", "--loss", "-0.5"}},
+        Call{"ContourImage", "telekerf-experiment", {"closed-contour", "--image", "nowhere.png"}},
+        Call{"ContourTooLarge", "telekerf-experiment", {"closed-contour", "--image", "circle", "--width-mm", "100"}},
+        Call{"LapBeta", "telekerf-experiment", {"lap", "--beta", "0.01"}},
+        Call{"KinematicsRobot", "telekerf-experiment", {"kinematics", "--robot", "nowhere.toml"}},
+        Call{"CodecTrace", "telekerf-experiment", {"codec", "--seconds", "5", "--trace", "nowhere.csv"}},
+        Call{"CodecRate", "telekerf-experiment", {"codec", "--rate-hz", "nan"}},
+        Call{"PictureWidth", "telekerf-inspect", {"contour", "heart", "--width-mm", "nan"}},
+        Call{"PictureTolerance", "telekerf-inspect", {"contour", "heart", "--tolerance-mm", "nan"}},
+        Call{"PictureStart", "telekerf-inspect", {"contour", "heart", "--start", "nan,3"}},
+        Call{"PictureSelect", "telekerf-inspect", {"contour", "heart", "--select", "-1"}}),
+    [](const auto& call) { return std::string(call.param.name); });
+
+TEST(Commands, AnEmptyFolderNameIsRefused) {
+  Program contour("telekerf-inspect", {"contour", "heart", "--out", ""});
+  EXPECT_EQ(contour.wait(seconds(30)), 2) << contour.output();
+  EXPECT_NE(contour.output().find("--out"), std::string::npos) << contour.output();
+}
+
+TEST(Commands, ARunWithoutAnythingFollowedHasNoFigures) {
+  const std::string lost = file_of("lost.csv", "index,in_ns,out_ns,lost,duplicated,corrupted\r\n0,0,-1,1,0,0\r\n");
+  const std::string out = (Program::scratch() / "lost").string();
+  Program delay("telekerf-experiment", {"delay", "--netem", lost, "--out", out});
+  EXPECT_EQ(delay.wait(seconds(60)), 1) << delay.output();
+  const auto row = nlohmann::json::parse(std::ifstream(out + "/delay.json")).at("rows").at(0);
+  for (const std::string figure : {"tracking_rmse_um", "tracking_max_um", "prediction_rmse_um", "settle_s"})
+    EXPECT_TRUE(row.at(figure).is_null()) << figure;
+  EXPECT_FALSE(row.at("stable").get<bool>());
+  EXPECT_EQ(row.at("profile").get<std::string>(), "lost") << "results hold no path";
+}
+
+TEST(Commands, ResultsHoldNoPath) {
+  const fs::path picture = Program::scratch() / "my circle.png";
+  fs::copy_file(TELEKERF_BIN_DIR "/../share/telekerf/pictures/circle.png", picture,
+                fs::copy_options::overwrite_existing);
+  const std::string out = (Program::scratch() / "machined").string();
+  Program contour("telekerf-experiment", {"closed-contour", "--image", picture.string(), "--out", out});
+  ASSERT_EQ(contour.wait(seconds(60)), 0) << contour.output();
+  const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
+  EXPECT_EQ(result.at("image").get<std::string>(), "my circle.png");
+  EXPECT_EQ(nlohmann::json::parse(contour.output()), result) << "one object on standard output";
+}
+
+TEST(Commands, NamesThatAreNoUtf8DoNotStopAReport) {
+  std::string samples = "gr\xf6\xdf" "e\n";
+  for (int i = 0; i < 64; ++i) samples += std::to_string(i % 5) + "\n";
+  Program codec("telekerf-inspect", {"codec", file_of("latin.csv", samples)});
+  ASSERT_EQ(codec.wait(seconds(30)), 0) << codec.output();
+  EXPECT_EQ(nlohmann::json::parse(codec.output()).at("samples").get<int>(), 64);
+}
+
+TEST(Commands, DescriptorsOfWhatIsNoPolygonAreRefused) {
+  for (const std::string& file :
+       {file_of("far.csv", "0,0\n1e300,0\n1,1e300\n"), Program::scratch().string(), std::string("nowhere.csv")}) {
+    Program efd("telekerf-inspect", {"efd", file, "--harmonics", "2"});
+    EXPECT_EQ(efd.wait(seconds(30)), 2) << efd.output();
+    EXPECT_NE(efd.output().find(file), std::string::npos) << efd.output();
+  }
+}
+
+TEST(Commands, AScaleThatIsNoNumberIsRefused) {
+  Program tell("telekerf-tell", {"beta", "nan", "--domain", own_domain()});
+  EXPECT_EQ(tell.wait(seconds(30)), 2);
+  EXPECT_NE(tell.output().find("nan does not lie within"), std::string::npos) << tell.output();
+}
+
+}  // namespace
+}  // namespace telekerf::integration
