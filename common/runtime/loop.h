@@ -44,7 +44,7 @@ class DurationHistogram {
 /// without it.
 LoopStatistics run_loop(double rate_hz, const std::function<bool(std::int64_t now_ns)>& step);
 
-/// SIGINT and SIGTERM set a flag from now on instead of ending the process.
+/// SIGINT, SIGTERM and a closed terminal set a flag from now on instead of ending the process.
 void catch_stop_signals();
 bool stop_requested() noexcept;
 /// Sets the same flag from inside.

@@ -119,6 +119,15 @@ TEST(Demo, TheOperatorEngagesChangesTheScaleAndStops) {
   EXPECT_NE(all.find(",0.8\n"), std::string::npos) << "the record says which scale was in force";
 }
 
+TEST(Demo, AClosedTerminalEndsAProcessInOrder) {
+  const std::string out = (Program::scratch() / "closed").string();
+  Program slave("telekerf-slave", bus("none", {"--record", out}));
+  ASSERT_TRUE(slave.says("ready", seconds(20))) << slave.output();
+  slave.interrupt(SIGHUP);
+  EXPECT_EQ(slave.wait(seconds(10)), 0) << slave.output();
+  EXPECT_TRUE(std::filesystem::exists(out + "/slave.json"));
+}
+
 TEST(Demo, AMasterAloneGivesUpWithAHint) {
   Program master("telekerf-master", {"--domain", own_domain(), "--cell", "empty", "--engage", "--duration-s",
                                      "1", "--wait-s", "1"});
