@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <thread>
 #include <vector>
 
@@ -88,7 +89,7 @@ void record_run(const Flags& flags, const Station& station, const ContourWatch<T
   record.contour_closed = message.closed;
   record.words["image"] = message.source;
   record.words["mode"] = message.mode;
-  record.words["netem"] = flags.bus.netem;
+  record.words["netem"] = std::filesystem::path(flags.bus.netem).stem().string();  // results hold no paths
   station.report(record);
   add_figures(loop, record.master_figures);
   add_figures(bus.counters(), states, record.master_figures);

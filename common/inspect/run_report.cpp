@@ -24,9 +24,9 @@ namespace {
 
 using geometry::Polyline;
 
-nlohmann::ordered_json um(const Spread& spread) {
-  if (spread.count == 0) return {{"rms_um", nullptr}, {"max_um", nullptr}, {"samples", 0}};
-  return {{"rms_um", spread.rms() * 1e6}, {"max_um", spread.max * 1e6}, {"samples", spread.count}};
+nlohmann::ordered_json um(const Spread& spread, const char* rms_um = "rms_um") {
+  if (spread.count == 0) return {{rms_um, nullptr}, {"max_um", nullptr}, {"samples", 0}};
+  return {{rms_um, spread.rms() * 1e6}, {"max_um", spread.max * 1e6}, {"samples", spread.count}};
 }
 
 Vec2 plane(const Triple& point) { return {point[0], point[1]}; }
@@ -203,7 +203,7 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   report["drive"] = {{"master", words_of(record.master_drive)}, {"slave", words_of(record.slave_drive)}};
   report["constraint"] = um(constraint);
   report["tracking"] = um(tracking);
-  report["prediction"] = um(prediction);
+  report["prediction"] = um(prediction, "rmse_um");
   report["cut"] = cut_json;
   report["link"] = {{"rtt_ms",
                      {{"p50", figure(m, "rtt_p50_ms")},

@@ -45,12 +45,14 @@ class Script : public testing::Test {
 
 TEST_F(Script, CutsAPictureThatLiesWhereTheUserStands) {
   fs::copy_file(TELEKERF_BIN_DIR "/../share/telekerf/pictures/circle.png", here_ / "ein Bild.png");
-  const Ended demo = run("demo --image 'ein Bild.png' --out 'aus gabe/1' --duration-s=3 --netem lan --domain " +
-                         own_domain());
+  fs::copy_file(TELEKERF_BIN_DIR "/../share/telekerf/profiles/lan.toml", here_ / "mein netz.toml");
+  const Ended demo = run("demo --image 'ein Bild.png' --out 'aus gabe/1' --duration-s=3 --netem './mein netz.toml' "
+                         "--domain " + own_domain());
   EXPECT_EQ(demo.code, 0) << demo.out << demo.err;
   EXPECT_EQ(demo.err, "");
   for (const std::string file : {"report.json", "cut.png", "trace.csv", "master.csv", "slave.csv"})
     EXPECT_TRUE(fs::exists(here_ / "aus gabe/1" / file)) << file;
+  EXPECT_NE(text_of("aus gabe/1/report.json").find("\"netem\": \"mein netz\""), std::string::npos);
   for (const auto& entry : fs::directory_iterator(here_ / "aus gabe/1"))
     EXPECT_FALSE(entry.is_directory()) << entry.path();
 }
