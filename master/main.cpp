@@ -14,6 +14,7 @@
 #include "common/bus/endpoints.h"
 #include "common/bus/netem_switch.h"
 #include "common/runtime/loop.h"
+#include "common/runtime/results.h"
 #include "master/station.h"
 #include "master/telemetry.h"
 
@@ -98,6 +99,7 @@ void record_run(const Flags& flags, const Station& station, const ContourWatch<T
 }
 
 int run(Flags& flags) {
+  if (!flags.record.empty()) refuse_unwritable("--record", flags.record);
   const BusSettings bus_settings = flags.bus.bus_settings(Site::kOperator, "master");
   flags.station.epoch = bus_settings.epoch;
   Station station(flags.station);

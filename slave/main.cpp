@@ -12,6 +12,7 @@
 #include "common/bus/endpoints.h"
 #include "common/bus/netem_switch.h"
 #include "common/runtime/loop.h"
+#include "common/runtime/results.h"
 #include "slave/automatic/process.h"
 #include "slave/station.h"
 
@@ -41,6 +42,7 @@ const char* name_of(SlaveMode mode) {
 }
 
 int run(Flags& flags) {
+  if (!flags.record.empty()) refuse_unwritable("--record", flags.record);
   const BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "slave");
   flags.station.epoch = bus_settings.epoch;
   if (flags.automatic) {

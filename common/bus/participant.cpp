@@ -25,6 +25,10 @@ BusSettings validated(BusSettings settings) {
     throw Refusal(fmt::format("domain {} is outside [0, {}]", settings.domain, kHighestDomain));
   }
   if (settings.cell.empty()) throw Refusal("the cell has no name; give one with --cell");
+  // DDS takes a partition with one of these for a pattern: it would be every cell at once.
+  if (settings.cell.find_first_of("*?[]") != std::string::npos) {
+    throw Refusal(fmt::format("cell = '{}': a cell's name must hold none of * ? [ ]", settings.cell));
+  }
   if (settings.name.empty()) settings.name = settings.role;
   return settings;
 }

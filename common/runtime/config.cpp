@@ -69,6 +69,8 @@ struct ConfigFile::Document {
 
 ConfigFile::ConfigFile(const std::filesystem::path& file)
     : document_(std::make_unique<Document>()), name_(file.string()) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) throw Refusal(fmt::format("{}: is a folder, not a file", name_));
   try {
     document_->root = toml::parse_file(name_);
   } catch (const toml::parse_error& error) {

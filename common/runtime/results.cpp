@@ -2,6 +2,7 @@
 #include "common/runtime/results.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <system_error>
@@ -11,12 +12,24 @@
 namespace telekerf {
 namespace fs = std::filesystem;
 
+void refuse_unwritable(const std::string& option, const fs::path& folder) {
+  if (folder.empty()) throw Refusal(fmt::format("{} is empty: name a folder for the results", option));
+  std::error_code ignored;
+  fs::path there = fs::absolute(folder);
+  while (!fs::exists(there, ignored) && there.has_relative_path()) there = there.parent_path();
+  const auto refuse = [&](const char* complaint) {
+    throw Refusal(
+        fmt::format("{} {}: {} {}; name another folder", option, folder.string(), there.string(), complaint));
+  };
+  if (!fs::is_directory(there, ignored)) refuse("is no folder");
+  if (::access(there.c_str(), W_OK) != 0) refuse("cannot be written to");
+}
+
 void make_out_folder(const fs::path& folder) {
+  refuse_unwritable("--out", folder);
   std::error_code failed;
-  if (folder.empty()) throw Refusal("--out is empty: name a folder for the results");
   fs::create_directories(folder, failed);
   if (failed) throw Refusal(fmt::format("--out {}: {}; name another folder", folder.string(), failed.message()));
-  if (!fs::is_directory(folder)) throw Refusal(fmt::format("--out {}: is no folder", folder.string()));
 }
 
 void write_whole(const fs::path& file, const std::string& text) {

@@ -8,6 +8,9 @@
 
 namespace telekerf {
 
+/// Refuses a folder that `option` names if it cannot be written to or made; makes none.
+void refuse_unwritable(const std::string& option, const std::filesystem::path& folder);
+
 /// Makes the folder that --out names, unless it is there.
 void make_out_folder(const std::filesystem::path& folder);
 

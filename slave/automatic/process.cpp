@@ -161,11 +161,6 @@ void AutomaticSettings::declare(Settings& settings) {
 int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
                   const AutomaticRobot& options, const std::string& folder) {
   const robot::RobotModel model = robot::load_robot(options.robot);
-  if (!folder.empty()) {
-    std::error_code failed;
-    std::filesystem::create_directories(folder, failed);
-    if (failed) throw Refusal(fmt::format("record = {}: {}", folder, failed.message()));
-  }
   using Sensor = robot::Sensor::Kind;
   robot::Machine machine(model, options.machine, settings.machining_hz,
                          robot::attach(options.machine.drive, model, settings.machining_hz,
@@ -201,6 +196,7 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   }
   if (contour.refused()) throw Refusal(contour.refusal());
   if (contour.current() == nullptr) return 1;
+  if (!folder.empty()) make_out_folder(folder);
   const robot::Machine::Stand stand = machine.stand();
   std::optional<Job> from_there;
   if ((stand.tool_m - contour.current()->track[0].position_m).norm() > kAtHome_m)
