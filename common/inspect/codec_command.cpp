@@ -98,7 +98,9 @@ void add_codec_command(CLI::App& app, Action& action) {
   command->add_option("--loss", options->link.loss, "share of packets lost")->capture_default_str();
   command->add_option("--burst", options->link.burst, "mean length of a burst of losses, packets")
       ->capture_default_str();
-  command->add_option("--seed", options->link.seed, "of the losses")->check(whole_number())->capture_default_str();
+  command->add_option("--seed", options->link.seed, "of the losses")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_option("--decoded", options->decoded, "CSV file for what the receiver has in the end");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

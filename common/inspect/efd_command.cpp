@@ -21,7 +21,8 @@ namespace {
 
 int inspect(const std::string& path, std::size_t harmonics) {
   std::ifstream file(path, std::ios::binary);
-  if (!file || !std::filesystem::is_regular_file(path)) throw Refusal(fmt::format("{}: cannot be read", path));
+  if (!file || !std::filesystem::is_regular_file(path))
+    throw Refusal(fmt::format("{}: cannot be read", path));
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   const auto points = vision::points_from_csv(text);
   if (!points) throw Refusal(fmt::format("{}: {}", path, points.error()));

@@ -96,9 +96,10 @@ Workspace read_workspace(const ConfigFile& file, const DeltaKinematics& kinemati
     if (!needed) return {};
     Workspace computed = largest_cylinder(kinematics);
     if (computed.radius_m <= 0) {
-      file.refuse("geometry",
-                  "leaves no workspace: the rods reach no common place within the stroke; look at rod_length_m and "
-                  "stroke_m, and whether working_mode fits assembly_mode");
+      file.refuse(
+          "geometry",
+          "leaves no workspace: the rods reach no common place within the stroke; look at rod_length_m and "
+          "stroke_m, and whether working_mode fits assembly_mode");
     }
     return computed;
   }

@@ -70,11 +70,13 @@ struct ConfigFile::Document {
 ConfigFile::ConfigFile(const std::filesystem::path& file)
     : document_(std::make_unique<Document>()), name_(file.string()) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) throw Refusal(fmt::format("{}: is a folder, not a file", name_));
+  if (std::filesystem::is_directory(file, ignored))
+    throw Refusal(fmt::format("{}: is a folder, not a file", name_));
   try {
     document_->root = toml::parse_file(name_);
   } catch (const toml::parse_error& error) {
-    if (error.source().begin.line == 0) throw Refusal(fmt::format("{}: cannot be read; is the name right?", name_));
+    if (error.source().begin.line == 0)
+      throw Refusal(fmt::format("{}: cannot be read; is the name right?", name_));
     throw Refusal(fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
   }
 }
@@ -209,7 +211,8 @@ void ConfigFile::refuse_unknown() const {
     const std::string table = leaf.substr(0, leaf.rfind('.') + 1);
     std::set<std::string> here;  // keys of the same table, or else the tables themselves
     for (const auto& key : document_->known) {
-      if (key.starts_with(table) && key.find('.', table.size()) == key.npos) here.insert(key.substr(table.size()));
+      if (key.starts_with(table) && key.find('.', table.size()) == key.npos)
+        here.insert(key.substr(table.size()));
     }
     if (here.empty()) {
       for (const auto& key : document_->known) here.insert(key.substr(0, key.find('.')));

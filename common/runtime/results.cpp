@@ -29,7 +29,8 @@ void make_out_folder(const fs::path& folder) {
   refuse_unwritable("--out", folder);
   std::error_code failed;
   fs::create_directories(folder, failed);
-  if (failed) throw Refusal(fmt::format("--out {}: {}; name another folder", folder.string(), failed.message()));
+  if (failed)
+    throw Refusal(fmt::format("--out {}: {}; name another folder", folder.string(), failed.message()));
 }
 
 void write_whole(const fs::path& file, const std::string& text) {
@@ -39,7 +40,8 @@ void write_whole(const fs::path& file, const std::string& text) {
   {
     std::ofstream out(draft, std::ios::binary);
     out << text;
-    if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written; is the folder writable?", file.string()));
+    if (!out.flush())
+      throw Refusal(fmt::format("{}: cannot be written; is the folder writable?", file.string()));
   }
   fs::rename(draft, file, failed);
   if (!failed) return;

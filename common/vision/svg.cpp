@@ -44,11 +44,13 @@ std::optional<double> length_of(const char* text) {
   return std::nullopt;
 }
 
-/// A length of the page itself; nothing where it is left to the viewer (no length, auto, a per cent), `complaint`
-/// where it is no length, since the drawing would then come out in some other size than meant.
-std::optional<double> page_length_of(const tinyxml2::XMLElement& root, const char* name, std::string& complaint) {
+/// A length of the page itself; nothing where it is left to the viewer (no length, auto, a per cent),
+/// `complaint` where it is no length, since the drawing would then come out in some other size than meant.
+std::optional<double> page_length_of(const tinyxml2::XMLElement& root, const char* name,
+                                     std::string& complaint) {
   const char* text = root.Attribute(name);
-  if (text == nullptr || std::strcmp(text, "auto") == 0 || std::strchr(text, '%') != nullptr) return std::nullopt;
+  if (text == nullptr || std::strcmp(text, "auto") == 0 || std::strchr(text, '%') != nullptr)
+    return std::nullopt;
   const auto length_m = length_of(text);
   if (!length_m || !(*length_m > 0.0)) {
     complaint = fmt::format("{} = \"{:.30}\" is no length above 0; write it like \"100.5mm\"", name, text);

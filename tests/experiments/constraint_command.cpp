@@ -221,7 +221,9 @@ void add_constraint_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
       "constraint", "The virtual constraint against its bars, and over k: constraint.json, constraint.png");
-  command->add_option("--seed", options->seed, "of robot and hand")->check(whole_number())->capture_default_str();
+  command->add_option("--seed", options->seed, "of robot and hand")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_option("--duration-s", options->duration_s, "length of one run")
       ->check(within(5.0, 100.0))
       ->capture_default_str();

@@ -13,8 +13,8 @@
 #include <random>
 
 #include "common/runtime/refusal.h"
-#include "common/runtime/results.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "common/vision/load.h"
 #include "slave/laser/material.h"

@@ -318,7 +318,8 @@ int run(Options& options) {
     draw_start(folder / "start.png");
   }
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  write_json(folder / "timing.json", nlohmann::ordered_json{{"seconds", took.count()}, {"runs", runs.size()}});
+  write_json(folder / "timing.json",
+             nlohmann::ordered_json{{"seconds", took.count()}, {"runs", runs.size()}});
   bool good = true;
   for (const Run& run : runs) {
     if (options.one() || !run.profile.empty() || !run.condition.empty()) print_row(run);
@@ -345,7 +346,8 @@ void add_delay_command(CLI::App& app, Action& action) {
   s.add("block", options->block, {.min = 4, .max = 64}, "samples a block of it");
   s.add("redundancy", options->redundancy, {.min = 0, .max = 7}, "previous blocks repeated in a packet");
   s.add("netem", options->netem, "network profile: a shipped name or a file");
-  s.add("rtt_ms", options->rtt_ms, {.min = 0, .max = 10000}, "round trip; 0 if another condition is given alone");
+  s.add("rtt_ms", options->rtt_ms, {.min = 0, .max = 10000},
+        "round trip; 0 if another condition is given alone");
   s.add("jitter_ms", options->jitter_ms, {.min = 0, .max = 10000}, "one way, standard deviation");
   s.add("loss", options->loss, {.min = 0, .max = 1}, "as a fraction");
   s.add("seed", options->seed, {.min = 0, .max = 1e15}, "of everything random");

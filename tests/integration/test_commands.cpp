@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tools as an outsider calls them: what they cannot do is one sentence and exit code 2, and leaves nothing
-// behind; what they print as JSON is one object.
+// The tools as an outsider calls them: what they cannot do is one sentence and exit code 2, and leaves
+// nothing behind; what they print as JSON is one object.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -54,7 +54,9 @@ INSTANTIATE_TEST_SUITE_P(
         Call{"DelayProfile", "telekerf-experiment", {"delay", "--netem", "mars"}},
         Call{"DelayNegativeLoss", "telekerf-experiment", {"delay", "--loss", "-0.5"}},
         Call{"ContourImage", "telekerf-experiment", {"closed-contour", "--image", "nowhere.png"}},
-        Call{"ContourTooLarge", "telekerf-experiment", {"closed-contour", "--image", "circle", "--width-mm", "100"}},
+        Call{"ContourTooLarge",
+             "telekerf-experiment",
+             {"closed-contour", "--image", "circle", "--width-mm", "100"}},
         Call{"LapBeta", "telekerf-experiment", {"lap", "--beta", "0.01"}},
         Call{"KinematicsRobot", "telekerf-experiment", {"kinematics", "--robot", "nowhere.toml"}},
         Call{"CodecTrace", "telekerf-experiment", {"codec", "--seconds", "5", "--trace", "nowhere.csv"}},
@@ -72,7 +74,8 @@ TEST(Commands, AnEmptyFolderNameIsRefused) {
 }
 
 TEST(Commands, ARunWithoutAnythingFollowedHasNoFigures) {
-  const std::string lost = file_of("lost.csv", "index,in_ns,out_ns,lost,duplicated,corrupted\r\n0,0,-1,1,0,0\r\n");
+  const std::string lost =
+      file_of("lost.csv", "index,in_ns,out_ns,lost,duplicated,corrupted\r\n0,0,-1,1,0,0\r\n");
   const std::string out = (Program::scratch() / "lost").string();
   Program delay("telekerf-experiment", {"delay", "--netem", lost, "--out", out});
   EXPECT_EQ(delay.wait(seconds(60)), 1) << delay.output();
@@ -96,7 +99,9 @@ TEST(Commands, ResultsHoldNoPath) {
 }
 
 TEST(Commands, NamesThatAreNoUtf8DoNotStopAReport) {
-  std::string samples = "gr\xf6\xdf" "e\n";
+  std::string samples =
+      "gr\xf6\xdf"
+      "e\n";
   for (int i = 0; i < 64; ++i) samples += std::to_string(i % 5) + "\n";
   Program codec("telekerf-inspect", {"codec", file_of("latin.csv", samples)});
   ASSERT_EQ(codec.wait(seconds(30)), 0) << codec.output();
@@ -104,8 +109,8 @@ TEST(Commands, NamesThatAreNoUtf8DoNotStopAReport) {
 }
 
 TEST(Commands, DescriptorsOfWhatIsNoPolygonAreRefused) {
-  for (const std::string& file :
-       {file_of("far.csv", "0,0\n1e300,0\n1,1e300\n"), Program::scratch().string(), std::string("nowhere.csv")}) {
+  for (const std::string& file : {file_of("far.csv", "0,0\n1e300,0\n1,1e300\n"), Program::scratch().string(),
+                                  std::string("nowhere.csv")}) {
     Program efd("telekerf-inspect", {"efd", file, "--harmonics", "2"});
     EXPECT_EQ(efd.wait(seconds(30)), 2) << efd.output();
     EXPECT_NE(efd.output().find(file), std::string::npos) << efd.output();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ./telekerf from a folder that is not its own: what the user names is looked for where the user stands, and a
-// refusal leaves nothing behind.
+// ./telekerf from a folder that is not its own: what the user names is looked for where the user stands, and
+// a refusal leaves nothing behind.
 #include <gtest/gtest.h>
 
 #include "tests/integration/programs.h"
@@ -28,8 +28,8 @@ class Script : public testing::Test {
   Ended run(const std::string& words) const {
     const std::string quoted = "'" + here_.string() + "'";
     const std::string command = "cd " + quoted + " && PATH=" + quoted +
-                                "/no-build:\"$PATH\" TELEKERF_BUILD='" TELEKERF_BUILD_DIR "' '" TELEKERF_SCRIPT
-                                "' " +
+                                "/no-build:\"$PATH\" TELEKERF_BUILD='" TELEKERF_BUILD_DIR
+                                "' '" TELEKERF_SCRIPT "' " +
                                 words + " >out.txt 2>err.txt </dev/null";
     const int status = std::system(command.c_str());
     return {WEXITSTATUS(status), text_of("out.txt"), text_of("err.txt")};
@@ -46,8 +46,10 @@ class Script : public testing::Test {
 TEST_F(Script, CutsAPictureThatLiesWhereTheUserStands) {
   fs::copy_file(TELEKERF_BIN_DIR "/../share/telekerf/pictures/circle.png", here_ / "ein Bild.png");
   fs::copy_file(TELEKERF_BIN_DIR "/../share/telekerf/profiles/lan.toml", here_ / "mein netz.toml");
-  const Ended demo = run("demo --image 'ein Bild.png' --out 'aus gabe/1' --duration-s=3 --netem './mein netz.toml' "
-                         "--domain " + own_domain());
+  const Ended demo =
+      run("demo --image 'ein Bild.png' --out 'aus gabe/1' --duration-s=3 --netem './mein netz.toml' "
+          "--domain " +
+          own_domain());
   EXPECT_EQ(demo.code, 0) << demo.out << demo.err;
   EXPECT_EQ(demo.err, "");
   for (const std::string file : {"report.json", "cut.png", "trace.csv", "master.csv", "slave.csv"})

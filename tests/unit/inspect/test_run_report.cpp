@@ -70,7 +70,8 @@ TEST(RunReport, MeasuresConstraintTrackingAndCutWithoutAnyFittedShift) {
   EXPECT_NEAR(report["constraint"]["rms_um"].get<double>(), 100.0, 0.1);
   EXPECT_NEAR(report["constraint"]["max_um"].get<double>(), 100.0, 0.1);
   EXPECT_NEAR(report["tracking"]["rms_um"].get<double>(), 30.0, 0.01);
-  EXPECT_NEAR(report["prediction"]["rmse_um"].get<double>(), 7.0, 0.01) << "slave to what was predicted of it";
+  EXPECT_NEAR(report["prediction"]["rmse_um"].get<double>(), 7.0, 0.01)
+      << "slave to what was predicted of it";
   EXPECT_NEAR(report["cut"]["rms_um"].get<double>(), 80.0, 0.1);
   EXPECT_NEAR(report["cut"]["coverage"].get<double>(), 0.5, 0.005);
   EXPECT_NEAR(report["cut"]["laser_on_s"].get<double>(), 0.5, 1e-6);

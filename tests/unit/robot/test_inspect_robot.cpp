@@ -94,16 +94,19 @@ TEST(InspectRobot, KinematicsNeedNoWorkspace) {
   std::ofstream(file) << "[geometry]\nbase_radius_m = 0.13025\ntool_radius_m = 0\n"
                          "rod_length_m = [0.269, 0.269, 0.269]\nrail_angle_deg = [90, 210, 330]\n"
                          "attack_angle_deg = [90, 90, 90]\nassembly_mode = \"below\"\nstroke_m = [-1, 1]\n";
-  const auto fk = json_of(inspect(file.string() + " --fk 0.231101645177054 0.233456816788892 0.261930399179169"));
+  const auto fk =
+      json_of(inspect(file.string() + " --fk 0.231101645177054 0.233456816788892 0.261930399179169"));
   EXPECT_NEAR(fk.at("tool_m").at(0).get<double>(), 0.03, 1e-12);
   EXPECT_NEAR(fk.at("tool_m").at(2).get<double>(), 0.01, 1e-12);
-  EXPECT_NE(one_sentence(inspect(file.string() + " --ik 0.03 -0.02 0.01")).find("working_mode"), std::string::npos);
+  EXPECT_NE(one_sentence(inspect(file.string() + " --ik 0.03 -0.02 0.01")).find("working_mode"),
+            std::string::npos);
   EXPECT_NE(one_sentence(inspect(file.string() + " --workspace")).find("working_mode"), std::string::npos);
   std::filesystem::remove(file);
 }
 
 TEST(InspectRobot, APictureOfNoKnownKindIsRefused) {
-  EXPECT_NE(one_sentence(inspect("slave-keops --workspace --picture x.foo")).find("x.foo"), std::string::npos);
+  EXPECT_NE(one_sentence(inspect("slave-keops --workspace --picture x.foo")).find("x.foo"),
+            std::string::npos);
 }
 
 TEST(InspectRobot, HallCalibrationIsReported) {

@@ -36,7 +36,8 @@ TEST(Config, ARefusedListStandsInOneLine) {
   const ConfigFile file("list = [0.25, nan, 3]\ntables = [{a = 1}]\n", "f.toml");
   EXPECT_EQ(refusal_of([&] { (void)file.numbers("list", 3); }),
             "f.toml: list = [0.25, nan, 3]: must be a finite number");
-  EXPECT_EQ(refusal_of([&] { (void)file.numbers("tables", 0); }), "f.toml: tables = [{..}]: must hold numbers only");
+  EXPECT_EQ(refusal_of([&] { (void)file.numbers("tables", 0); }),
+            "f.toml: tables = [{..}]: must hold numbers only");
 }
 
 TEST(Config, AFileThatIsNotThereIsNamed) {

@@ -203,7 +203,8 @@ TEST(Svg, DamageIsAnErrorThatSaysWhere) {
     EXPECT_NE(error(svg).find(width), std::string::npos) << svg;
   }
   for (const std::string width : {"100%", "auto", "10.5mm", " 7 "})
-    EXPECT_EQ(error("<svg width='" + width + "' viewBox='0 0 9 9'><line x2='1'/></svg>"), "no error") << width;
+    EXPECT_EQ(error("<svg width='" + width + "' viewBox='0 0 9 9'><line x2='1'/></svg>"), "no error")
+        << width;
   std::string deep = "<svg>";
   for (int i = 0; i < 300; ++i) deep += "<g>";
   EXPECT_NE(error(deep).find("no error"), 0u);
