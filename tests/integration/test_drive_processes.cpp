@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/integration/programs.h"
+#include "tests/integration/robot_process.h"
 
 namespace telekerf::integration {
 namespace {
@@ -16,23 +16,6 @@ std::vector<std::string> cell(std::vector<std::string> more) {
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
-
-/// A robot on any free port.
-class RobotProcess : public Program {
- public:
-  explicit RobotProcess(const std::string& robot)
-      : Program("telekerf-robot", {"--robot", robot, "--port", "0"}) {
-    const std::string before = "is simulated at ";
-    if (!says(before, seconds(20)) || !says("\n", seconds(1))) return;
-    const std::string said = output();
-    const std::size_t at = said.find(before) + before.size();
-    drive_ = said.substr(at, said.find('\n') - at);
-  }
-  const std::string& drive() const { return drive_; }
-
- private:
-  std::string drive_;
-};
 
 /// What stands in a CSV's column, of its last row.
 double last_of(const std::string& file, const std::string& column) {

@@ -3,7 +3,7 @@
 // a refusal leaves nothing behind.
 #include <gtest/gtest.h>
 
-#include "tests/integration/programs.h"
+#include "tests/integration/robot_process.h"
 
 namespace telekerf::integration {
 namespace {
@@ -72,6 +72,24 @@ TEST_F(Script, ARefusedDemoLeavesAnEarlierRunAlone) {
   EXPECT_EQ(run("demo --image nowhere.png --out run --domain " + own_domain()).code, 2);
   EXPECT_EQ(text_of("run/slave.csv"), "earlier");
   EXPECT_EQ(std::distance(fs::directory_iterator(here_ / "run"), fs::directory_iterator()), 1);
+}
+
+TEST_F(Script, WhatWasCutBeforeTheDriveDiedIsKept) {
+  RobotProcess robot("slave-keops");
+  ASSERT_NE(robot.drive(), "") << robot.output();
+  std::jthread end_of_it([&] {
+    // What the slave says comes with the end of the script; its record is in a draft until then.
+    const auto cutting = [&] { return text_of("out.txt").find("cutting") != std::string::npos; };
+    for (int n = 0; n < 600 && !cutting(); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    robot.kill();
+  });
+  const Ended machine =
+      run("machine circle --width-mm 12 --out cut --drive " + robot.drive() + " --domain " + own_domain());
+  EXPECT_EQ(machine.code, 2) << machine.out << machine.err;
+  EXPECT_NE(machine.err.find("no reading for"), std::string::npos) << machine.err;
+  EXPECT_NE(text_of("cut/result.json").find("\"finished\": false"), std::string::npos);
+  EXPECT_TRUE(fs::exists(here_ / "cut/trace.csv"));
 }
 
 TEST_F(Script, AskedForHelpItBuildsNothingAndInstallsNothing) {
