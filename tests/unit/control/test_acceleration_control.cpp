@@ -258,7 +258,7 @@ TEST(AccelerationControl, NonsenseGivesNoCurrentAndNothingAllocates) {
   EXPECT_EQ(none, Vec3::Zero());
   EXPECT_TRUE(control.saturated());
   EXPECT_EQ(clipped, Vec3(10.0 / 6, -10.0 / 6, 1.0 / 6));
-  const Mat3 inertia = Mat3::Identity();
+  [[maybe_unused]] const Mat3 inertia = Mat3::Identity();
   const robot::JointReading reading;
   static_assert(noexcept(control.observe(reading))&& noexcept(control.currents(none, inertia, none)));
 }

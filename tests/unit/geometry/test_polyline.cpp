@@ -75,6 +75,7 @@ TEST(Polyline, BoundingCircleHoldsEverythingAndIsSmall) {
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   for (int round = 0; round < 50; ++round) {
     std::vector<Vec2> points;
+    points.reserve(static_cast<std::size_t>(3 + round));
     for (int i = 0; i < 3 + round; ++i) points.emplace_back(u(rng), u(rng));
     const Circle c = bounding_circle(points);
     int touching = 0;

@@ -293,6 +293,7 @@ TEST(CubicSpline, ReproducesCubicsWithAllDerivatives) {
   const auto f = [](double t) { return Vec2(1 + t - 2 * t * t + 0.5 * t * t * t, 3 - t * t * t); };
   std::vector<double> times{0.0, 0.3, 0.5, 1.1, 1.2, 2.0};
   std::vector<Vec2> values;
+  values.reserve(times.size());
   for (const double t : times) values.push_back(f(t));
   const auto spline = Spline::through(times, values);
   ASSERT_TRUE(spline);

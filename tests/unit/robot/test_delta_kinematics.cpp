@@ -43,7 +43,9 @@ void sweep(const DeltaGeometry& g, int count, double worst, std::uint64_t seed, 
 }
 
 TEST(DeltaKinematics, ForwardAndInverseAreInversesOnAllKinds) {
-  for (const auto& [name, geometry] : machines()) {
+  for (const auto& machine : machines()) {
+    const auto& name = machine.name;
+    const auto& geometry = machine.geometry;
     double worst_tool = 0;
     double worst_joint = 0;
     Vec3 worst_pose = Vec3::Zero();
@@ -66,7 +68,8 @@ TEST(DeltaKinematics, ForwardAndInverseAreInversesOnAllKinds) {
 
 // Eq. 102 in its plainest form: proves the corrected lambda (eq. 110) and mu (eq. 134) for unequal rods.
 TEST(DeltaKinematics, RodsKeepTheirLength) {
-  for (const auto& [name, geometry] : machines()) {
+  for (const auto& machine : machines()) {
+    const auto& geometry = machine.geometry;
     sweep(geometry, 2000, 50, 2, [&](const DeltaKinematics& kinematics, const Pose& pose) {
       const auto tool = kinematics.forward(pose.joints);
       ASSERT_TRUE(tool.has_value());
@@ -154,7 +157,9 @@ TEST(DeltaKinematics, WorkingModesAreTheSignOfFd) {
 }
 
 TEST(DeltaKinematics, JacobianIsTheDerivative) {
-  for (const auto& [name, geometry] : machines()) {
+  for (const auto& machine : machines()) {
+    const auto& name = machine.name;
+    const auto& geometry = machine.geometry;
     double worst = 0;
     sweep(geometry, 2000, 50, 5, [&](const DeltaKinematics& kinematics, const Pose& pose) {
       const Mat3 jacobian = *kinematics.jacobian(pose.joints, pose.tool);
@@ -176,7 +181,9 @@ TEST(DeltaKinematics, JacobianIsTheDerivative) {
 }
 
 TEST(DeltaKinematics, JacobianRateIsTheDerivativeAlongTheMotion) {
-  for (const auto& [name, geometry] : machines()) {
+  for (const auto& machine : machines()) {
+    const auto& name = machine.name;
+    const auto& geometry = machine.geometry;
     double worst = 0;
     std::mt19937_64 random(6);
     sweep(geometry, 2000, 50, 7, [&](const DeltaKinematics& kinematics, const Pose& pose) {
