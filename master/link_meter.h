@@ -22,6 +22,7 @@ class LinkMeter {
   void received(const StateBlock& state, std::int64_t received_ns) noexcept;
 
   double rtt_quantile_ms(double share) const;
+  std::uint64_t round_trips() const noexcept { return round_trips_; }
   /// The slave's clock against ours, as of the newest state.
   ClockEstimate clocks() const noexcept { return clocks_.estimate(last_received_ns_); }
   std::uint64_t lost() const noexcept { return lost_; }

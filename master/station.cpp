@@ -172,9 +172,11 @@ void Station::report(RunRecord& record) const {
   f["beta"] = settings_.beta;
   f["seed"] = static_cast<double>(settings_.seed);
   f["rate_hz"] = settings_.node.control_hz;
-  f["rtt_p50_ms"] = link.rtt_quantile_ms(0.50);
-  f["rtt_p95_ms"] = link.rtt_quantile_ms(0.95);
-  f["rtt_p99_ms"] = link.rtt_quantile_ms(0.99);
+  if (link.round_trips() > 0) {  // otherwise nobody knows
+    f["rtt_p50_ms"] = link.rtt_quantile_ms(0.50);
+    f["rtt_p95_ms"] = link.rtt_quantile_ms(0.95);
+    f["rtt_p99_ms"] = link.rtt_quantile_ms(0.99);
+  }
   f["lost"] = static_cast<double>(link.lost());
   f["block"] = command.block;
   f["keep"] = command.keep;

@@ -43,6 +43,16 @@ double figure(const Figures& figures, const std::string& name, double fallback =
   return found == figures.end() ? fallback : found->second;
 }
 
+/// The sum of figures; null if one of them was never measured.
+nlohmann::ordered_json known(std::initializer_list<std::pair<const Figures*, const char*>> parts) {
+  double sum = 0.0;
+  for (const auto& [figures, name] : parts) {
+    if (!figures->contains(name)) return nullptr;
+    sum += figures->at(name);
+  }
+  return sum;
+}
+
 std::string word(const RunRecord& record, const std::string& name) {
   const auto found = record.words.find(name);
   return found == record.words.end() ? "" : found->second;
@@ -206,12 +216,12 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   report["prediction"] = um(prediction, "rmse_um");
   report["cut"] = cut_json;
   report["link"] = {{"rtt_ms",
-                     {{"p50", figure(m, "rtt_p50_ms")},
-                      {"p95", figure(m, "rtt_p95_ms")},
-                      {"p99", figure(m, "rtt_p99_ms")}}},
+                     {{"p50", known({{&m, "rtt_p50_ms"}})},
+                      {"p95", known({{&m, "rtt_p95_ms"}})},
+                      {"p99", known({{&m, "rtt_p99_ms"}})}}},
                     {"block_ms", figure(m, "block_ms")},
                     {"playout_ms", figure(s, "playout_ms")},
-                    {"total_ms", figure(m, "rtt_p50_ms") + figure(m, "block_ms") + figure(s, "playout_ms")},
+                    {"total_ms", known({{&m, "rtt_p50_ms"}, {&m, "block_ms"}, {&s, "playout_ms"}})},
                     {"lost", static_cast<std::int64_t>(figure(s, "lost") + figure(m, "lost"))},
                     {"refused", static_cast<std::int64_t>(figure(s, "refused") + figure(m, "refused"))},
                     {"payload_bytes_per_s", figure(m, "payload_bytes_per_s")},

@@ -52,6 +52,16 @@ RunRecord circle_run(double out, double off) {
   return record;
 }
 
+TEST(RunReport, ARoundTripThatWasNeverMeasuredIsUnknownNotZero) {
+  RunRecord record = circle_run(0.0, 0.0);
+  record.master_figures["block_ms"] = 16.0;
+  record.slave_figures["playout_ms"] = 2.0;
+  EXPECT_TRUE(make_report(record)["link"]["rtt_ms"]["p50"].is_null());
+  EXPECT_TRUE(make_report(record)["link"]["total_ms"].is_null());
+  record.master_figures["rtt_p50_ms"] = 100.0;
+  EXPECT_EQ(make_report(record)["link"]["total_ms"].get<double>(), 118.0);
+}
+
 TEST(RunReport, ABetaThatChangesInMidRunChangesNoFigureAtTheWorkpiece) {
   RunRecord record = circle_run(100e-6, 30e-6);
   for (std::size_t i = 400; i < record.master.size(); ++i) {
