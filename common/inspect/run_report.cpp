@@ -253,9 +253,10 @@ void write_trace(const std::filesystem::path& file, const RunRecord& record) {
         row.applied >= 0.0 ? master_at(record, row.applied, &MasterRow::tool_m) : std::nullopt;
     if (!master) continue;
     out << fmt::format(
-        "{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{},{:.5f},{:.5f},{:.5f}\n", row.t_s,
-        master->x(), master->y(), master->z(), row.ref_m[0], row.ref_m[1], row.tool_m[0], row.tool_m[1],
-        row.tool_m[2], row.laser_w, row.force_n[0], row.force_n[1], row.force_n[2]);
+        "{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{},{:.5f},{:.5f},{:.5f}\n",
+        row.t_s - record.slave.front().t_s, master->x(), master->y(), master->z(), row.ref_m[0], row.ref_m[1],
+        row.tool_m[0], row.tool_m[1], row.tool_m[2], row.laser_w, row.force_n[0], row.force_n[1],
+        row.force_n[2]);
   }
   if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
 }

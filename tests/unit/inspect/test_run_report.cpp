@@ -143,6 +143,9 @@ TEST(RunRecord, WhatIsWrittenIsReadAgainBitForBit) {
   EXPECT_EQ(header,
             "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w,"
             "force_x_n,force_y_n,force_z_n");
+  std::string row;
+  std::getline(trace, row);
+  EXPECT_TRUE(row.starts_with("0.000000,")) << "from the slave's first tick: " << row;
 }
 
 TEST(RunRecord, ADamagedFileIsRefusedByNameAndLine) {
