@@ -26,18 +26,8 @@ static_assert(sizeof(UdpCurrents) == 40 && sizeof(UdpReading) == 56, "datagrams 
 
 }  // namespace
 
-UdpRobot::UdpRobot(const std::string& host, std::uint16_t port, double period_s) : socket_(context_) {
-  const auto refuse = [&](const boost::system::error_code& error, const char* remedy) {
-    throw Refusal(fmt::format("drive = udp:{}:{}: {}; {}", host, port, error.message(), remedy));
-  };
-  boost::system::error_code error;
-  udp::resolver resolver(context_);
-  const auto found = resolver.resolve(udp::v4(), host, std::to_string(port), error);
-  if (error || found.empty()) refuse(error, "give the host's IPv4 address or a name that it is known by");
-  drive_ = found.begin()->endpoint();
-  socket_.open(udp::v4(), error);
-  if (!error) socket_.non_blocking(true, error);
-  if (error) refuse(error, "close what holds so many sockets");
+UdpRobot::UdpRobot(const UdpAddress& address, double period_s)
+    : socket_(context_), drive_(open_udp(socket_, address, "drive")) {
   outgoing_.period_ns = static_cast<std::uint32_t>(std::lround(period_s * 1e9));
 }
 

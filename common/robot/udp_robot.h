@@ -11,10 +11,10 @@
 #include <boost/asio/ip/udp.hpp>
 #include <chrono>
 #include <cstdint>
-#include <string>
 
 #include "common/robot/robot.h"
 #include "common/robot/simulated_robot.h"
+#include "common/runtime/udp.h"
 
 namespace telekerf::robot {
 
@@ -43,7 +43,7 @@ class UdpRobot final : public Robot {
  public:
   /// `period_s`: between two writes, at most 0.1 s. Throws Refusal if the address cannot be resolved or
   /// opened.
-  UdpRobot(const std::string& host, std::uint16_t port, double period_s);
+  UdpRobot(const UdpAddress& address, double period_s);
 
   /// Newest answer that has arrived; invalid if none has come since the last call.
   JointReading read() noexcept override;

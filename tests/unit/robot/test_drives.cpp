@@ -18,7 +18,7 @@ TEST(Drives, WhatIsNoDriveIsRefusedWithWhatItMustBe) {
     EXPECT_NE(complaint_about_drive(wrong).find("must be one of simulated, udp:HOST:PORT"), std::string::npos)
         << wrong;
   }
-  EXPECT_EQ(complaint_about_drive("simulated:2"), "simulated stands alone");
+  EXPECT_EQ(complaint_about_drive("simulated:2"), "stands alone, nothing follows its name");
   for (const char* wrong : {"udp", "udp:", "udp:7000", "udp::7000", "udp:host", "udp:host:", "udp:host:0",
                             "udp:host:65536", "udp:host:-1", "udp:host:7000x", "udp:host:1e3"}) {
     EXPECT_NE(complaint_about_drive(wrong).find("within [1, 65535], as in udp:127.0.0.1:7000"),

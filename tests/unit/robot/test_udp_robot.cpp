@@ -79,7 +79,7 @@ TEST(UdpRobot, ARobotInAnotherProcessIsControlledLikeAnyOther) {
   const RobotModel model = load_robot("slave-keops");
   const DriveProcess process(model);
   ASSERT_NE(process.port(), 0);
-  UdpRobot robot("127.0.0.1", process.port(), kPeriod_s);
+  UdpRobot robot({"127.0.0.1", process.port()}, kPeriod_s);
   const Vec3 goal = model.workspace.centre_m + Vec3(0.005, -0.003, 0.001);
   const Vec3 tool = hold(robot, model, goal, 1500);
   EXPECT_LT((tool - goal).norm(), 20e-6);
@@ -87,19 +87,19 @@ TEST(UdpRobot, ARobotInAnotherProcessIsControlledLikeAnyOther) {
 }
 
 TEST(UdpRobot, NothingThereIsAnInvalidReadingNotAWait) {
-  UdpRobot robot("127.0.0.1", 9, kPeriod_s);  // nobody answers
+  UdpRobot robot({"127.0.0.1", 9}, kPeriod_s);  // nobody answers
   for (int i = 0; i < 10; ++i) {
     robot.write(Vec3::Zero());
     EXPECT_FALSE(robot.read().valid);
   }
-  EXPECT_THROW(UdpRobot("no.such.host.invalid", 9, kPeriod_s), Refusal);
+  EXPECT_THROW(UdpRobot({"no.such.host.invalid", 9}, kPeriod_s), Refusal);
 }
 
 TEST(UdpRobot, StrangersAreNotTakenAndNothingIsReadTwice) {
   const RobotModel model = load_robot("slave-keops");
   SimulatedRobot plant(model, 3, model.workspace.centre_m);
   UdpDrive drive(plant, 0);
-  UdpRobot robot("127.0.0.1", drive.port(), kPeriod_s);
+  UdpRobot robot({"127.0.0.1", drive.port()}, kPeriod_s);
   boost::asio::io_context context;
   boost::asio::ip::udp::socket stranger(context, boost::asio::ip::udp::v4());
   const std::string nonsense(40, 'x');
@@ -116,8 +116,8 @@ TEST(UdpRobot, ADriveObeysOneControllerUntilThatHasGone) {
   const RobotModel model = load_robot("slave-keops");
   SimulatedRobot plant(model, 3, model.workspace.centre_m);
   UdpDrive drive(plant, 0);
-  UdpRobot first("127.0.0.1", drive.port(), kPeriod_s);
-  UdpRobot second("127.0.0.1", drive.port(), kPeriod_s);
+  UdpRobot first({"127.0.0.1", drive.port()}, kPeriod_s);
+  UdpRobot second({"127.0.0.1", drive.port()}, kPeriod_s);
   first.write(Vec3::Zero());
   EXPECT_EQ(drive.serve_for(0.05), 1u);
   second.write(Vec3::Constant(1.0));

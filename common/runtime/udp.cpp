@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/runtime/udp.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "common/runtime/refusal.h"
+
+namespace telekerf {
+
+using boost::asio::ip::udp;
+
+UdpAddress udp_address(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == text.npos) return {std::string(text)};
+  UdpAddress address{std::string(text.substr(0, colon))};
+  const std::string_view digits = text.substr(colon + 1);
+  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), address.port);
+  if (error != std::errc() || end != digits.end()) address.port = 0;
+  return address;
+}
+
+std::string complaint_about_udp(std::string_view text) {
+  const UdpAddress address = udp_address(text);
+  if (!address.host.empty() && address.port != 0) return "";
+  return "udp needs a host and a port within [1, 65535], as in udp:127.0.0.1:7000";
+}
+
+void refuse_udp(const UdpAddress& address, std::string_view key, std::string_view wrong,
+                std::string_view remedy) {
+  throw Refusal(fmt::format("{} = udp:{}:{}: {}; {}", key, address.host, address.port, wrong, remedy));
+}
+
+udp::endpoint open_udp(udp::socket& socket, const UdpAddress& address, std::string_view key) {
+  boost::system::error_code error;
+  udp::resolver resolver(socket.get_executor());
+  const auto found = resolver.resolve(udp::v4(), address.host, std::to_string(address.port), error);
+  if (error || found.empty()) {
+    refuse_udp(address, key, error.message(), "give the host's IPv4 address or a name that it is known by");
+  }
+  socket.open(udp::v4(), error);
+  if (!error) socket.non_blocking(true, error);
+  if (error) refuse_udp(address, key, error.message(), "close what holds so many sockets");
+  return found.begin()->endpoint();
+}
+
+}  // namespace telekerf

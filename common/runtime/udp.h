@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What all devices behind a UDP address share: HOST:PORT as users write it, and a socket that never waits.
+#pragma once
+
+#include <boost/asio/ip/udp.hpp>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace telekerf {
+
+struct UdpAddress {
+  std::string host;
+  std::uint16_t port = 0;  ///< 0: none was given, or none that there is
+};
+
+UdpAddress udp_address(std::string_view text);
+/// What an address must be, if it is not; empty: it is.
+std::string complaint_about_udp(std::string_view text);
+
+/// Opens `socket` so that it never waits, and finds the address (IPv4). `key`: the setting that names the
+/// device. Throws Refusal.
+boost::asio::ip::udp::endpoint open_udp(boost::asio::ip::udp::socket& socket, const UdpAddress& address,
+                                        std::string_view key);
+
+/// "drive = udp:127.0.0.1:7000: what is wrong; remedy"
+[[noreturn]] void refuse_udp(const UdpAddress& address, std::string_view key, std::string_view wrong,
+                             std::string_view remedy);
+
+}  // namespace telekerf
