@@ -48,7 +48,7 @@ int run(Flags& flags) {
   if (flags.automatic) {
     return run_automatic(bus_settings, flags.automatic_settings,
                          {flags.station.robot, flags.station.machine, flags.station.mismatch,
-                          flags.station.seed, flags.station.node.laser_w},
+                          flags.station.seed, flags.station.node.laser_w, flags.station.beam},
                          flags.record);
   }
   Station station(flags.station);

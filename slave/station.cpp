@@ -20,6 +20,7 @@ Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 void StationSettings::declare(Settings& settings) {
   settings.add("robot", robot, "robot: a shipped name or a file");
   machine.declare(settings);
+  beam.declare(settings);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot");
@@ -65,7 +66,7 @@ StationSettings StationSettings::validated() const {
   return settings;
 }
 
-Station::Station(const StationSettings& settings, robot::Drive drive)
+Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<Laser> laser)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
       machine_(model_, settings_.machine, settings_.node.control_hz,
@@ -73,6 +74,7 @@ Station::Station(const StationSettings& settings, robot::Drive drive)
                            : robot::attach(settings_.machine.drive, model_, settings_.node.control_hz,
                                            // Another machine than the master's with the same seed.
                                            {settings_.mismatch, settings_.seed + 1000, {}})),
+      beam_(settings_.beam, settings_.node.laser_w, settings_.node.control_hz, std::move(laser)),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
@@ -96,6 +98,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.joints = machine_.read();
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to report
     node_.heed(events);
+    beam_.off();
     machine_.write(Vec3::Zero());
     return {};
   }
@@ -104,6 +107,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.corridor = corridor;
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
+  out.laser_w = beam_.emit(out.laser_w, false);
   machine_.write(out.currents_a);
   recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick,
                   triple(out.reference.position_m), triple(true_tool_m.value_or(out.tool_m)), out.laser_w,
@@ -138,6 +142,8 @@ void Station::report(RunRecord& record) const {
                              (std::max(static_cast<double>(tick_), 1.0) * control_period_s());
   f["playout_corrections"] = static_cast<double>(node_.playout().corrections());
   f["playout_ms"] = node_.playout().wait_s() * 1e3;
+  f["laser_clipped"] = static_cast<double>(beam_.clipped());
+  f["laser_untold"] = static_cast<double>(beam_.untold());
   f["readings_missed"] = static_cast<double>(machine_.readings_missed());
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
 }

@@ -11,6 +11,7 @@
 #include "common/robot/machine.h"
 #include "common/runtime/run_record.h"
 #include "common/runtime/settings.h"
+#include "slave/laser/beam.h"
 #include "slave/slave_node.h"
 
 namespace telekerf::slave {
@@ -19,6 +20,7 @@ struct StationSettings {
   SlaveSettings node;
   std::string robot = "slave-keops";
   robot::MachineSettings machine;
+  BeamSettings beam;
   std::string codec = "sdct";  ///< of both parts of the state stream
   double mismatch = 0.1;       ///< how far the simulated robot is off its file, as a share
   std::uint64_t seed = 1;
@@ -31,8 +33,9 @@ struct StationSettings {
 
 class Station {
  public:
-  /// `drive`: another robot than the one that the settings name. Throws Refusal.
-  explicit Station(const StationSettings& settings, robot::Drive drive = {});
+  /// `drive`, `laser`: others than those that the settings name. Throws Refusal.
+  explicit Station(const StationSettings& settings, robot::Drive drive = {},
+                   std::unique_ptr<Laser> laser = {});
 
   /// Allocates: call it outside the loop. Throws Refusal if the contour leaves the workspace.
   std::unique_ptr<Corridor> prepare(const ContourMessage& contour) const;
@@ -47,8 +50,11 @@ class Station {
   }
   const SlaveNode& node() const { return node_; }
   const robot::Machine& machine() const { return machine_; }
-  /// After the last step: leaves the robot without current.
-  void release() noexcept { machine_.release(); }
+  /// After the last step: beam off, then the robot without current.
+  void release() noexcept {
+    beam_.off();
+    machine_.release();
+  }
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
   void report(RunRecord& record) const;
 
@@ -56,6 +62,7 @@ class Station {
   StationSettings settings_;
   robot::RobotModel model_;
   robot::Machine machine_;
+  Beam beam_;
   SlaveNode node_;
   Recorder<SlaveRow> recorder_;
   Tick tick_ = 0;

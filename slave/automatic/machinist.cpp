@@ -53,6 +53,7 @@ MachinistOutputs Machinist::step(const robot::JointReading& reading, bool stop) 
                         settings_.interlock);
   if (out.interlock == Interlock::kReady && reference.beam)
     out.laser_w = settings_.laser_w * follower_.beam_power(reference);
+  out.pilot = out.phase == JobPhase::kFraming && reading.valid && !stopped_;
   out.progress = static_cast<double>(tick_) / static_cast<double>(std::max<std::size_t>(last, 1));
   out.done = tick_ == last;
   if (!stopped_ && tick_ < last) {

@@ -22,6 +22,7 @@ struct MachinistSettings {
 struct MachinistOutputs {
   Vec3 currents_a = Vec3::Zero();
   double laser_w = 0.0;
+  bool pilot = false;  ///< the visible beam that shows where the work will be
   JobPhase phase = JobPhase::kApproach;
   Interlock interlock = Interlock::kNoContour;
   std::size_t tick = 0;   ///< of the job's track

@@ -166,6 +166,7 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
                          robot::attach(options.machine.drive, model, settings.machining_hz,
                                        {options.mismatch, options.seed + 1000,
                                         settings.sensor == "hall" ? Sensor::kHall : Sensor::kEncoder}));
+  Beam beam(options.beam, options.laser_w, settings.machining_hz);
   const DriveRecord drive{options.machine.drive, machine.plant() != nullptr};
   if (!drive.true_tool)
     fmt::print("slave: {} is not simulated: what is recorded is the measured tool\n", drive.name);
@@ -243,10 +244,11 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
     const auto true_tool_m = machine.true_tool_m();
     const auto true_velocity = machine.true_tool_velocity_m_per_s();
     const MachinistOutputs out = machinist.step(machine.read(), stop);
+    const double laser_w = beam.emit(out.laser_w, out.pilot);
     machine.write(out.currents_a);
     machine.advance();
     const Vec3 velocity = true_velocity.value_or(out.tool_velocity_m_per_s);
-    rows.push_back({out.tick, true_tool_m.value_or(out.tool_m), velocity, out.laser_w});
+    rows.push_back({out.tick, true_tool_m.value_or(out.tool_m), velocity, laser_w});
     if (out.saturated || velocity.norm() > model.limits.velocity_m_per_s) ++limit_violations;
     phase.store(static_cast<int>(out.phase), std::memory_order_relaxed);
     progress.store(out.progress, std::memory_order_relaxed);
@@ -255,6 +257,7 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
     if (stop) ++held;
     return !done && !machine.lost() && held < hold_ticks && rows.size() < rows.capacity();
   });
+  beam.off();
   machine.release();
   const double wall_s = static_cast<double>(last_ns - first_ns) * 1e-9;
   herald.request_stop();
@@ -266,7 +269,9 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
            {{"time_s", wall_s},
             {"rate_hz", loop.rate_hz},
             {"overruns", loop.overruns},
-            {"readings_missed", machine.readings_missed()}});
+            {"readings_missed", machine.readings_missed()},
+            {"laser_clipped", beam.clipped()},
+            {"laser_untold", beam.untold()}});
   if (machine.lost()) throw Refusal(machine.loss());
   return finished ? 0 : 1;
 }

@@ -7,6 +7,7 @@
 #include "common/bus/bus_flags.h"
 #include "common/robot/machine.h"
 #include "common/runtime/settings.h"
+#include "slave/laser/beam.h"
 
 namespace telekerf::slave {
 
@@ -30,6 +31,7 @@ struct AutomaticRobot {
   double mismatch = 0.1;
   std::uint64_t seed = 1;
   double laser_w = 10.0;
+  BeamSettings beam;
 };
 
 /// Waits for a picture's contours, works them off, writes result.json, timing.json, trace.csv, mark.png and

@@ -8,6 +8,7 @@
 #include "common/robot/udp_robot.h"
 #include "tests/lap/virtual_lap.h"
 #include "tests/unit/allocations.h"
+#include "tests/unit/slave/laser_device.h"
 
 namespace telekerf::lap {
 namespace {
@@ -43,12 +44,14 @@ TEST(ControlPath, NeitherStationsStepAllocates) {
   EXPECT_EQ(in_steps, 0u);
 }
 
-TEST(ControlPath, NorDoesOneWithARobotInAnotherProcess) {
+TEST(ControlPath, NorDoesOneWithRobotAndLaserInAnotherProcess) {
   slave::StationSettings settings;
   const robot::RobotModel model = robot::load_robot(settings.robot);
   robot::SimulatedRobot plant(model, 1, model.in_base(Vec3::Zero()));
   robot::UdpDrive drive(plant, 0);
   settings.machine.drive = "udp:127.0.0.1:" + std::to_string(drive.port());
+  slave::LaserSocket laser;
+  settings.beam.laser = laser.laser();
   std::jthread answering([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) drive.serve_for(0.01);
   });
@@ -66,6 +69,10 @@ TEST(ControlPath, NorDoesOneWithARobotInAnotherProcess) {
   EXPECT_TRUE(slave.machine().started());
   EXPECT_FALSE(slave.machine().lost());
   EXPECT_EQ(in_steps, 0u);
+  RunRecord record;
+  slave.report(record);
+  EXPECT_EQ(record.slave_figures.at("laser_untold"), 0.0);
+  EXPECT_TRUE(laser.take().has_value());
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stations with a robot of which they know nothing but `Robot`.
+// The stations with a robot and a laser of which they know nothing but `Robot` and `Laser`.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -42,6 +42,19 @@ class Foreign : public robot::Robot {
 robot::Drive foreign(Foreign::World& world, const std::string& name, std::uint64_t seed) {
   return {std::make_unique<Foreign>(world, robot::load_robot(name), seed), nullptr};
 }
+
+/// Remembers what it was told.
+class Lamp : public slave::Laser {
+ public:
+  explicit Lamp(std::vector<double>& told_w) : told_w_(told_w) {}
+  bool emit(double power_w, bool) noexcept override {
+    told_w_.push_back(power_w);
+    return true;
+  }
+
+ private:
+  std::vector<double>& told_w_;
+};
 
 bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), sizeof(Vec3)) == 0; }
 
@@ -146,6 +159,47 @@ TEST(Drive, ItsLossPutsTheBeamOutAtOnceAndTheCurrentsSoon) {
   for (int n = 0; n < 100; ++n) {
     EXPECT_EQ(cell.step(slave).laser_w, 0.0);
     EXPECT_EQ(world.written_a, Vec3(Vec3::Zero()));
+  }
+}
+
+TEST(Laser, IsToldEachStepWhatTheRecordHoldsAndIsOffAtEveryEnd) {
+  EventMessage stop;
+  stop.kind = EventMessage::Kind::kStop;
+  for (const char* end : {"release", "destruction", "stop", "loss", "no reading"}) {
+    Cell cell;
+    Foreign::World world;
+    std::vector<double> told_w;
+    auto slave = std::make_unique<slave::Station>(slave_settings("foreign"), foreign(world, "slave-keops", 7),
+                                                  std::make_unique<Lamp>(told_w));
+    EXPECT_EQ(told_w, std::vector{0.0});
+    world.broken_line = true;
+    cell.step(*slave);
+    EXPECT_EQ(told_w, std::vector(2, 0.0)) << "told also before the first reading";
+    world.broken_line = false;
+    slave::SlaveOutputs out;
+    for (int n = 0; n < 8000 && !(n > 5000 && out.laser_w > 0.0); ++n) {
+      out = cell.step(*slave);
+      ASSERT_EQ(told_w.back(), out.laser_w);
+    }
+    ASSERT_EQ(told_w.back(), 10.0) << end;
+    RunRecord record;
+    slave->report(record);
+    ASSERT_EQ(record.slave.size(), told_w.size() - 2);
+    for (std::size_t i = 0; i < record.slave.size(); ++i) ASSERT_EQ(record.slave[i].laser_w, told_w[i + 2]);
+    EXPECT_EQ(record.slave_figures.at("laser_clipped"), 0.0);
+    EXPECT_EQ(record.slave_figures.at("laser_untold"), 0.0);
+
+    const std::string what = end;
+    const std::size_t before = told_w.size();
+    if (what == "release") slave->release();
+    if (what == "destruction") slave.reset();
+    if (what == "stop") (void)slave->step(cell.tick * kMs, cell.corridor.get(), {}, {&stop, 1});
+    if (what == "loss") world.plant->set_tool_force({1e6, 0, 0});
+    if (what == "no reading") world.broken_line = true;
+    for (int n = 0; n < 100 && what == "loss" && !slave->machine().lost(); ++n) cell.step(*slave);
+    if (what == "no reading") cell.step(*slave);
+    EXPECT_GT(told_w.size(), before) << end;
+    EXPECT_EQ(told_w.back(), 0.0) << end;
   }
 }
 

@@ -67,7 +67,7 @@ TEST_F(AtWork, TheBeamIsOnAlongTheContourOnly) {
   Machinist machinist(model, *job, {});
   machinist.reset(plant.read().joints_m);
   double lit_m = 0.0;
-  bool done = false;
+  bool framed = false, done = false;
   for (std::size_t i = 0; i < job->track.size() && !done; ++i) {
     const Vec3 before = model.in_workpiece(plant.true_tool_in_base_m());
     const auto out = machinist.step(plant.read(), false);
@@ -78,9 +78,12 @@ TEST_F(AtWork, TheBeamIsOnAlongTheContourOnly) {
       EXPECT_LT(corridor.find(before.head<2>()).distance_m, 40e-6);
       EXPECT_EQ(out.phase, JobPhase::kCut);
     }
+    ASSERT_EQ(out.pilot, out.phase == JobPhase::kFraming) << i;
+    framed = framed || out.pilot;
     done = out.done;
   }
   EXPECT_TRUE(done);
+  EXPECT_TRUE(framed);
   EXPECT_NEAR(lit_m, 8e-3, 0.3e-3);
 }
 
@@ -134,6 +137,18 @@ TEST_F(AtWork, AToolThatRestsElsewhereIsBroughtToTheStartFirst) {
     if (out.laser_w > 0.0) lit_s += whole.period_s;
   }
   EXPECT_NEAR(lit_s, 8e-3 / 8e-3, 0.05);
+}
+
+TEST_F(AtWork, ThePilotBeamIsOffWithoutAReadingAndAfterAStop) {
+  Machinist machinist(model, *job, {});
+  machinist.reset(plant.read().joints_m);
+  MachinistOutputs out;
+  for (std::size_t i = 0; i < job->track.size() && !out.pilot; ++i) out = machinist.step(plant.read(), false);
+  ASSERT_TRUE(out.pilot);
+  EXPECT_FALSE(machinist.step({}, false).pilot);
+  EXPECT_TRUE(machinist.step(plant.read(), false).pilot);
+  EXPECT_FALSE(machinist.step(plant.read(), true).pilot);
+  EXPECT_FALSE(machinist.step(plant.read(), false).pilot);
 }
 
 TEST_F(AtWork, AStopPutsTheBeamOutAtOnceAndHoldsTheToolForGood) {

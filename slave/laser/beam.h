@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The beam of a station, whatever laser makes it: chosen by its name, limited, and off at every doubt.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "slave/laser/laser.h"
+
+namespace telekerf {
+class Settings;
+}
+
+namespace telekerf::slave {
+
+struct BeamSettings {
+  BeamSettings() = default;         // no aggregate, see MachineSettings
+  std::string laser = "simulated";  ///< a row of the table in beam.cpp
+  double laser_max_w = 1000.0;      ///< more is never asked for
+  void declare(Settings& settings);
+};
+
+/// What is wrong with a `laser` as a user wrote it, and the remedy; empty: nothing.
+std::string complaint_about_laser(const std::string& laser);
+
+class Beam {
+ public:
+  /// Off. `laser_w`: what it will be asked for as a rule. `laser`: another one than the settings name. Throws
+  /// Refusal.
+  Beam(const BeamSettings& settings, double laser_w, double control_hz, std::unique_ptr<Laser> laser = {});
+  ~Beam() { off(); }
+  Beam(const Beam&) = delete;
+  Beam& operator=(const Beam&) = delete;
+
+  /// Every control step. Returns the power that the laser is given: clipped to `laser_max_w`, and none if it
+  /// is negative or not finite.
+  double emit(double power_w, bool pilot) noexcept;
+  /// After the last step.
+  void off() noexcept { (void)emit(0.0, false); }
+
+  /// Steps in which more than `laser_max_w` was asked for.
+  std::uint64_t clipped() const noexcept { return clipped_; }
+  /// Steps in which the laser was not told, as far as is known.
+  std::uint64_t untold() const noexcept { return untold_; }
+
+ private:
+  double max_w_;
+  std::unique_ptr<Laser> laser_;
+  std::uint64_t clipped_ = 0;
+  std::uint64_t untold_ = 0;
+};
+
+}  // namespace telekerf::slave

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// A laser behind a UDP address, one datagram a step and no answer: the smallest one, to copy from. For one
+// host or a wire of its own; there is no protection against a stranger's datagrams.
+#pragma once
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <cstdint>
+
+#include "common/runtime/udp.h"
+#include "slave/laser/laser.h"
+
+namespace telekerf::slave {
+
+/// Controller -> laser, little endian. docs/attach-a-drive.md says what the laser must do by itself.
+struct UdpPower {
+  static constexpr std::uint32_t kMagic = 0x4c554b54;
+  static constexpr std::uint32_t kVersion = 1;
+  std::uint32_t magic = kMagic;
+  std::uint32_t version = kVersion;
+  std::uint64_t sequence = 0;  ///< from 1, more each time
+  double power_w = 0.0;
+  std::uint32_t period_ns = 0;  ///< until the next one
+  std::uint32_t pilot = 0;      ///< 1: on
+};
+
+/// After so long without a datagram the laser must be off: what the interlock reckons with (reaction_s), or
+/// two control periods if they are longer.
+constexpr std::int64_t udp_silence_ns(std::uint32_t period_ns) noexcept {
+  return std::max<std::int64_t>(3'000'000, 2 * std::int64_t{period_ns});
+}
+
+class UdpLaser final : public Laser {
+ public:
+  /// Puts the beam out. Throws Refusal if the address cannot be resolved or reached, or if its host says that
+  /// nobody listens there.
+  UdpLaser(const UdpAddress& address, double control_hz);
+  /// False also if the one before did not arrive.
+  bool emit(double power_w, bool pilot) noexcept override;
+
+ private:
+  boost::system::error_code send() noexcept;
+
+  boost::asio::io_context context_;
+  boost::asio::ip::udp::socket socket_;
+  UdpPower outgoing_;
+};
+
+}  // namespace telekerf::slave

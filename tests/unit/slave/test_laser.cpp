@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// The choice of a laser, the limits above whatever was chosen, and the laser behind a UDP address.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "common/runtime/refusal.h"
+#include "slave/laser/beam.h"
+#include "tests/unit/allocations.h"
+#include "tests/unit/slave/laser_device.h"
+
+namespace telekerf::slave {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+BeamSettings named(const std::string& laser) {
+  BeamSettings settings;
+  settings.laser = laser;
+  return settings;
+}
+
+std::string refusal_of(const BeamSettings& settings, double laser_w) {
+  try {
+    const Beam beam(settings, laser_w, 1000.0);
+  } catch (const Refusal& refusal) {
+    return refusal.what();
+  }
+  return "accepted";
+}
+
+TEST(Laser, WhatIsNoneIsRefusedWithWhatItMustBe) {
+  for (const char* wrong : {"", "Simulated", "spi", "spi:0"}) {
+    EXPECT_NE(complaint_about_laser(wrong).find("must be one of simulated, udp:HOST:PORT"), std::string::npos)
+        << wrong;
+  }
+  EXPECT_EQ(complaint_about_laser("simulated:2"), "stands alone, nothing follows its name");
+  for (const char* wrong : {"udp", "udp:7200", "udp::7200", "udp:host:0", "udp:host:65536"}) {
+    EXPECT_NE(complaint_about_laser(wrong).find("within [1, 65535]"), std::string::npos) << wrong;
+  }
+  EXPECT_EQ(complaint_about_laser("udp:127.0.0.1:7200"), "");
+  EXPECT_EQ(refusal_of(named("simulated"), 10.0), "accepted");
+  EXPECT_NE(refusal_of(named("spi"), 10.0).find("laser = spi: must be one of"), std::string::npos);
+  EXPECT_NE(refusal_of(named("udp:no.such.host.invalid:7200"), 10.0).find("give the host's IPv4 address"),
+            std::string::npos);
+}
+
+TEST(Laser, MoreThanItMayGiveIsRefusedBeforeTheStart) {
+  BeamSettings settings;
+  settings.laser_max_w = 20.0;
+  EXPECT_EQ(refusal_of(settings, 20.0), "accepted");
+  EXPECT_EQ(
+      refusal_of(settings, 20.5),
+      "laser_w = 20.5 must be at most laser_max_w = 20; lower it, or raise laser_max_w if the laser can "
+      "give more");
+}
+
+/// Remembers what it was told; may be out of reach.
+class Told : public Laser {
+ public:
+  struct Step {
+    double power_w;
+    bool pilot;
+    bool operator==(const Step&) const = default;
+  };
+  explicit Told(std::vector<Step>& steps, bool reached = true) : steps_(steps), reached_(reached) {}
+  bool emit(double power_w, bool pilot) noexcept override {
+    steps_.push_back({power_w, pilot});
+    return reached_;
+  }
+
+ private:
+  std::vector<Step>& steps_;
+  bool reached_;
+};
+
+TEST(Beam, IsOffBeforeTheFirstStepAndAfterTheLast) {
+  std::vector<Told::Step> steps;
+  {
+    Beam beam({}, 10.0, 1000.0, std::make_unique<Told>(steps));
+    EXPECT_EQ(steps, (std::vector<Told::Step>{{0.0, false}}));
+    EXPECT_EQ(beam.emit(4.0, false), 4.0);
+    EXPECT_EQ(beam.emit(0.0, true), 0.0);
+    EXPECT_EQ(steps.back(), (Told::Step{0.0, true}));
+    EXPECT_EQ(beam.emit(5.0, true), 5.0);
+    EXPECT_EQ(steps.back(), (Told::Step{5.0, true}));
+  }
+  EXPECT_EQ(steps.back(), (Told::Step{0.0, false}));
+  EXPECT_EQ(steps.size(), 5u);
+}
+
+TEST(Beam, GivesNothingThatIsNoPowerAndNeverMoreThanItsLimit) {
+  std::vector<Told::Step> steps;
+  BeamSettings settings;
+  settings.laser_max_w = 12.0;
+  Beam beam(settings, 10.0, 1000.0, std::make_unique<Told>(steps));
+  for (const double wrong : {-1.0, -1e-300, kNan, kInfinite, -kInfinite}) {
+    EXPECT_EQ(beam.emit(wrong, false), 0.0) << wrong;
+    EXPECT_EQ(steps.back(), (Told::Step{0.0, false})) << wrong;
+  }
+  EXPECT_EQ(beam.clipped(), 0u);
+  EXPECT_EQ(beam.emit(12.0, false), 12.0);
+  EXPECT_EQ(beam.clipped(), 0u);
+  EXPECT_EQ(beam.emit(15.0, false), 12.0);
+  EXPECT_EQ(steps.back(), (Told::Step{12.0, false}));
+  EXPECT_EQ(beam.clipped(), 1u);
+  EXPECT_EQ(beam.untold(), 0u);
+}
+
+TEST(Beam, CountsStepsInWhichTheLaserWasNotTold) {
+  std::vector<Told::Step> steps;
+  Beam beam({}, 10.0, 1000.0, std::make_unique<Told>(steps, false));
+  for (int n = 0; n < 3; ++n) beam.emit(1.0, false);
+  EXPECT_EQ(beam.untold(), 4u);
+}
+
+TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
+  LaserSocket socket;
+  UdpLaser laser(socket.address(), 2400.0);
+  std::uint64_t sequence = 0;
+  while (const auto arrival = socket.take()) {
+    EXPECT_EQ(arrival->told.power_w, 0.0) << "off at first";
+    EXPECT_GT(arrival->told.sequence, sequence);
+    sequence = arrival->told.sequence;
+  }
+  EXPECT_GE(sequence, 1u);
+  const auto before = testing::allocations();
+  bool told = true;
+  for (int n = 0; n < 100; ++n) told = laser.emit(0.1 * n, n % 2 == 1) && told;
+  EXPECT_EQ(testing::allocations(), before);
+  EXPECT_TRUE(told);
+  for (int n = 0; n < 100; ++n) {
+    const auto arrival = socket.take();
+    ASSERT_TRUE(arrival.has_value()) << n;
+    EXPECT_EQ(arrival->size, 32u);
+    EXPECT_EQ(arrival->told.magic, UdpPower::kMagic);
+    EXPECT_EQ(arrival->told.version, 1u);
+    EXPECT_EQ(arrival->told.sequence, ++sequence);
+    EXPECT_EQ(arrival->told.power_w, 0.1 * n);
+    EXPECT_EQ(arrival->told.pilot, n % 2);
+    EXPECT_EQ(arrival->told.period_ns, 416667u);
+  }
+}
+
+TEST(UdpLaser, WhereNobodyListensIsRefused) {
+  std::string laser;
+  {
+    const LaserSocket closed;
+    laser = closed.laser();
+  }
+  EXPECT_EQ(
+      refusal_of(named(laser), 10.0),
+      "laser = " + laser + ": Connection refused; is the laser switched on, connected, and its port right?");
+}
+
+TEST(UdpLaser, ThatGoesAwayIsCounted) {
+  auto socket = std::make_unique<LaserSocket>();
+  Beam beam(named(socket->laser()), 10.0, 1000.0);
+  for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
+  EXPECT_EQ(beam.untold(), 0u);
+  socket.reset();
+  for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
+  EXPECT_GE(beam.untold(), 1u);
+  EXPECT_LE(beam.untold(), 10u);
+}
+
+constexpr std::int64_t kMs = 1'000'000;
+
+class Device : public ::testing::Test {
+ protected:
+  bool tell(std::uint64_t sequence, double power_w, unsigned short from = 1) {
+    UdpPower told;
+    told.sequence = sequence;
+    told.power_w = power_w;
+    told.period_ns = period_ns;
+    return device.hear(told, sizeof(told), {boost::asio::ip::address_v4::loopback(), from}, now_ns);
+  }
+  double power_w() const { return device.power_w(now_ns); }
+
+  LaserDevice device{20.0};
+  std::uint32_t period_ns = kMs;
+  std::int64_t now_ns = 0;
+};
+
+TEST_F(Device, IsOffAfterSilence) {
+  EXPECT_EQ(power_w(), 0.0);
+  EXPECT_TRUE(tell(1, 0.0));
+  EXPECT_TRUE(tell(2, 8.0));
+  EXPECT_EQ(power_w(), 8.0);
+  now_ns += 3 * kMs - 1;
+  EXPECT_EQ(power_w(), 8.0);
+  ++now_ns;
+  EXPECT_EQ(power_w(), 0.0);
+  EXPECT_TRUE(tell(3, 8.0)) << "the same controller was only late";
+  EXPECT_EQ(power_w(), 8.0);
+  period_ns = 5 * kMs;
+  EXPECT_TRUE(tell(4, 8.0));
+  now_ns += 9 * kMs;
+  EXPECT_EQ(power_w(), 8.0);
+  now_ns += kMs;
+  EXPECT_EQ(power_w(), 0.0);
+}
+
+TEST_F(Device, IsNotKeptOnByAnOldDatagram) {
+  tell(1, 0.0);
+  tell(5, 8.0);
+  for (int n = 0; n < 3; ++n, now_ns += kMs) EXPECT_FALSE(tell(n == 0 ? 5 : 4, 8.0));
+  EXPECT_EQ(power_w(), 0.0);
+  tell(6, 0.0);
+  EXPECT_FALSE(tell(5, 8.0)) << "overtaken by the beam's end";
+  EXPECT_EQ(power_w(), 0.0);
+}
+
+TEST_F(Device, ObeysOneControllerAndANewOneOnlyFromItsFirstOff) {
+  EXPECT_FALSE(tell(1, 8.0)) << "off comes first";
+  tell(1, 0.0);
+  tell(2, 8.0);
+  EXPECT_FALSE(tell(100, 8.0, 2));
+  EXPECT_FALSE(tell(100, 0.0, 2));
+  now_ns += 500 * kMs;
+  EXPECT_FALSE(tell(100, 8.0, 2));
+  EXPECT_TRUE(tell(1, 0.0, 2));
+  EXPECT_TRUE(tell(2, 8.0, 2));
+  EXPECT_FALSE(tell(3, 8.0, 1));
+}
+
+TEST_F(Device, GivesNeverMoreThanItHasAndNothingThatIsNoPower) {
+  tell(1, 0.0);
+  tell(2, 50.0);
+  EXPECT_EQ(power_w(), 20.0);
+  for (const double wrong : {-1.0, kNan, kInfinite}) EXPECT_FALSE(tell(3, wrong)) << wrong;
+}
+
+}  // namespace
+}  // namespace telekerf::slave
