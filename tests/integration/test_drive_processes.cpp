@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stations whose robot is in another process (telekerf-robot), and what they do when that process dies.
+// Stations whose robot (telekerf-robot) or laser is in another process, and what they do when the robot dies.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/robot_process.h"
+#include "tests/unit/slave/laser_device.h"
 
 namespace telekerf::integration {
 namespace {
@@ -17,21 +21,67 @@ std::vector<std::string> cell(std::vector<std::string> more) {
   return all;
 }
 
-/// What stands in a CSV's column, of its last row.
-double last_of(const std::string& file, const std::string& column) {
+/// What stands in a CSV's column.
+std::vector<double> column_of(const std::string& file, const std::string& column) {
   std::ifstream in(file);
-  std::string header, row, line;
+  std::string header, line;
   std::getline(in, header);
-  while (std::getline(in, line)) row = line;
   const std::size_t at = header.find(column);
-  if (at == header.npos || row.empty()) return -1.0;
-  std::stringstream cells(row);
-  std::string text;
-  for (auto left = std::count(header.begin(), header.begin() + static_cast<long>(at), ',');
-       std::getline(cells, text, ',') && left > 0; --left) {
+  std::vector<double> values;
+  while (at != header.npos && std::getline(in, line)) {
+    std::stringstream cells(line);
+    std::string text;
+    for (auto left = std::count(header.begin(), header.begin() + static_cast<long>(at), ',');
+         std::getline(cells, text, ',') && left > 0; --left) {
+    }
+    values.push_back(std::stod(text));
   }
-  return std::stod(text);
+  return values;
 }
+
+long lit_of(const std::vector<double>& laser_w) {
+  return std::count_if(laser_w.begin(), laser_w.end(), [](double power_w) { return power_w > 0.0; });
+}
+
+/// A laser in this process; it listens until it is judged.
+class LaserAtWork {
+ public:
+  std::string name() const { return socket_.laser(); }
+
+  /// After the slave's end: off, and lit in the record's steps alone.
+  void judge(const std::vector<double>& recorded_w) {
+    listener_.request_stop();
+    listener_.join();
+    EXPECT_EQ(refused_, 0);
+    EXPECT_GT(lit_, 100) << "it had been cutting";
+    EXPECT_EQ(newest_.power_w, 0.0);
+    EXPECT_EQ(newest_.pilot, 0u);
+    const long missing = static_cast<long>(newest_.sequence) - told_;  // where a listener is not scheduled
+    EXPECT_LE(std::abs(lit_ - lit_of(recorded_w)), missing) << lit_;
+  }
+  bool is_on() const { return on_; }
+
+ private:
+  void listen(const std::stop_token& stop) {
+    for (bool last = false; !last; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+      last = stop.stop_requested();
+      while (const auto arrival = socket_.take()) {
+        const auto now_ns = std::chrono::steady_clock::now().time_since_epoch().count();
+        ++(device_.hear(arrival->told, arrival->size, arrival->from, now_ns) ? told_ : refused_);
+        newest_ = arrival->told;
+        on_ = newest_.power_w > 0.0;
+        lit_ += newest_.power_w > 0.0 ? 1 : 0;
+      }
+    }
+  }
+
+  slave::LaserSocket socket_;
+  slave::LaserDevice device_{20.0};
+  slave::UdpPower newest_;
+  long told_ = 0, refused_ = 0, lit_ = 0;
+  std::atomic<bool> on_ = false;
+  std::jthread listener_{[this](const std::stop_token& stop) { listen(stop); }};
+};
 
 TEST(DriveProcesses, TheSlaveFollowsWithItAndStopsSafelyWithoutIt) {
   const std::string out = (Program::scratch() / "followed").string();
@@ -54,7 +104,7 @@ TEST(DriveProcesses, TheSlaveFollowsWithItAndStopsSafelyWithoutIt) {
   master.interrupt();
   ASSERT_EQ(master.wait(seconds(10)), 0) << master.output();
 
-  EXPECT_EQ(last_of(out + "/slave.csv", "laser_w"), 0.0);
+  EXPECT_EQ(column_of(out + "/slave.csv", "laser_w").back(), 0.0);
   Program inspect("telekerf-inspect", {"run", out});
   ASSERT_EQ(inspect.wait(seconds(30)), 0) << inspect.output();
   EXPECT_TRUE(inspect.says("as measured by " + robot.drive() + ": nobody knows the true one", seconds(1)));
@@ -121,7 +171,10 @@ TEST(DriveProcesses, ItsLossEndsTheMachiningWithTheBeamOut) {
   RobotProcess robot("slave-keops");
   ASSERT_NE(robot.drive(), "") << robot.output();
   Program vision("telekerf-vision", cell({"--image", "circle", "--width-mm", "12"}));
-  Program slave("telekerf-slave", machining(robot, out));
+  LaserAtWork laser;
+  auto arguments = machining(robot, out);
+  arguments.insert(arguments.end(), {"--laser", laser.name(), "--laser-max-w", "20"});
+  Program slave("telekerf-slave", arguments);
   ASSERT_TRUE(slave.says("cutting", seconds(30))) << slave.output();
   std::this_thread::sleep_for(seconds(1));
   robot.kill();
@@ -131,8 +184,40 @@ TEST(DriveProcesses, ItsLossEndsTheMachiningWithTheBeamOut) {
   const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
   EXPECT_FALSE(result["finished"].get<bool>());
   EXPECT_GT(result["burn"]["energy_inside_j"].get<double>(), 0.0) << "it had been cutting";
-  EXPECT_EQ(last_of(out + "/trace.csv", "laser_w"), 0.0);
+  const auto laser_w = column_of(out + "/trace.csv", "laser_w");
+  EXPECT_EQ(laser_w.back(), 0.0);
+  laser.judge(laser_w);
   EXPECT_EQ(result["burn"]["energy_outside_corridor_j"].get<double>(), 0.0);
+}
+
+TEST(LaserProcesses, AnInterruptWhileTheHandCutsPutsTheBeamOut) {
+  const std::string out = (Program::scratch() / "lit").string();
+  LaserAtWork laser;
+  Program vision("telekerf-vision", cell({"--image", "heart"}));
+  Program slave("telekerf-slave", cell({"--record", out, "--laser", laser.name()}));
+  Program master("telekerf-master", cell({"--engage"}));
+  ASSERT_TRUE(slave.says("following", seconds(30))) << slave.output() << master.output();
+  std::this_thread::sleep_for(seconds(3));
+  for (int n = 0; n < 10000 && !laser.is_on(); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  slave.interrupt();
+  ASSERT_EQ(slave.wait(seconds(10)), 0) << slave.output();
+  laser.judge(column_of(out + "/slave.csv", "laser_w"));
+}
+
+TEST(LaserProcesses, ALaserThatIsNotThereIsRefused) {
+  std::string laser;
+  {
+    const slave::LaserSocket closed;
+    laser = closed.laser();
+  }
+  for (const auto& mode : {std::vector<std::string>{}, std::vector<std::string>{"--automatic"}}) {
+    auto arguments = cell({"--laser", laser});
+    arguments.insert(arguments.end(), mode.begin(), mode.end());
+    Program slave("telekerf-slave", arguments);
+    EXPECT_EQ(slave.wait(seconds(10)), 2) << slave.output();
+    EXPECT_TRUE(slave.says("laser = " + laser + ": Connection refused; is the laser switched on", seconds(1)))
+        << slave.output();
+  }
 }
 
 }  // namespace
