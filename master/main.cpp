@@ -105,10 +105,9 @@ int run(Flags& flags) {
   Station station(flags.station);
   const robot::Machine& machine = station.machine();
   if (machine.plant() == nullptr) {
-    fmt::print(
-        "master: {} is not simulated, so no hand is either: it feels a real one, and the laser button "
-        "is {}\n",
-        flags.station.machine.drive, flags.station.pressed ? "held (pressed)" : "never held");
+    fmt::print("master: {} is not simulated, so no hand is either: it feels a real one; button = {}{}\n",
+               flags.station.machine.drive, flags.station.button,
+               flags.station.button == "hand" ? ": never held" : "");
   }
   catch_stop_signals();
   Bus bus(bus_settings);

@@ -25,7 +25,10 @@ void StationSettings::declare(Settings& settings) {
   settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
                "slave motion = beta x master motion");
   machine.declare(settings);
-  settings.add("pressed", pressed, "drive not simulated: the laser button is held while the slave follows");
+  settings.add("button", button,
+               fmt::format("who holds the laser button while the slave follows ({}); hand: the simulated one",
+                           button_forms()),
+               complaint_about_button);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot and hand");
@@ -94,13 +97,14 @@ StationSettings StationSettings::validated() const {
   return settings;
 }
 
-Station::Station(const StationSettings& settings, robot::Drive drive)
+Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<HandInput> button)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
       machine_(model_, settings_.machine, settings_.node.control_hz,
                drive.robot ? std::move(drive)
                            : robot::attach(settings_.machine.drive, model_, settings_.node.control_hz,
                                            {settings_.mismatch, settings_.seed, {}})),
+      button_(button ? std::move(button) : attach_button(settings_.button)),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
@@ -114,7 +118,7 @@ std::unique_ptr<Task> Station::prepare(const ContourMessage& contour, std::optio
 HandSample Station::hand(Task& task) noexcept {
   const auto tool_m = machine_.true_tool_m();
   const auto velocity = machine_.true_tool_velocity_m_per_s();
-  if (!tool_m || !velocity) return {.button = settings_.pressed};
+  if (!tool_m || !velocity) return {};
   const double now_s = static_cast<double>(node_.tick()) * control_period_s();
   return task.hand.sample(now_s, *tool_m, *velocity, guided_);
 }
@@ -127,6 +131,7 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
 
   MasterInputs inputs;
   inputs.joints = machine_.read();
+  const bool pressed = button_ && button_->pressed(now_ns);
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to tell the slave
     node_.heed(events);
     machine_.write(Vec3::Zero());
@@ -141,7 +146,7 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
   if (task != nullptr) {
     inputs.guide = &task->guide;
     hand = this->hand(*task);
-    inputs.button = hand.button;
+    inputs.button = button_ ? pressed : hand.button;
   }
   MasterOutputs out = node_.step(now_ns, inputs);
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;

@@ -14,6 +14,7 @@
 #include "common/runtime/settings.h"
 #include "master/master_node.h"
 #include "master/operator/hand.h"
+#include "master/operator/hand_input.h"
 
 namespace telekerf::master {
 
@@ -24,7 +25,7 @@ struct StationSettings {
   MasterSettings node;
   std::string robot = "master-horizontal";
   robot::MachineSettings machine;
-  bool pressed = false;  ///< without a simulated hand: the laser button, while the slave follows
+  std::string button = "hand";  ///< who holds the laser button, see hand_input.h
   double beta = 0.5;
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   HandSettings hand;
@@ -50,8 +51,9 @@ struct Task {
 
 class Station {
  public:
-  /// `drive`: another robot than the one that the settings name. Throws Refusal.
-  explicit Station(const StationSettings& settings, robot::Drive drive = {});
+  /// `drive`, `button`: others than those that the settings name. Throws Refusal.
+  explicit Station(const StationSettings& settings, robot::Drive drive = {},
+                   std::unique_ptr<HandInput> button = {});
 
   /// Allocates: call it outside the loop. `beta`: another one than the settings'. Throws Refusal if the robot
   /// cannot take the scaled contour.
@@ -80,6 +82,7 @@ class Station {
   StationSettings settings_;
   robot::RobotModel model_;
   robot::Machine machine_;
+  std::unique_ptr<HandInput> button_;  ///< null: the simulated hand's
   MasterNode node_;
   Recorder<MasterRow> recorder_;
   bool guided_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where hand motion comes from: the seam, and a seeded simulated operator.
+// Where hand motion comes from without a hand: a seeded simulated operator.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,8 @@ namespace telekerf::master {
 
 /// What the hand does to the pen.
 struct HandSample {
-  Vec3 force_n = Vec3::Zero();  ///< on the tool, master workpiece frame; a real hand acts on the robot itself
+  Vec3 force_n = Vec3::Zero();  ///< on the tool, master workpiece frame
   bool button = false;          ///< laser button
-};
-
-/// The hardware seam: a pen with a button, a console, a recording.
-class HandInput {
- public:
-  virtual ~HandInput() = default;
-  /// `tool_m`, `velocity_m_per_s`: the pen's true state, master workpiece frame. `guided`: the constraint
-  /// holds the pen.
-  virtual HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s,
-                            bool guided) noexcept = 0;
 };
 
 struct HandSettings {
@@ -43,11 +33,12 @@ struct HandSettings {
 /// An arm that wants to go round and round the curve (to and fro on an open one) but wanders off it:
 /// impedance to a point that runs along the curve, a slowly varying sideways push (bounded), tremor, and a
 /// button pressed in stretches. Same seed, same hand.
-class SimulatedHand : public HandInput {
+class SimulatedHand {
  public:
   SimulatedHand(const geometry::Polyline& curve_m, const HandSettings& settings, std::uint64_t seed);
-  HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s,
-                    bool guided) noexcept override;
+  /// `tool_m`, `velocity_m_per_s`: the pen's true state, master workpiece frame. `guided`: the constraint
+  /// holds the pen.
+  HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s, bool guided) noexcept;
 
  private:
   double uniform() noexcept;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stations with a robot and a laser of which they know nothing but `Robot` and `Laser`.
+// The stations with devices of which they know nothing but `Robot`, `Laser` and `HandInput`.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -54,6 +54,16 @@ class Lamp : public slave::Laser {
 
  private:
   std::vector<double>& told_w_;
+};
+
+/// Held and let go by the world.
+class Foot : public master::HandInput {
+ public:
+  explicit Foot(bool& down) : down_(down) {}
+  bool pressed(std::int64_t) noexcept override { return down_; }
+
+ private:
+  bool& down_;
 };
 
 bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), sizeof(Vec3)) == 0; }
@@ -273,6 +283,27 @@ TEST(Drive, AHandOnARobotThatIsNotSimulatedIsFeltAndNoneIsInvented) {
   const Vec3 recorded_n(row.hand_n[0], row.hand_n[1], row.hand_n[2]);
   EXPECT_LT((recorded_n - push_n).norm(), 0.5) << "the record holds what was felt";
   for (const MasterRow& any : record.master) ASSERT_FALSE(any.button) << "nobody held the button";
+}
+
+TEST(Button, OfADeviceIsTheOnlyOneOnAnyRobot) {
+  const ContourMessage contour = find_contour({});
+  for (const bool simulated : {true, false}) {
+    master::StationSettings settings;
+    Foreign::World world;
+    bool down = false;
+    robot::Drive drive;
+    if (!simulated) drive = foreign(world, settings.robot, 7);
+    master::Station master(settings, std::move(drive), std::make_unique<Foot>(down));
+    const auto task = master.prepare(contour);
+    for (int n = 0; n < 6000; ++n) {
+      down = n % 1500 < 500;
+      (void)master.step(n * kMs, task.get(), true, {}, {});
+    }
+    RunRecord record;
+    master.report(record);
+    ASSERT_EQ(record.master.size(), 6000u);
+    for (std::size_t n = 0; n < 6000; ++n) ASSERT_EQ(record.master[n].button, n % 1500 < 500) << n;
+  }
 }
 
 }  // namespace

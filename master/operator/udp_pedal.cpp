@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/operator/udp_pedal.h"
+
+#include <bit>
+#include <boost/asio/buffer.hpp>
+
+namespace telekerf::master {
+namespace {
+
+using boost::asio::ip::udp;
+
+static_assert(std::endian::native == std::endian::little, "datagrams are little endian");
+static_assert(sizeof(UdpButton) == 24, "datagrams hold no padding");
+
+}  // namespace
+
+UdpPedal::UdpPedal(const UdpAddress& address) : socket_(context_) {
+  const udp::endpoint here = open_udp(socket_, address, "button");
+  boost::system::error_code error;
+  socket_.bind(here, error);
+  if (error) {
+    refuse_udp(address, "button", error.message(), "give an address of this host, and a port that is free");
+  }
+}
+
+bool UdpPedal::pressed(std::int64_t now_ns) noexcept {
+  constexpr int kMostAtOnce = 64;  // bounds the step, whatever is in the queue
+  for (int i = 0; i < kMostAtOnce; ++i) {
+    UdpButton told;
+    udp::endpoint from;
+    boost::system::error_code error;
+    const std::size_t size = socket_.receive_from(boost::asio::buffer(&told, sizeof(told)), from, 0, error);
+    if (error == boost::asio::error::would_block) break;
+    if (!error && size == sizeof(told) && told.magic == UdpButton::kMagic &&
+        told.version == UdpButton::kVersion) {
+      hear(told, from, now_ns);
+    }
+  }
+  return held_ && let_go_ && now_ns - heard_ns_ < kSilence_ns;
+}
+
+void UdpPedal::hear(const UdpButton& told, const udp::endpoint& from, std::int64_t now_ns) noexcept {
+  if (now_ns - heard_ns_ >= kSilence_ns) {
+    pedal_ = from;
+    newest_ = 0;
+    let_go_ = false;
+  }
+  if (from != pedal_ || told.sequence <= newest_) return;  // a stranger's, or overtaken on the way
+  newest_ = told.sequence;
+  heard_ns_ = now_ns;
+  held_ = told.held == 1;
+  let_go_ = let_go_ || !held_;
+}
+
+}  // namespace telekerf::master

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// A pedal that sends datagrams: the smallest HandInput, to copy from. For one host or a wire of its own;
+// there is no protection against a stranger's datagrams.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <cstdint>
+#include <limits>
+
+#include "common/runtime/udp.h"
+#include "master/operator/hand_input.h"
+
+namespace telekerf::master {
+
+/// Pedal -> master every 50 ms or more often, and at once when it changes. Little endian.
+struct UdpButton {
+  static constexpr std::uint32_t kMagic = 0x42554b54;
+  static constexpr std::uint32_t kVersion = 1;
+  std::uint32_t magic = kMagic;
+  std::uint32_t version = kVersion;
+  std::uint64_t sequence = 0;  ///< from 1, more each time
+  std::uint32_t held = 0;      ///< 1: held, all else: released
+  std::uint32_t reserved = 0;
+};
+
+/// Released when it is silent, and after a silence until it has been released once: who holds it down while
+/// the line comes back must press it anew.
+class UdpPedal final : public HandInput {
+ public:
+  static constexpr std::int64_t kSilence_ns = 100'000'000;
+
+  /// `address`: of this host, where the pedal's datagrams arrive; port 0: any free one. Throws Refusal.
+  explicit UdpPedal(const UdpAddress& address);
+  bool pressed(std::int64_t now_ns) noexcept override;
+
+  std::uint16_t port() const { return socket_.local_endpoint().port(); }
+
+ private:
+  void hear(const UdpButton& told, const boost::asio::ip::udp::endpoint& from, std::int64_t now_ns) noexcept;
+
+  boost::asio::io_context context_;
+  boost::asio::ip::udp::socket socket_;
+  boost::asio::ip::udp::endpoint pedal_;  ///< the one that is heard
+  std::uint64_t newest_ = 0;
+  std::int64_t heard_ns_ = std::numeric_limits<std::int64_t>::min() / 2;  ///< never
+  bool held_ = false;
+  bool let_go_ = false;  ///< since the last silence
+};
+
+}  // namespace telekerf::master

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// The laser button from a device: letting go is the answer to every doubt.
+#include <gtest/gtest.h>
+
+#include <boost/asio/buffer.hpp>
+
+#include "common/runtime/refusal.h"
+#include "master/operator/udp_pedal.h"
+#include "tests/unit/allocations.h"
+
+namespace telekerf::master {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+std::string refusal_of(const std::string& button) {
+  try {
+    (void)attach_button(button);
+  } catch (const Refusal& refusal) {
+    return refusal.what();
+  }
+  return "accepted";
+}
+
+TEST(Button, WhatIsNoneIsRefusedWithWhatItMustBe) {
+  for (const char* wrong : {"", "Hand", "held", "usb:1"}) {
+    EXPECT_NE(complaint_about_button(wrong).find("must be one of hand, pressed, udp:HOST:PORT"),
+              std::string::npos)
+        << wrong;
+  }
+  EXPECT_EQ(complaint_about_button("pressed:1"), "stands alone, nothing follows its name");
+  EXPECT_NE(complaint_about_button("udp:7300").find("within [1, 65535]"), std::string::npos);
+  EXPECT_EQ(attach_button("hand"), nullptr) << "the simulated one's";
+  EXPECT_TRUE(attach_button("pressed")->pressed(0));
+  const UdpPedal there({"127.0.0.1", 0});
+  const std::string taken = "udp:127.0.0.1:" + std::to_string(there.port());
+  EXPECT_EQ(refusal_of(taken), "button = " + taken +
+                                   ": Address already in use; give an address of this host, and a port that "
+                                   "is free");
+  EXPECT_NE(refusal_of("udp:192.0.2.1:7300").find("give an address of this host"), std::string::npos);
+}
+
+class Pedal : public ::testing::Test {
+ protected:
+  using Socket = boost::asio::ip::udp::socket;
+  void tell(Socket& from, std::uint64_t sequence, std::uint32_t held, std::uint32_t version = 1) {
+    UdpButton told;
+    told.version = version;
+    told.sequence = sequence;
+    told.held = held;
+    from.send_to(boost::asio::buffer(&told, sizeof(told)),
+                 {boost::asio::ip::address_v4::loopback(), pedal.port()});
+  }
+  void tell(std::uint64_t sequence, std::uint32_t held) { tell(foot, sequence, held); }
+  bool pressed() { return pedal.pressed(now_ns); }
+
+  UdpPedal pedal{{"127.0.0.1", 0}};
+  boost::asio::io_context context;
+  Socket foot{context, {boost::asio::ip::address_v4::loopback(), 0}};
+  Socket stranger{context, {boost::asio::ip::address_v4::loopback(), 0}};
+  std::int64_t now_ns = 1000 * kMs;
+};
+
+TEST_F(Pedal, IsHeldAsLongAsItSaysSo) {
+  EXPECT_FALSE(pressed());
+  tell(1, 0);
+  EXPECT_FALSE(pressed());
+  tell(2, 1);
+  const auto before = testing::allocations();
+  EXPECT_TRUE(pressed());
+  EXPECT_EQ(testing::allocations(), before);
+  tell(3, 0);
+  EXPECT_FALSE(pressed());
+  tell(4, 1);
+  tell(5, 0);
+  EXPECT_FALSE(pressed()) << "the newest counts";
+  tell(6, 2);
+  EXPECT_FALSE(pressed());
+}
+
+TEST_F(Pedal, SilenceIsLettingGoAndItMustBePressedAnew) {
+  tell(1, 0);
+  tell(2, 1);
+  EXPECT_TRUE(pressed());
+  now_ns += UdpPedal::kSilence_ns - 1;
+  EXPECT_TRUE(pressed());
+  ++now_ns;
+  EXPECT_FALSE(pressed());
+  for (std::uint64_t sequence = 3; sequence < 10; ++sequence, now_ns += 50 * kMs) {
+    tell(sequence, 1);
+    EXPECT_FALSE(pressed()) << "held down while the line came back";
+  }
+  tell(10, 0);
+  tell(11, 1);
+  EXPECT_TRUE(pressed());
+}
+
+TEST_F(Pedal, HeldDownFromTheStartIsNotPressed) {
+  tell(1, 1);
+  EXPECT_FALSE(pressed());
+}
+
+TEST_F(Pedal, AnOldDatagramAndAStrangersHoldNothing) {
+  tell(1, 0);
+  tell(5, 1);
+  EXPECT_TRUE(pressed());
+  now_ns += 99 * kMs;
+  tell(4, 1);
+  tell(5, 1);
+  tell(stranger, 100, 1);
+  tell(foot, 101, 1, 2);
+  boost::asio::ip::udp::endpoint there{boost::asio::ip::address_v4::loopback(), pedal.port()};
+  foot.send_to(boost::asio::buffer("hold"), there);
+  EXPECT_TRUE(pressed());
+  now_ns += kMs;
+  EXPECT_FALSE(pressed()) << "none of them was an answer";
+  tell(stranger, 1, 0);
+  tell(stranger, 2, 1);
+  EXPECT_TRUE(pressed()) << "after a silence another pedal may speak, or the same one that began anew";
+}
+
+}  // namespace
+}  // namespace telekerf::master
