@@ -6,19 +6,6 @@
 
 namespace telekerf::vision {
 
-double field_at(const Field& field, const Vec2& p) {
-  const int x = static_cast<int>(std::floor(p.x()));
-  const int y = static_cast<int>(std::floor(p.y()));
-  if (x < 0 || y < 0 || x + 1 >= field.smooth.cols || y + 1 >= field.smooth.rows) return -1.0;
-  const double u = p.x() - x;
-  const double v = p.y() - y;
-  const auto* upper = field.smooth.ptr<unsigned char>(y) + x;
-  const auto* lower = field.smooth.ptr<unsigned char>(y + 1) + x;
-  const double grey =
-      (1 - v) * (upper[0] + u * (upper[1] - upper[0])) + v * (lower[0] + u * (lower[1] - lower[0]));
-  return field.dark ? field.level - grey : grey - field.level;
-}
-
 std::vector<Vec2> tangents_of(const std::vector<Vec2>& p, bool closed, std::size_t reach) {
   const std::size_t n = p.size();
   std::vector<Vec2> out(n, Vec2::UnitX());

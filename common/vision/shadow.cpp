@@ -18,37 +18,41 @@ struct Edge {
   int high = 0;
 };
 
-/// The steepest places along one row or column of `count` pixels, `stride` bytes apart.
-void collect(const unsigned char* smooth, int count, std::size_t stride, std::vector<Edge>& edges) {
-  const auto step = [&](int i) {
-    return std::abs(smooth[(i + kReach) * stride] - smooth[(i - kReach) * stride]);
-  };
+/// The steepest places along one line of `count` pixels, of `least` grey levels or more.
+void collect(const unsigned char* line, int count, int least, std::vector<Edge>& edges) {
+  const auto step = [&](int i) { return std::abs(line[i + kReach] - line[i - kReach]); };
   for (int i = 2 * kReach; i + 2 * kReach < count; ++i) {
     const int here = step(i);
-    if (here < 4 || here < step(i - 1) || here <= step(i + 1)) continue;
-    Edge edge{here, 255, 0};
-    for (int k = i - kReach - 1; k <= i + kReach + 1; ++k) {
-      edge.low = std::min<int>(edge.low, smooth[k * stride]);
-      edge.high = std::max<int>(edge.high, smooth[k * stride]);
-    }
-    edges.push_back(edge);
+    if (here < least || here < step(i - 1) || here <= step(i + 1)) continue;
+    const auto [low, high] = std::minmax_element(line + i - kReach - 1, line + i + kReach + 2);
+    edges.push_back({here, *low, *high});
   }
+}
+
+/// Every `every`-th column of a picture, as rows.
+cv::Mat columns_of(const cv::Mat& picture, int every) {
+  cv::Mat out(picture.cols / every, picture.rows, CV_8U);
+  for (int y = 0; y < picture.rows; ++y) {  // row by row, as it lies in memory
+    const auto* row = picture.ptr<unsigned char>(y);
+    for (int k = 0; k < out.rows; ++k) out.at<unsigned char>(k, y) = row[k * every];
+  }
+  return out;
 }
 
 /// The sharp edges of some rows and columns; none if there are too few to say anything.
 std::vector<Edge> sharp_edges(const Field& field) {
-  constexpr int kLines = 100;
+  constexpr int kLines = 40;
   constexpr std::size_t kFewest = 8;
   constexpr std::size_t kSteepest = 40;  // at least as many places cross a drawing that stands out
   constexpr double kSharp = 0.5;         // share of their steps
   std::vector<Edge> edges;
   const cv::Mat& smooth = field.smooth;
-  for (int y = 0; y < smooth.rows; y += smooth.rows / kLines + 1)
-    collect(smooth.ptr(y), smooth.cols, 1, edges);
-  for (int x = 0; x < smooth.cols; x += smooth.cols / kLines + 1)
-    collect(smooth.ptr(0) + x, smooth.rows, smooth.step[0], edges);
   const double noise = field.noise / (2.0 * field.sigma_px * std::sqrt(M_PI));
-  std::erase_if(edges, [&](const Edge& e) { return e.step < 8.0 * noise; });
+  const int least = std::max(4, static_cast<int>(std::ceil(8.0 * noise)));
+  for (int y = 0; y < smooth.rows; y += smooth.rows / kLines + 1)
+    collect(smooth.ptr<unsigned char>(y), smooth.cols, least, edges);
+  const cv::Mat columns = columns_of(smooth, smooth.cols / kLines + 1);
+  for (int k = 0; k < columns.rows; ++k) collect(columns.ptr<unsigned char>(k), columns.cols, least, edges);
   if (edges.size() < kFewest) return {};
   const auto steep = edges.begin() + static_cast<std::ptrdiff_t>(std::min(kSteepest, edges.size() / 4));
   std::nth_element(edges.begin(), steep, edges.end(),

@@ -201,7 +201,8 @@ SkeletonGraph graph_of(const cv::Mat& skeleton) {
   SkeletonGraph graph;
   const std::vector<cv::Point> on = pixels_of(skeleton);
   // Node of a pixel; -1: none yet, -2: on a line already walked. Only skeleton pixels are ever looked at.
-  cv::Mat owner(skeleton.size(), CV_32S);
+  thread_local cv::Mat owner;  // kept: fresh memory of this size costs more than the walk
+  owner.create(skeleton.size(), CV_32S);
   for (const cv::Point& p : on) owner.at<int>(p) = -1;
   std::array<cv::Point, 8> around;
   std::array<cv::Point, 8> further;
