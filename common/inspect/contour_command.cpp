@@ -110,7 +110,7 @@ int inspect(const Options& o) {
   json["travel_m"] = gcode.travel_m;
 
   const std::filesystem::path out(o.out);
-  make_out_folder(out);
+  make_folder("--out", out);
   write_whole(out / "contour.csv", vision::to_csv(line));
   write_whole(out / "contour.svg", vision::to_svg(loaded->contours));
   write_whole(out / "contour.ngc", gcode.text);

@@ -25,12 +25,12 @@ void refuse_unwritable(const std::string& option, const fs::path& folder) {
   if (::access(there.c_str(), W_OK) != 0) refuse("cannot be written to");
 }
 
-void make_out_folder(const fs::path& folder) {
-  refuse_unwritable("--out", folder);
+void make_folder(const std::string& option, const fs::path& folder) {
+  refuse_unwritable(option, folder);
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed)
-    throw Refusal(fmt::format("--out {}: {}; name another folder", folder.string(), failed.message()));
+    throw Refusal(fmt::format("{} {}: {}; name another folder", option, folder.string(), failed.message()));
 }
 
 void write_whole(const fs::path& file, const std::string& text) {

@@ -11,8 +11,8 @@ namespace telekerf {
 /// Refuses a folder that `option` names if it cannot be written to or made; makes none.
 void refuse_unwritable(const std::string& option, const std::filesystem::path& folder);
 
-/// Makes the folder that --out names, unless it is there.
-void make_out_folder(const std::filesystem::path& folder);
+/// Makes the folder that `option` names, unless it is there.
+void make_folder(const std::string& option, const std::filesystem::path& folder);
 
 /// Written beside and renamed, so that nothing half-written is ever found under the final name.
 void write_whole(const std::filesystem::path& file, const std::string& text);

@@ -162,21 +162,21 @@ tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
     if (other.complaint || !other.stands_out) return false;
     return first.complaint || 1.0 - other.explained < kFewer * (1.0 - first.explained);
   };
-  Separation other = judged(at_explaining_level(first.field));
+  Separation level = judged(at_explaining_level(first.field));
   // Among texture some level always leaves a shape over.
   constexpr std::ptrdiff_t kFew = 8;
   const auto rivals =
-      std::count_if(other.outlines.contours.begin(), other.outlines.contours.end(),
-                    [&](const PixelContour& c) { return size_of(c) > 0.1 * other.outlines.size_px; });
+      std::count_if(level.outlines.contours.begin(), level.outlines.contours.end(),
+                    [&](const PixelContour& c) { return size_of(c) > 0.1 * level.outlines.size_px; });
   const bool texture = first.complaint && rivals > kFew;
-  const bool by_level = !texture && other.explained > kExplained && better(other);
+  const bool by_level = !texture && level.explained > kExplained && better(level);
   auto lines = lines_across_shadows(grey);
-  const double clearest = by_level ? other.field.contrast : first.field.contrast;
+  const double clearest = by_level ? level.field.contrast : first.field.contrast;
   const bool by_lines = lines && lines->field.contrast > kFainter * clearest && better(*lines);
   // Lines that a shadow makes faint are whole only without it; where the two see opposite drawings, a level
   // is not misled by lines as wide as the gaps between them.
-  const bool whole = by_lines && lines->field.dark == other.field.dark;
-  if (by_level && !(whole && lines->explained > other.explained - kAsGood)) return other;
+  const bool whole = by_lines && lines->field.dark == level.field.dark;
+  if (by_level && !(whole && lines->explained > level.explained - kAsGood)) return level;
   if (by_lines) return std::move(*lines);
   if (!first.complaint) return first;
   if (frames(first.field.drawn)) {

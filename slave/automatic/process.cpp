@@ -197,7 +197,7 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   }
   if (contour.refused()) throw Refusal(contour.refusal());
   if (contour.current() == nullptr) return 1;
-  if (!folder.empty()) make_out_folder(folder);
+  if (!folder.empty()) make_folder("--record", folder);
   const robot::Machine::Stand stand = machine.stand();
   std::optional<Job> from_there;
   if ((stand.tool_m - contour.current()->track[0].position_m).norm() > kAtHome_m)

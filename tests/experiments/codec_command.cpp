@@ -255,7 +255,7 @@ int run(const Options& options) {
     const double fine = noise_of(trace);
     traces.push_back({std::move(trace), "its unit", fine, false});
   }
-  make_out_folder(options.out);
+  make_folder("--out", options.out);
   Json results;
   for (const int block : {16, 32}) {
     Figure figure{

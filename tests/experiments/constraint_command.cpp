@@ -142,7 +142,7 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
 }
 
 int run(const Options& options) {
-  make_out_folder(options.out);
+  make_folder("--out", options.out);
   const std::vector<ContourMessage> all = contours();
   nlohmann::ordered_json results{{"experiment", "constraint"}, {"seed", options.seed}};
   std::vector<Bar> bars;

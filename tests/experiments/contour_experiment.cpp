@@ -256,7 +256,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
   const auto plan = slave::make_plan(contour, settings.plan);
   if (!plan) throw Refusal(fmt::format("{}: {}", image, plan.error()));
   const ContourRun run = run_contour(*plan, contour, settings);
-  make_out_folder(out);
+  make_folder("--out", out);
   ordered_json result{{"experiment", experiment.name},
                       {"image", std::filesystem::path(image).filename().string()},
                       {"length_mm", plan->path.length_m() * 1e3},

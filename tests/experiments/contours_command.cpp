@@ -341,7 +341,7 @@ void add_contours_command(CLI::App& app, Action& action) {
   sub->add_option("--out", *out, "folder for the figures")->required();
   sub->callback([out, &action] {
     action = [out] {
-      make_out_folder(*out);
+      make_folder("--out", *out);
       std::cout << json_text(Drawer(*out).draw()) << '\n';
       return 0;
     };

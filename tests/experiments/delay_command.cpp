@@ -305,7 +305,7 @@ int run(Options& options) {
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Run> runs = options.one() ? std::vector<Run>{one_run(options)} : full_benchmark(options.seed);
   const std::filesystem::path folder = options.out;
-  make_out_folder(folder);
+  make_folder("--out", folder);
   run_all(runs, options.seed);
   nlohmann::ordered_json json;
   json["seed"] = options.seed;

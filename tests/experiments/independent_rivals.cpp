@@ -40,6 +40,15 @@ ordered_json side_by_side(const slave::Plan& plan, const geometry::Polyline& con
           {"independent_tuning", tuning(independent)}};
 }
 
+ContourRunSettings independent(ContourRunSettings settings, slave::ModelUse model, double observer_rad_s,
+                               double velocity_rad_s) {
+  settings.controller = slave::ControllerKind::kIndependent;
+  settings.follower.independent_model = model;
+  settings.follower.observer_rad_s = observer_rad_s;
+  settings.follower.velocity_rad_s = velocity_rad_s;
+  return settings;
+}
+
 /// True positions of a joint of unit mass after one wrong reading of 1 m, until the loop has come to rest.
 std::vector<double> answer_to_a_reading(double law_rad_s, const slave::FollowerSettings& s) {
   constexpr double kSeconds = 2.0;
@@ -83,20 +92,12 @@ double closed_loop_hz(double law_rad_s, const slave::FollowerSettings& settings)
 }
 
 ContourRunSettings tuned_independent(ContourRunSettings settings) {
-  settings.controller = slave::ControllerKind::kIndependent;
-  settings.follower.independent_model = slave::ModelUse::kNone;
   settings.follower.along_rad_s = 140.0;
-  settings.follower.observer_rad_s = 150.0;
-  settings.follower.velocity_rad_s = 600.0;
-  return settings;
+  return independent(settings, slave::ModelUse::kNone, 150.0, 600.0);
 }
 
 ContourRunSettings assisted_independent(ContourRunSettings settings) {
-  settings.controller = slave::ControllerKind::kIndependent;
-  settings.follower.independent_model = slave::ModelUse::kJoints;
-  settings.follower.observer_rad_s = 1000.0;
-  settings.follower.velocity_rad_s = 1800.0;
-  return settings;
+  return independent(settings, slave::ModelUse::kJoints, 1000.0, 1800.0);
 }
 
 ordered_json tuning(const ContourRunSettings& s) {

@@ -82,7 +82,7 @@ int run(const Options& options) {
   const DynamicsValidation fall = validate_free_fall(model);
   const DynamicsValidation forced = validate_forced_motion(model);
   const std::filesystem::path out = options.out;
-  make_out_folder(out);
+  make_folder("--out", out);
   draw_figure(figure(steps, model.name, options.step_m), out / "kinematics.png");
 
   const std::array<Row, 5> rows{{

@@ -26,7 +26,7 @@ int run(Options& options) {
   options.settings.fill();
   options.lap.network = netem::load_profile(options.netem);
   const RunRecord record = lap::run_lap(options.lap);
-  make_out_folder(options.out);
+  make_folder("--out", options.out);
   inspect::write_report(options.out, record);
   fmt::print("{}\n", json_text(inspect::make_report(record)));
   return 0;

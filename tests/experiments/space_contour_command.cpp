@@ -78,7 +78,7 @@ int run(Options& options) {
   const auto flat = slave::Path::through(flat_contour, slave::path_settings(settings.plan));
   if (!flat) throw Refusal(flat.error());
 
-  make_out_folder(out);
+  make_folder("--out", out);
   nlohmann::ordered_json result{{"experiment", "space-contour"}, {"speed_mm_s", options.speed_mm_s}};
   Figure figure{.title = fmt::format("contours on curved workpieces at {:g} mm/s", options.speed_mm_s),
                 .columns = 2};

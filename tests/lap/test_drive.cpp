@@ -92,6 +92,13 @@ class Cell {
     return followed;
   }
 
+  /// Well on the way; without the beam if it never comes.
+  slave::SlaveOutputs step_until_it_burns(slave::Station& slave) {
+    slave::SlaveOutputs out;
+    for (int n = 0; n < 8000 && !(n > 5000 && out.laser_w > 0.0); ++n) out = step(slave);
+    return out;
+  }
+
   ContourMessage contour;
   master::StationSettings master_settings;
   std::unique_ptr<master::Station> master;
@@ -150,8 +157,7 @@ TEST(Drive, ItsLossPutsTheBeamOutAtOnceAndTheCurrentsSoon) {
   Cell cell;
   Foreign::World world;
   slave::Station slave(slave_settings("foreign"), foreign(world, "slave-keops", 7));
-  slave::SlaveOutputs out;
-  for (int n = 0; n < 8000 && !(n > 5000 && out.laser_w > 0.0); ++n) out = cell.step(slave);
+  slave::SlaveOutputs out = cell.step_until_it_burns(slave);
   ASSERT_GT(out.laser_w, 0.0);
   EXPECT_EQ(slave.machine().readings_missed(), 0u);
 
@@ -234,8 +240,7 @@ TEST(Drive, AMissingReadingIsBridgedWithTheBeamOff) {
   Cell cell;
   Foreign::World world;
   slave::Station slave(slave_settings("foreign"), foreign(world, "slave-keops", 7));
-  slave::SlaveOutputs out;
-  for (int n = 0; n < 8000 && !(n > 5000 && out.laser_w > 0.0); ++n) out = cell.step(slave);
+  slave::SlaveOutputs out = cell.step_until_it_burns(slave);
   ASSERT_GT(out.laser_w, 0.0);
   world.broken_line = true;
   for (int n = 0; n < 3; ++n) EXPECT_EQ(cell.step(slave).laser_w, 0.0);
