@@ -28,7 +28,7 @@ class Script : public testing::Test {
   Ended run(const std::string& words) const {
     const std::string quoted = "'" + here_.string() + "'";
     const std::string command = "cd " + quoted + " && PATH=" + quoted +
-                                "/no-build:\"$PATH\" TELEKERF_BUILD='" TELEKERF_BUILD_DIR
+                                "/no-build:\"$PATH\" CI= TELEKERF_BUILD='" TELEKERF_BUILD_DIR
                                 "' '" TELEKERF_SCRIPT "' " +
                                 words + " >out.txt 2>err.txt </dev/null";
     const int status = std::system(command.c_str());
