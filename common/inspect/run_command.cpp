@@ -58,9 +58,12 @@ void add_run_command(CLI::App& app, Action& action) {
     action = [folder] {
       const RunRecord record = read_run(*folder);
       write_report(*folder, record);
-      print_table(make_report(record));
+      const auto report = make_report(record);
+      print_table(report);
       fmt::print("  {0:<34}{1}/report.json, {1}/cut.png, {1}/trace.csv\n", "files", *folder);
-      return 0;
+      if (stayed_inside(report)) return 0;
+      fmt::print("  {:<34}bad: the laser left the corridor\n", "verdict");
+      return 1;
     };
   });
 }

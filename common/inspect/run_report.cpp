@@ -310,6 +310,10 @@ cv::Mat draw_cut(const RunRecord& record) {
 
 }  // namespace
 
+bool stayed_inside(const nlohmann::ordered_json& report) {
+  return report["cut"]["energy_outside_corridor_j"].get<double>() == 0.0;
+}
+
 void write_report(const std::filesystem::path& folder, const RunRecord& record) {
   const auto report = make_report(record);
   write_trace(folder / "trace.csv", record);

@@ -15,6 +15,9 @@ inline constexpr double kCorridorM = 0.5e-3;
 /// The report (names: see README, "What a run leaves"). Pure: same record, same bytes.
 nlohmann::ordered_json make_report(const RunRecord& record);
 
+/// The verdict on a run: the laser burnt nothing beyond the corridor.
+bool stayed_inside(const nlohmann::ordered_json& report);
+
 /// report.json, trace.csv and cut.png into `folder`.
 void write_report(const std::filesystem::path& folder, const RunRecord& record);
 

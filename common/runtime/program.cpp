@@ -51,6 +51,8 @@ CLI::Validator whole_number() {
 int run_program(CLI::App& app, int argc, char** argv, Action& action) {
   constexpr int kCannot = 2;
   app.set_version_flag("--version", std::string(kVersion));
+  for (CLI::App* command : app.get_subcommands({}))
+    command->set_version_flag("--version", std::string(kVersion));
   try {
     app.parse(words_of(argc, argv));
   } catch (const CLI::ParseError& error) {

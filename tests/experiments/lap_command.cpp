@@ -28,8 +28,9 @@ int run(Options& options) {
   const RunRecord record = lap::run_lap(options.lap);
   make_folder("--out", options.out);
   inspect::write_report(options.out, record);
-  fmt::print("{}\n", json_text(inspect::make_report(record)));
-  return 0;
+  const auto report = inspect::make_report(record);
+  fmt::print("{}\n", json_text(report));
+  return inspect::stayed_inside(report) ? 0 : 1;
 }
 
 }  // namespace

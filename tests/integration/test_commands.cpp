@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/run_record.h"
 #include "tests/integration/programs.h"
 
 namespace telekerf::integration {
@@ -114,6 +115,38 @@ TEST(Commands, DescriptorsOfWhatIsNoPolygonAreRefused) {
     Program efd("telekerf-inspect", {"efd", file, "--harmonics", "2"});
     EXPECT_EQ(efd.wait(seconds(30)), 2) << efd.output();
     EXPECT_NE(efd.output().find(file), std::string::npos) << efd.output();
+  }
+}
+
+TEST(Commands, ARunThatBurntBeyondTheCorridorEndsWithABadVerdict) {
+  RunRecord record;
+  record.contour_m = {{0, 0}, {10e-3, 0}, {20e-3, 0}};
+  for (std::uint64_t tick = 0; tick < 20; ++tick) {
+    record.slave.push_back({.tick = tick, .t_s = static_cast<double>(tick) * 1e-3, .laser_w = 4.0});
+    record.slave.back().tool_m = {static_cast<double>(tick) * 1e-3, 0, 0};
+    record.master.push_back({.tick = tick});
+  }
+  const auto verdict_on = [&] {
+    const fs::path folder = Program::scratch() / "judged";
+    write_contour(folder, record);
+    write_master(folder, record);
+    write_slave(folder, record);
+    Program run("telekerf-inspect", {"run", folder.string()});
+    const int code = run.wait(seconds(30));
+    EXPECT_EQ(run.output().find("left the corridor") != std::string::npos, code == 1) << run.output();
+    return code;
+  };
+  EXPECT_EQ(verdict_on(), 0);
+  record.slave[7].tool_m[1] = 0.6e-3;
+  EXPECT_EQ(verdict_on(), 1);
+}
+
+TEST(Commands, EachSaysItsVersion) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--version"}, {"lap", "--version"}, {"delay", "--version"}}) {
+    Program experiment("telekerf-experiment", words);
+    EXPECT_EQ(experiment.wait(seconds(30)), 0) << experiment.output();
+    EXPECT_EQ(experiment.output(), TELEKERF_VERSION "\n");
   }
 }
 

@@ -98,6 +98,13 @@ TEST(RunReport, TheForceIsHeldAgainstTheSlavesOfTheSameTick) {
   EXPECT_NEAR(report["force"]["coding_rms_n"].get<double>(), 0.01 / std::sqrt(3.0), 1e-9);
 }
 
+TEST(RunReport, TheVerdictIsBadOnceTheLaserLeavesTheCorridor) {
+  EXPECT_TRUE(stayed_inside(make_report(circle_run(0.0, 0.4e-3))));
+  RunRecord record = circle_run(0.0, 0.0);
+  for (double& at : record.slave[200].tool_m) at *= 1.1;
+  EXPECT_FALSE(stayed_inside(make_report(record)));
+}
+
 TEST(RunReport, EnergyBeyondTheCorridorIsCountedAndReachesNothing) {
   const auto report = make_report(circle_run(0.0, 0.6e-3));
   EXPECT_EQ(report["cut"]["energy_inside_j"].get<double>(), 0.0);
