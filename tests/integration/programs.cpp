@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/integration/programs.h"
+
+#include <unistd.h>
+
+#include <boost/filesystem.hpp>
+#include <boost/process.hpp>
+#include <sstream>
+
+namespace telekerf::integration {
+namespace {
+
+namespace bp = boost::process;
+
+std::string next_output(const std::string& name) {
+  static int count = 0;
+  return name + "-" + std::to_string(count++) + ".txt";
+}
+
+}  // namespace
+
+struct Program::Child : bp::child {
+  using bp::child::child;
+};
+
+Program::Program(const std::string& name, const std::vector<std::string>& arguments)
+    : output_(scratch() / next_output(name)),
+      child_(std::make_unique<Child>(
+          TELEKERF_BIN_DIR "/" + name, bp::args(arguments),
+          bp::std_in<bp::null, (bp::std_out & bp::std_err)> boost::filesystem::path(output_.string()))) {}
+
+Program::~Program() {
+  if (running()) kill();
+}
+
+void Program::interrupt(int signal) { ::kill(child_->id(), signal); }
+
+void Program::kill() { child_->terminate(); }
+
+bool Program::running() { return child_->running(); }
+
+int Program::wait(std::chrono::seconds timeout) {
+  if (!child_->wait_for(timeout)) return -1;
+  return child_->exit_code();
+}
+
+std::string Program::output() const {
+  std::ifstream in(output_);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+bool Program::says(const std::string& text, std::chrono::seconds timeout) const {
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  while (output().find(text) == std::string::npos) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
+std::filesystem::path Program::scratch() {
+  struct Folder {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("telekerf-" + std::to_string(::getpid()));
+    Folder() { std::filesystem::create_directories(path); }
+    ~Folder() {
+      std::error_code ignored;
+      std::filesystem::remove_all(path, ignored);
+    }
+  };
+  static const Folder folder;
+  return folder.path;
+}
+
+std::string own_domain() { return std::to_string(100 + ::getpid() % 100); }
+
+}  // namespace telekerf::integration
