@@ -5,9 +5,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -18,7 +15,7 @@
 #include "common/runtime/refusal.h"
 #include "common/runtime/results.h"
 #include "slave/automatic/machinist.h"
-#include "slave/automatic/pass.h"
+#include "slave/automatic/work_report.h"
 #include "slave/laser/material.h"
 
 namespace telekerf::slave {
@@ -27,14 +24,6 @@ namespace {
 constexpr double kHold_s = 0.1;
 constexpr double kPatience_s = 0.5;   ///< vision is usually there by then
 constexpr double kAtHome_m = 0.1e-3;  ///< the tool may be this far from where the job starts
-
-/// A tick of the whole work, in the order of the job's track; tool and velocity are the truth, or what is
-/// measured if nobody knows it.
-struct Row {
-  std::size_t tick;
-  Vec3 tool_m, tool_velocity_m_per_s;
-  double laser_w;
-};
 
 JobSettings job_settings(const AutomaticSettings& s, const robot::RobotModel& model) {
   JobSettings job;
@@ -94,53 +83,71 @@ std::unique_ptr<Job> prepare(const ContourMessage& message, const robot::RobotMo
   return std::make_unique<Job>(std::move(*job));
 }
 
-/// What was cut of each contour.
-std::vector<Pass> passes_of(const Job& job, const std::vector<Row>& rows) {
-  std::vector<Pass> passes;
-  bool cutting = false;
-  for (const Row& row : rows) {
-    const bool cut = job.phases[row.tick] == JobPhase::kCut;
-    if (cut && !cutting) passes.push_back({&job.plans[passes.size()], &job.lines[passes.size()], {}});
-    cutting = cut;
-    const Reference& reference = job.track[row.tick];
-    if (cut && reference.beam)
-      passes.back().rows.push_back(pass_row(reference, row.tool_m, row.tool_velocity_m_per_s, row.laser_w));
+/// Says what the work has come to, from a thread of its own: the loop does not write.
+class Herald {
+ public:
+  explicit Herald(double time_s)
+      : time_s_(time_s), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+  void tell(JobPhase phase, double progress) noexcept {
+    phase_.store(static_cast<int>(phase), std::memory_order_relaxed);
+    progress_.store(progress, std::memory_order_relaxed);
   }
-  return passes;
+
+ private:
+  void run(const std::stop_token& stop) {
+    int said = kNothing, tenth = 0;
+    for (; !stop.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(50))) {
+      if (const int now = phase_.load(); now != said) {
+        said = now;
+        fmt::print("slave: {}\n", name_of(static_cast<JobPhase>(now)));
+      }
+      if (const int now = static_cast<int>(10.0 * progress_.load()); now > tenth) {
+        tenth = now;
+        fmt::print("slave: {} %, {:.0f} s to go\n", 10 * now, (1.0 - progress_.load()) * time_s_);
+      }
+      std::fflush(stdout);
+    }
+  }
+
+  static constexpr int kNothing = -1;
+  double time_s_;
+  std::atomic<int> phase_{kNothing};
+  std::atomic<double> progress_{0.0};
+  std::jthread thread_;  ///< last: ends first
+};
+
+/// The job, or null if a stop came first. Throws Refusal.
+const Job* awaited(const ContourWatch<Job>& contour, const BusSettings& bus, double wait_s) {
+  const auto since = std::chrono::steady_clock::now();
+  bool told = false;
+  while (contour.current() == nullptr && !stop_requested() && !contour.refused()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - since;
+    if (!told && waited.count() > kPatience_s) {
+      told = true;
+      fmt::print("slave: waiting for a contour from telekerf-vision in cell '{}' of domain {}\n", bus.cell,
+                 bus.domain);
+      std::fflush(stdout);
+    }
+    if (waited.count() > wait_s) {
+      throw Refusal(
+          fmt::format("no contour for {:g} s in cell '{}' of domain {}: is telekerf-vision running there?",
+                      wait_s, bus.cell, bus.domain));
+    }
+  }
+  if (contour.refused()) throw Refusal(contour.refusal());
+  return contour.current();
 }
 
-void write_trace(const std::filesystem::path& file, const Job& job, const std::vector<Row>& rows) {
-  std::ofstream trace(file);
-  trace << "t_s,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w\n";
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Vec3& reference_m = job.track[rows[i].tick].position_m;
-    const Vec3& tool_m = rows[i].tool_m;
-    trace << fmt::format("{:.7f},{:.12f},{:.12f},{:.12f},{:.12f},{:.12f},{:.6g}\n",
-                         static_cast<double>(i) * job.period_s, reference_m.x(), reference_m.y(), tool_m.x(),
-                         tool_m.y(), tool_m.z(), rows[i].laser_w);
-  }
-  if (!trace.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
-}
-
-/// result.json holds nothing of the wall clock; that stands in timing.json.
-void report(const std::filesystem::path& folder, const Job& job, const std::vector<Row>& rows,
-            const AutomaticSettings& settings, const DriveRecord& drive, int limit_violations, bool finished,
-            const nlohmann::ordered_json& timing) {
-  const std::vector<Pass> passes = passes_of(job, rows);
-  nlohmann::ordered_json result{
-      {"finished", finished},     {"controller", settings.controller}, {"corner", settings.corner},
-      {"drive", words_of(drive)}, {"sensor", settings.sensor},         {"contours", job.plans.size()},
-      {"order", job.order},       {"contours_cut", passes.size()},     {"length_mm", job.cut_length_m * 1e3}};
-  if (!drive.true_tool) result["sensor"] = nullptr;  // the machine's own, whatever it is
-  result.update(measure(passes, settings.speed_mm_s * 1e-3));
-  result["limit_violations"] = limit_violations;
-  result["time_s"] = static_cast<double>(rows.size()) * job.period_s;
-  result["time_estimate_s"] = job.time_s();
-  result["burn"] = burn(passes, settings.material, folder);
-  write_trace(folder / "trace.csv", job, rows);
-  write_json(folder / "result.json", result);
-  write_json(folder / "timing.json", timing);
-  fmt::print("{}\n", json_text(result));
+MachinistSettings machinist_settings(const AutomaticSettings& settings, const PlanSettings& plan,
+                                     double laser_w) {
+  MachinistSettings out;
+  out.follower.control_hz = settings.machining_hz;
+  out.follower.quiet_for(plan.speed_m_per_s, plan.corner == CornerPolicy::kSlow);
+  out.controller = kind_of(settings.controller);
+  out.laser_w = laser_w;
+  return out;
 }
 
 }  // namespace
@@ -167,9 +174,14 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
                                        {options.mismatch, options.seed + 1000,
                                         settings.sensor == "hall" ? Sensor::kHall : Sensor::kEncoder}));
   Beam beam(options.beam, options.laser_w, settings.machining_hz);
-  const DriveRecord drive{options.machine.drive, machine.plant() != nullptr};
-  if (!drive.true_tool)
-    fmt::print("slave: {} is not simulated: what is recorded is the measured tool\n", drive.name);
+  WorkRecord work{.controller = settings.controller,
+                  .corner = settings.corner,
+                  .sensor = settings.sensor,
+                  .material = settings.material,
+                  .speed_m_per_s = settings.speed_mm_s * 1e-3,
+                  .drive = {options.machine.drive, machine.plant() != nullptr}};
+  if (!work.drive.true_tool)
+    fmt::print("slave: {} is not simulated: what is recorded is the measured tool\n", work.drive.name);
   const JobSettings jobs = job_settings(settings, model);
   catch_stop_signals();
   Bus bus(bus_settings);
@@ -177,64 +189,22 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   ContourWatch<Job> contour(bus, [&](const ContourMessage& m) { return prepare(m, model, jobs); });
   fmt::print("slave: ready in {}, automatic\n", bus_settings.cell);
   std::fflush(stdout);
-  const auto waiting_since = std::chrono::steady_clock::now();
-  bool told = false;
-  while (contour.current() == nullptr && !stop_requested() && !contour.refused()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - waiting_since;
-    if (!told && waited.count() > kPatience_s) {
-      told = true;
-      fmt::print("slave: waiting for a contour from telekerf-vision in cell '{}' of domain {}\n",
-                 bus_settings.cell, bus_settings.domain);
-      std::fflush(stdout);
-    }
-    if (waited.count() > settings.wait_s) {
-      throw Refusal(
-          fmt::format("no contour for {:g} s in cell '{}' of domain {}: is telekerf-vision running "
-                      "there?",
-                      settings.wait_s, bus_settings.cell, bus_settings.domain));
-    }
-  }
-  if (contour.refused()) throw Refusal(contour.refusal());
-  if (contour.current() == nullptr) return 1;
+  const Job* const published = awaited(contour, bus_settings, settings.wait_s);
+  if (published == nullptr) return 1;
   if (!folder.empty()) make_folder("--record", folder);
   const robot::Machine::Stand stand = machine.stand();
   std::optional<Job> from_there;
-  if ((stand.tool_m - contour.current()->track[0].position_m).norm() > kAtHome_m)
-    from_there = approached_from(stand.tool_m, *contour.current(), jobs);
-  const Job& job = from_there ? *from_there : *contour.current();
+  if ((stand.tool_m - published->track[0].position_m).norm() > kAtHome_m)
+    from_there = approached_from(stand.tool_m, *published, jobs);
+  const Job& job = from_there ? *from_there : *published;
 
-  MachinistSettings machinist_settings;
-  machinist_settings.follower.control_hz = settings.machining_hz;
-  machinist_settings.follower.quiet_for(jobs.plan.speed_m_per_s, jobs.plan.corner == CornerPolicy::kSlow);
-  machinist_settings.controller = kind_of(settings.controller);
-  machinist_settings.laser_w = options.laser_w;
-  Machinist machinist(model, job, machinist_settings);
+  Machinist machinist(model, job, machinist_settings(settings, jobs.plan, options.laser_w));
   machinist.reset(stand.joints_m);
-
-  std::vector<Row> rows;
   const auto hold_ticks = static_cast<std::size_t>(kHold_s * settings.machining_hz);
-  rows.reserve(job.track.size() + hold_ticks);
-  std::atomic<int> phase{-1};
-  std::atomic<double> progress{0.0};
-  std::jthread herald([&](const std::stop_token& stop) {
-    int said = -1, tenth = 0;
-    for (; !stop.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(50))) {
-      if (const int now = phase.load(); now != said) {
-        said = now;
-        fmt::print("slave: {}\n", name_of(static_cast<JobPhase>(now)));
-      }
-      if (const int now = static_cast<int>(10.0 * progress.load()); now > tenth) {
-        tenth = now;
-        fmt::print("slave: {} %, {:.0f} s to go\n", 10 * now, (1.0 - progress.load()) * job.time_s());
-      }
-      std::fflush(stdout);
-    }
-  });
-
+  work.rows.reserve(job.track.size() + hold_ticks);
+  std::optional<Herald> herald(std::in_place, job.time_s());
   bool stop = false, done = false;
   std::size_t held = 0;
-  int limit_violations = 0;
   std::int64_t first_ns = 0, last_ns = 0;
   const LoopStatistics loop = run_loop(settings.machining_hz, [&](std::int64_t now_ns) {
     if (first_ns == 0) first_ns = now_ns;
@@ -248,32 +218,35 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
     machine.write(out.currents_a);
     machine.advance();
     const Vec3 velocity = true_velocity.value_or(out.tool_velocity_m_per_s);
-    rows.push_back({out.tick, true_tool_m.value_or(out.tool_m), velocity, laser_w});
-    if (out.saturated || velocity.norm() > model.limits.velocity_m_per_s) ++limit_violations;
-    phase.store(static_cast<int>(out.phase), std::memory_order_relaxed);
-    progress.store(out.progress, std::memory_order_relaxed);
+    work.rows.push_back({out.tick, true_tool_m.value_or(out.tool_m), velocity, laser_w});
+    if (out.saturated || velocity.norm() > model.limits.velocity_m_per_s) ++work.limit_violations;
+    herald->tell(out.phase, out.progress);
     done = out.done;
     // A stopped tool is held until it stands.
     if (stop) ++held;
-    return !done && !machine.lost() && held < hold_ticks && rows.size() < rows.capacity();
+    return !done && !machine.lost() && held < hold_ticks && work.rows.size() < work.rows.capacity();
   });
   beam.off();
   machine.release();
-  const double wall_s = static_cast<double>(last_ns - first_ns) * 1e-9;
-  herald.request_stop();
-  herald.join();
-  const bool finished = done && !stop && !machine.lost();
-  fmt::print("slave: {}\n", finished ? "finished" : "stopped");
-  if (!folder.empty())
-    report(folder, job, rows, settings, drive, limit_violations, finished,
-           {{"time_s", wall_s},
-            {"rate_hz", loop.rate_hz},
-            {"overruns", loop.overruns},
-            {"readings_missed", machine.readings_missed()},
-            {"laser_clipped", beam.clipped()},
-            {"laser_untold", beam.untold()}});
+  herald.reset();
+  work.finished = done && !stop && !machine.lost();
+  fmt::print("slave: {}\n", work.finished ? "finished" : "stopped");
+  bool inside = true;
+  if (!folder.empty()) {
+    const auto result = report_work(folder, job, work);
+    inside = result["burn"]["energy_outside_corridor_j"].get<double>() == 0.0;
+    write_json(std::filesystem::path(folder) / "timing.json",
+               nlohmann::ordered_json{{"time_s", static_cast<double>(last_ns - first_ns) * 1e-9},
+                                      {"rate_hz", loop.rate_hz},
+                                      {"overruns", loop.overruns},
+                                      {"readings_missed", machine.readings_missed()},
+                                      {"laser_clipped", beam.clipped()},
+                                      {"laser_untold", beam.untold()}});
+    fmt::print("{}\n", json_text(result));
+  }
   if (machine.lost()) throw Refusal(machine.loss());
-  return finished ? 0 : 1;
+  if (!inside) fmt::print("slave: bad: the laser left the corridor\n");
+  return work.finished && inside ? 0 : 1;
 }
 
 }  // namespace telekerf::slave

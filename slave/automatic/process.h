@@ -35,8 +35,8 @@ struct AutomaticRobot {
 };
 
 /// Waits for a picture's contours, works them off, writes result.json, timing.json, trace.csv, mark.png and
-/// depth.png into `folder` (empty: none). Returns 0 when all were finished, 1 when it was stopped. Throws
-/// Refusal, also when the drive was lost.
+/// depth.png into `folder` (empty: none). Returns 0 when all were finished, 1 when it was stopped or the beam
+/// left the corridor. Throws Refusal, also when the drive was lost.
 int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
                   const AutomaticRobot& robot, const std::string& folder);
 

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What automatic machining leaves behind: measures, the trace, the burnt workpiece.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/runtime/run_record.h"
+#include "slave/automatic/job.h"
+
+namespace telekerf::slave {
+
+/// One tick of the work.
+struct WorkRow {
+  std::size_t tick;                    ///< of the job's track
+  Vec3 tool_m, tool_velocity_m_per_s;  ///< the truth, or what is measured if nobody knows it
+  double laser_w;
+};
+
+struct WorkRecord {
+  std::string controller, corner, sensor, material;  ///< as the user chose them
+  double speed_m_per_s = 0.0;                        ///< commanded
+  DriveRecord drive;
+  std::vector<WorkRow> rows{};
+  int limit_violations = 0;
+  bool finished = false;
+};
+
+/// Writes result.json, trace.csv, mark.png and depth.png into `folder`; returns what result.json holds, which
+/// is nothing of the wall clock. Throws Refusal.
+nlohmann::ordered_json report_work(const std::filesystem::path& folder, const Job& job,
+                                   const WorkRecord& work);
+
+}  // namespace telekerf::slave
