@@ -53,6 +53,7 @@ int run(Flags& flags) {
   }
   Station station(flags.station);
   const robot::Machine& machine = station.machine();
+  const Beam& beam = station.beam();
   if (machine.plant() == nullptr) {
     fmt::print("slave: {} is not simulated: what is recorded is the measured tool\n",
                flags.station.machine.drive);
@@ -90,7 +91,7 @@ int run(Flags& flags) {
     const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, arrived_events);
     if (out.state) states.write(*out.state);
     mode.store(out.mode, std::memory_order_relaxed);
-    return !stop_requested() && !contour.refused() && !machine.lost();
+    return !stop_requested() && !contour.refused() && !machine.lost() && !beam.lost();
   });
   station.release();
   herald.request_stop();
@@ -104,6 +105,7 @@ int run(Flags& flags) {
   }
   if (contour.refused()) throw Refusal(contour.refusal());
   if (machine.lost()) throw Refusal(machine.loss());
+  if (beam.lost()) throw Refusal(beam.loss());
   return 0;
 }
 

@@ -50,6 +50,7 @@ class Station {
   }
   const SlaveNode& node() const { return node_; }
   const robot::Machine& machine() const { return machine_; }
+  const Beam& beam() const noexcept { return beam_; }
   /// After the last step: beam off, then the robot without current.
   void release() noexcept {
     beam_.off();

@@ -224,12 +224,13 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
     done = out.done;
     // A stopped tool is held until it stands.
     if (stop) ++held;
-    return !done && !machine.lost() && held < hold_ticks && work.rows.size() < work.rows.capacity();
+    return !done && !machine.lost() && !beam.lost() && held < hold_ticks &&
+           work.rows.size() < work.rows.capacity();
   });
   beam.off();
   machine.release();
   herald.reset();
-  work.finished = done && !stop && !machine.lost();
+  work.finished = done && !stop && !machine.lost() && !beam.lost();
   fmt::print("slave: {}\n", work.finished ? "finished" : "stopped");
   bool inside = true;
   if (!folder.empty()) {
@@ -245,6 +246,7 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
     fmt::print("{}\n", json_text(result));
   }
   if (machine.lost()) throw Refusal(machine.loss());
+  if (beam.lost()) throw Refusal(beam.loss());
   if (!inside) fmt::print("slave: bad: the laser left the corridor\n");
   return work.finished && inside ? 0 : 1;
 }

@@ -36,7 +36,7 @@ struct AutomaticRobot {
 
 /// Waits for a picture's contours, works them off, writes result.json, timing.json, trace.csv, mark.png and
 /// depth.png into `folder` (empty: none). Returns 0 when all were finished, 1 when it was stopped or the beam
-/// left the corridor. Throws Refusal, also when the drive was lost.
+/// left the corridor. Throws Refusal, also when the drive or the laser was lost.
 int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
                   const AutomaticRobot& robot, const std::string& folder);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -19,6 +20,10 @@ std::unique_ptr<Laser> simulated(std::string_view, double) { return std::make_un
 std::unique_ptr<Laser> udp(std::string_view rest, double control_hz) {
   return std::make_unique<UdpLaser>(udp_address(rest), control_hz);
 }
+
+// A distant host says once a second at most that nobody listens, a near one every time.
+constexpr double kMemory_s = 4.0;
+constexpr double kEnough = 3.0;
 
 using Table = DeviceTable<std::unique_ptr<Laser>, double>;
 constexpr Table::Kind kKinds[] = {
@@ -39,7 +44,7 @@ void BeamSettings::declare(Settings& settings) {
 }
 
 Beam::Beam(const BeamSettings& settings, double laser_w, double control_hz, std::unique_ptr<Laser> laser)
-    : max_w_(settings.laser_max_w) {
+    : name_(settings.laser), max_w_(settings.laser_max_w), forgotten_a_step_(1.0 / (kMemory_s * control_hz)) {
   if (laser_w > max_w_) {
     throw Refusal(
         fmt::format("laser_w = {:g} must be at most laser_max_w = {:g}; lower it, or raise "
@@ -56,8 +61,21 @@ double Beam::emit(double power_w, bool pilot) noexcept {
     power_w = max_w_;
     ++clipped_;
   }
-  if (!laser_->emit(power_w, pilot)) ++untold_;
+  if (lost_) power_w = 0.0;
+  if (laser_->emit(power_w, pilot && !lost_)) {
+    doubts_ = std::max(0.0, doubts_ - forgotten_a_step_);
+  } else {
+    ++untold_;
+    lost_ = lost_ || ++doubts_ >= kEnough;
+  }
   return power_w;
+}
+
+std::string Beam::loss() const {
+  return fmt::format(
+      "laser = {}: it no longer hears what it is told, so nothing is cut any more; is it switched on, "
+      "connected, and its port right?",
+      name_);
 }
 
 }  // namespace telekerf::slave

@@ -44,11 +44,20 @@ class Beam {
   /// Steps in which the laser was not told, as far as is known.
   std::uint64_t untold() const noexcept { return untold_; }
 
+  /// Not told time and again, from then on and for good: `loss()` says so in a sentence for the user. The
+  /// laser is told to be off from then on, in case it hears.
+  bool lost() const noexcept { return lost_; }
+  std::string loss() const;
+
  private:
+  std::string name_;
   double max_w_;
+  double forgotten_a_step_;
   std::unique_ptr<Laser> laser_;
   std::uint64_t clipped_ = 0;
   std::uint64_t untold_ = 0;
+  double doubts_ = 0.0;  ///< steps untold, less what was forgotten of them since
+  bool lost_ = false;
 };
 
 }  // namespace telekerf::slave

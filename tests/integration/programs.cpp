@@ -26,7 +26,7 @@ struct Program::Child : bp::child {
 Program::Program(const std::string& name, const std::vector<std::string>& arguments)
     : output_(scratch() / next_output(name)),
       child_(std::make_unique<Child>(
-          TELEKERF_BIN_DIR "/" + name, bp::args(arguments),
+          TELEKERF_BIN_DIR "/" + name, bp::args(arguments), bp::limit_handles,
           bp::std_in<bp::null, (bp::std_out & bp::std_err)> boost::filesystem::path(output_.string()))) {}
 
 Program::~Program() {

@@ -204,6 +204,21 @@ TEST(LaserProcesses, AnInterruptWhileTheHandCutsPutsTheBeamOut) {
   laser.judge(column_of(out + "/slave.csv", "laser_w"));
 }
 
+TEST(LaserProcesses, ALaserThatGoesAwayEndsTheMachining) {
+  const std::string out = (Program::scratch() / "dark").string();
+  auto laser = std::make_unique<LaserAtWork>();
+  const std::string name = laser->name();
+  Program vision("telekerf-vision", cell({"--image", "circle", "--width-mm", "12"}));
+  Program slave("telekerf-slave", cell({"--automatic", "--no-framing", "--record", out, "--laser", name}));
+  ASSERT_TRUE(slave.says("cutting", seconds(30))) << slave.output();
+  laser.reset();
+  EXPECT_EQ(slave.wait(seconds(20)), 2) << slave.output();
+  EXPECT_TRUE(slave.says("laser = " + name + ": it no longer hears", seconds(1))) << slave.output();
+  const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
+  EXPECT_FALSE(result["finished"].get<bool>());
+  EXPECT_EQ(column_of(out + "/trace.csv", "laser_w").back(), 0.0);
+}
+
 TEST(LaserProcesses, ALaserThatIsNotThereIsRefused) {
   std::string laser;
   {

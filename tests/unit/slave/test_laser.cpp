@@ -65,15 +65,16 @@ class Told : public Laser {
     bool pilot;
     bool operator==(const Step&) const = default;
   };
-  explicit Told(std::vector<Step>& steps, bool reached = true) : steps_(steps), reached_(reached) {}
+  explicit Told(std::vector<Step>& steps, bool within_reach = true) : reached(within_reach), steps_(steps) {}
   bool emit(double power_w, bool pilot) noexcept override {
     steps_.push_back({power_w, pilot});
-    return reached_;
+    return reached;
   }
+
+  bool reached;
 
  private:
   std::vector<Step>& steps_;
-  bool reached_;
 };
 
 TEST(Beam, IsOffBeforeTheFirstStepAndAfterTheLast) {
@@ -112,8 +113,38 @@ TEST(Beam, GivesNothingThatIsNoPowerAndNeverMoreThanItsLimit) {
 TEST(Beam, CountsStepsInWhichTheLaserWasNotTold) {
   std::vector<Told::Step> steps;
   Beam beam({}, 10.0, 1000.0, std::make_unique<Told>(steps, false));
+  EXPECT_FALSE(beam.lost());
   for (int n = 0; n < 3; ++n) beam.emit(1.0, false);
   EXPECT_EQ(beam.untold(), 4u);
+}
+
+TEST(Beam, LosesALaserThatIsNotToldTimeAndAgain) {
+  std::vector<Told::Step> steps;
+  auto laser = std::make_unique<Told>(steps, true);
+  Told& told = *laser;
+  Beam beam({}, 10.0, 1000.0, std::move(laser));
+  const auto emit = [&](bool reached, int times) {
+    told.reached = reached;
+    double power_w = 0.0;
+    for (int n = 0; n < times; ++n) power_w = beam.emit(8.0, true);
+    return power_w;
+  };
+  for (int n = 0; n < 5; ++n) {
+    emit(false, 2);
+    emit(true, 8000);
+  }
+  EXPECT_FALSE(beam.lost()) << "twice in eight seconds, over and over, is forgiven";
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_FALSE(beam.lost());
+    emit(false, 1);
+    emit(true, 1000);
+  }
+  EXPECT_FALSE(beam.lost());
+  emit(false, 1);
+  EXPECT_TRUE(beam.lost()) << "once a second is not";
+  EXPECT_EQ(emit(true, 1), 0.0) << "for good";
+  EXPECT_EQ(steps.back(), (Told::Step{0.0, false}));
+  EXPECT_NE(beam.loss().find("laser = simulated: it no longer hears"), std::string::npos) << beam.loss();
 }
 
 TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
@@ -155,15 +186,14 @@ TEST(UdpLaser, WhereNobodyListensIsRefused) {
       "laser = " + laser + ": Connection refused; is the laser switched on, connected, and its port right?");
 }
 
-TEST(UdpLaser, ThatGoesAwayIsCounted) {
+TEST(UdpLaser, ThatGoesAwayIsLost) {
   auto socket = std::make_unique<LaserSocket>();
   Beam beam(named(socket->laser()), 10.0, 1000.0);
   for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
   EXPECT_EQ(beam.untold(), 0u);
   socket.reset();
   for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
-  EXPECT_GE(beam.untold(), 1u);
-  EXPECT_LE(beam.untold(), 10u);
+  EXPECT_TRUE(beam.lost());
 }
 
 constexpr std::int64_t kMs = 1'000'000;
