@@ -14,6 +14,8 @@
 
 #include "common/vision/curves.h"
 #include "common/vision/number.h"
+#include "common/vision/svg_path.h"
+#include "common/vision/svg_transform.h"
 #include "common/vision/vector_drawing.h"
 
 namespace telekerf::vision {
@@ -59,91 +61,19 @@ std::optional<double> page_length_of(const tinyxml2::XMLElement& root, const cha
   return length_m;
 }
 
-struct ViewBox {
-  Vec2 corner = Vec2::Zero();
-  Vec2 size = Vec2::Zero();
-};
-
 /// Nothing where the element has none; `complaint` where it has one that cannot be used.
 std::optional<ViewBox> view_box_of(const tinyxml2::XMLElement& e, std::string& complaint) {
   const char* text = e.Attribute("viewBox");
   if (text == nullptr) return std::nullopt;
-  std::string_view rest(text);
-  ViewBox box;
-  for (double* value : {&box.corner.x(), &box.corner.y(), &box.size.x(), &box.size.y()}) {
-    const auto number = take_number(rest);
-    if (!number) {
-      complaint = fmt::format("viewBox \"{:.60}\" cannot be read", text);
-      return std::nullopt;
-    }
-    *value = *number;
-  }
-  if (box.size.minCoeff() > 0.0) return box;
-  complaint = "the viewBox has no area";
+  const auto box = read_view_box(text);
+  if (box) return *box;
+  complaint = box.error();
   return std::nullopt;
 }
 
 std::string_view aspect_of(const tinyxml2::XMLElement& e) {
   const char* text = e.Attribute("preserveAspectRatio");
   return text != nullptr ? text : "xMidYMid";
-}
-
-/// From the units of a viewBox to a place of the given size at the origin, as preserveAspectRatio has it.
-Affine fitted(const ViewBox& box, const Vec2& size, std::string_view aspect) {
-  const auto has = [&](std::string_view word) { return aspect.find(word) != std::string_view::npos; };
-  Vec2 scale = size.cwiseQuotient(box.size);
-  if (!has("none")) scale.setConstant(has("slice") ? scale.maxCoeff() : scale.minCoeff());
-  const Vec2 share(has("xMin") ? 0.0 : has("xMax") ? 1.0 : 0.5, has("YMin") ? 0.0 : has("YMax") ? 1.0 : 0.5);
-  const Vec2 spare = size - scale.cwiseProduct(box.size);
-  Affine out = Affine::Identity();
-  out.translate(share.cwiseProduct(spare)).scale(scale).translate(-box.corner);
-  return out;
-}
-
-std::optional<Affine> transform_of(std::string_view text) {
-  Affine total = Affine::Identity();
-  skip_separators(text);
-  while (!text.empty()) {
-    const auto open = text.find('(');
-    const auto close = text.find(')');
-    if (open == std::string_view::npos || close == std::string_view::npos || close < open)
-      return std::nullopt;
-    std::string_view name = text.substr(0, open);
-    while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())) != 0) name.remove_suffix(1);
-    std::string_view inside = text.substr(open + 1, close - open - 1);
-    std::vector<double> v;
-    while (v.size() < 7) {
-      const auto number = take_number(inside);
-      if (!number) break;
-      v.push_back(*number);
-    }
-    skip_separators(inside);
-    if (!inside.empty()) return std::nullopt;
-    const std::size_t n = v.size();
-    Affine one = Affine::Identity();
-    const double degree = M_PI / 180.0;
-    if (name == "matrix" && n == 6) {
-      one.matrix() << v[0], v[2], v[4], v[1], v[3], v[5], 0, 0, 1;
-    } else if (name == "translate" && (n == 1 || n == 2)) {
-      one.translate(Vec2(v[0], n == 2 ? v[1] : 0.0));
-    } else if (name == "scale" && (n == 1 || n == 2)) {
-      one.scale(Vec2(v[0], n == 2 ? v[1] : v[0]));
-    } else if (name == "rotate" && n == 1) {
-      one.rotate(v[0] * degree);
-    } else if (name == "rotate" && n == 3) {
-      one.translate(Vec2(v[1], v[2])).rotate(v[0] * degree).translate(Vec2(-v[1], -v[2]));
-    } else if (name == "skewX" && n == 1) {
-      one.matrix()(0, 1) = std::tan(v[0] * degree);
-    } else if (name == "skewY" && n == 1) {
-      one.matrix()(1, 0) = std::tan(v[0] * degree);
-    } else {
-      return std::nullopt;
-    }
-    total = total * one;
-    text.remove_prefix(close + 1);
-    skip_separators(text);
-  }
-  return total;
 }
 
 class Reader {
@@ -418,22 +348,6 @@ class Reader {
   }
 
   void path(std::string_view d, CurveWriter& w, const Affine& here) {
-    Vec2 at = Vec2::Zero();
-    Vec2 start = Vec2::Zero();
-    Vec2 control = Vec2::Zero();  // of the last curve, for the smooth kinds
-    char last = 0;
-    char command = 0;
-    const auto broken = [&] { fail(fmt::format("a path's data cannot be read near \"{:.30}\"", d)); };
-    const auto number = [&](double& v) {
-      const auto n = take_number(d);
-      if (n) v = *n;
-      return n.has_value();
-    };
-    const auto point = [&](bool relative, Vec2& p) {
-      if (!number(p.x()) || !number(p.y())) return false;
-      if (relative) p += at;
-      return true;
-    };
     const auto end_subpath = [&](bool closed) {
       if (w.points().size() > 1) {
         finish(w, here, closed);
@@ -441,90 +355,19 @@ class Reader {
         w.take();
       }
     };
-    while (complaint.empty()) {
-      skip_separators(d);
-      if (d.empty()) break;
-      if (std::isalpha(static_cast<unsigned char>(d.front())) != 0) {
-        command = d.front();
-        d.remove_prefix(1);
-        if (command == 'Z' || command == 'z') {
-          end_subpath(true);
-          at = start;
-          last = 'Z';
-          continue;
-        }
-      } else if (command == 0 || command == 'Z' || command == 'z') {
-        return broken();
-      }
-      if (last == 0 && command != 'M' && command != 'm') return broken();
-      const bool relative = std::islower(static_cast<unsigned char>(command)) != 0;
-      const char kind = static_cast<char>(std::toupper(static_cast<unsigned char>(command)));
-      Vec2 p = at;
-      if (kind == 'M') {
-        if (!point(relative, p)) return broken();
-        end_subpath(false);
-        w.move_to(p);
-        at = start = p;
-        last = 'M';
-        command = relative ? 'l' : 'L';
+    PathData data(d);
+    while (const auto segment = data.next()) {
+      if (segment->kind == PathSegment::Kind::kMove || segment->kind == PathSegment::Kind::kClose) {
+        end_subpath(segment->kind == PathSegment::Kind::kClose);
+        if (!complaint.empty()) return;
+        if (segment->kind == PathSegment::Kind::kMove) w.move_to(segment->to);
         continue;
       }
-      if (w.points().empty()) w.move_to(at);  // drawing goes on after a Z
-      Vec2 a = at;
-      Vec2 b = at;
-      switch (kind) {
-        case 'L':
-          if (!point(relative, p)) return broken();
-          w.line_to(p);
-          break;
-        case 'H':
-          if (!number(p.x())) return broken();
-          if (relative) p.x() += at.x();
-          w.line_to(p);
-          break;
-        case 'V':
-          if (!number(p.y())) return broken();
-          if (relative) p.y() += at.y();
-          w.line_to(p);
-          break;
-        case 'C':
-          if (!point(relative, a) || !point(relative, b) || !point(relative, p)) return broken();
-          w.cubic_to(a, b, p);
-          control = b;
-          break;
-        case 'S':
-          if (!point(relative, b) || !point(relative, p)) return broken();
-          w.cubic_to(last == 'C' || last == 'S' ? Vec2(2.0 * at - control) : at, b, p);
-          control = b;
-          break;
-        case 'Q':
-          if (!point(relative, a) || !point(relative, p)) return broken();
-          w.quadratic_to(a, p);
-          control = a;
-          break;
-        case 'T':
-          a = last == 'Q' || last == 'T' ? Vec2(2.0 * at - control) : at;
-          if (!point(relative, p)) return broken();
-          w.quadratic_to(a, p);
-          control = a;
-          break;
-        case 'A': {
-          Vec2 radii = Vec2::Zero();
-          double rotation = 0.0;
-          if (!number(radii.x()) || !number(radii.y()) || !number(rotation)) return broken();
-          const auto large = take_flag(d);
-          const auto sweep = take_flag(d);
-          if (!large || !sweep || !point(relative, p)) return broken();
-          w.arc_to(radii, rotation * M_PI / 180.0, *large, *sweep, p);
-          break;
-        }
-        default:
-          return broken();
-      }
+      if (w.points().empty()) w.move_to(segment->from);  // drawing goes on after a close
+      draw(*segment, w);
       if (w.full() || w.bad()) return finish(w, here, false);
-      at = p;
-      last = kind;
     }
+    if (data.damaged()) return fail(fmt::format("a path's data cannot be read near \"{:.30}\"", data.rest()));
     end_subpath(false);
   }
 
@@ -565,14 +408,12 @@ tl::expected<VectorDrawing, std::string> read_svg(std::string_view text, const V
   const auto box = view_box_of(*root, complaint);
   if (!complaint.empty()) return tl::unexpected(complaint);
   if (box) {
-    // One scale for both axes as preserveAspectRatio has it; contours are centred later anyway.
+    // Contours are centred later: only the scale counts.
     Vec2 scale = Vec2::Constant(kPixel);
-    if (width || height) scale.setConstant(width ? *width / box->size.x() : *height / box->size.y());
     if (width && height) {
-      const std::string_view aspect = aspect_of(*root);
-      scale.y() = *height / box->size.y();
-      metres = aspect.find("slice") != std::string_view::npos ? scale.maxCoeff() : scale.minCoeff();
-      if (aspect.find("none") == std::string_view::npos) scale.setConstant(metres);
+      scale = scale_of(*box, {*width, *height}, aspect_of(*root));
+    } else if (width || height) {
+      scale.setConstant(width ? *width / box->size.x() : *height / box->size.y());
     }
     metres = scale.minCoeff();
     if (metres > 0.0) view.scale(scale / metres);

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where SVG puts coordinates: the transform attribute, and a viewBox in its viewport.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "common/geometry/polyline.h"
+
+namespace telekerf::vision {
+
+using geometry::Vec2;
+
+/// A transform attribute, from an element's coordinates to those around it; nothing where it cannot be read.
+std::optional<Eigen::Affine2d> transform_of(std::string_view text);
+
+struct ViewBox {
+  Vec2 corner = Vec2::Zero();
+  Vec2 size = Vec2::Zero();
+};
+
+/// The error is one sentence.
+tl::expected<ViewBox, std::string> read_view_box(std::string_view text);
+
+/// Units of a viewport of the given size in a unit of the box, along x and y, as preserveAspectRatio has it.
+Vec2 scale_of(const ViewBox& box, const Vec2& size, std::string_view aspect);
+
+/// From the units of the box to a viewport of the given size at the origin, as preserveAspectRatio has it.
+Eigen::Affine2d fitted(const ViewBox& box, const Vec2& size, std::string_view aspect);
+
+}  // namespace telekerf::vision
