@@ -19,6 +19,7 @@ class CurveWriter {
   CurveWriter(double chord_error, std::size_t most_points) : error_(chord_error), room_(most_points) {}
 
   bool full() const { return full_; }
+  double chord_error() const { return error_; }
   bool bad() const { return bad_; }  ///< a coordinate was not finite
   const std::vector<Vec2>& points() const { return points_; }
   std::vector<Vec2> take();

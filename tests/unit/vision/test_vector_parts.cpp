@@ -2,11 +2,14 @@
 // The parts that the readers of vector files are made of, each on its own.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <tuple>
 #include <vector>
 
+#include "common/vision/dxf_blocks.h"
+#include "common/vision/spline.h"
 #include "common/vision/svg_path.h"
 #include "common/vision/svg_transform.h"
 
@@ -107,6 +110,63 @@ TEST(SvgTransform, ABoxFitsItsViewport) {
   }
   EXPECT_FALSE(read_view_box("0 0 1"));
   EXPECT_FALSE(read_view_box("0 0 1 0"));
+}
+
+TEST(DxfBlocks, TheFirstReadingFindsThePartsWhereTheyStand) {
+  const std::string text =
+      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n70\n4\n9\n$INSUNITS\n70\n5\n0\nENDSEC\n"
+      "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n10\n1\n20\n2\n0\nLINE\n10\n3\n0\nENDBLK\n"
+      "0\nBLOCK\n2\nX\n70\n4\n0\nENDBLK\n0\nENDSEC\n"
+      "0\nSECTION\n2\nENTITIES\n0\nARC\n40\n1\n0\nENDSEC\n0\nEOF\n";
+  const auto lines_before = [&](const char* part) {
+    return static_cast<std::size_t>(std::count(text.begin(), text.begin() + text.find(part), '\n'));
+  };
+  const auto contents = contents_of(text);
+  ASSERT_TRUE(contents) << contents.error();
+  EXPECT_EQ(contents->metres, 1e-2);
+  ASSERT_EQ(contents->drawn.size(), 1u);
+  EXPECT_EQ(contents->drawn[0].entities, "0\nARC\n40\n1\n");
+  EXPECT_EQ(contents->drawn[0].line, lines_before("0\nARC"));
+  const auto a = block_of({.block = "A"}, *contents);
+  ASSERT_TRUE(a);
+  EXPECT_EQ(a->part.entities, "0\nLINE\n10\n3\n");
+  EXPECT_EQ(a->part.line, lines_before("0\nLINE"));
+  EXPECT_EQ(a->base, Vec2(1, 2));
+  EXPECT_FALSE(block_of({.block = "X"}, *contents));
+  EXPECT_FALSE(block_of({.block = "B"}, *contents));
+}
+
+TEST(DxfBlocks, CopiesStandInRowsAndColumnsOfTheTurnedGrid) {
+  const DxfInsert insert{.block = {},
+                         .at = {10, 20},
+                         .scale = {2, -1},
+                         .angle_deg = 90.0,
+                         .columns = 2,
+                         .rows = 3,
+                         .spacing = {5, 7}};
+  const DxfBlock block{.part = {}, .base = {1, 1}};
+  const auto place = place_of(insert, block, 2, 1, Eigen::Affine2d::Identity());
+  EXPECT_NEAR((place * Vec2(1, 1) - Vec2(-4, 25)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((place * Vec2(2, 1) - Vec2(-4, 27)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((place * Vec2(1, 2) - Vec2(-3, 25)).norm(), 0.0, 1e-14);
+}
+
+TEST(Spline, WhatDoesNotFitTogetherIsRefused) {
+  const Spline good{
+      .degree = 2, .knots = {0, 0, 0, 1, 1, 1}, .control = {{0, 0}, {1, 1}, {2, 0}}, .weights = {}};
+  EXPECT_FALSE(complaint_of(good));
+  const auto spoilt = [&](auto&& spoil) {
+    Spline s = good;
+    spoil(s);
+    return complaint_of(s).value_or("no complaint");
+  };
+  const std::string unfit = "a SPLINE's degree, knots and control points do not fit together";
+  EXPECT_EQ(spoilt([](Spline& s) { s.degree = 0; }), unfit);
+  EXPECT_EQ(spoilt([](Spline& s) { s.degree = 3; }), unfit);
+  EXPECT_EQ(spoilt([](Spline& s) { s.knots.pop_back(); }), unfit);
+  EXPECT_EQ(spoilt([](Spline& s) { s.knots[1] = 2; }), unfit);
+  EXPECT_EQ(spoilt([](Spline& s) { s.weights = {1, 1}; }), unfit);
+  EXPECT_EQ(spoilt([](Spline& s) { s.weights = {1, 0, 1}; }), "a SPLINE has a weight that is not positive");
 }
 
 }  // namespace
