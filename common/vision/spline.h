@@ -22,7 +22,8 @@ struct Spline {
 /// What is wrong with it, one sentence.
 std::optional<std::string> complaint_of(const Spline& spline);
 
-/// Draws the whole of a spline without complaint; the writer moves to its start if it has no point yet.
+/// Draws the whole of a spline that is without complaint, within the writer's chord error; the writer moves
+/// to its start if it has no point yet.
 void draw(const Spline& spline, CurveWriter& writer);
 
 }  // namespace telekerf::vision

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -167,6 +168,46 @@ TEST(Spline, WhatDoesNotFitTogetherIsRefused) {
   EXPECT_EQ(spoilt([](Spline& s) { s.knots[1] = 2; }), unfit);
   EXPECT_EQ(spoilt([](Spline& s) { s.weights = {1, 1}; }), unfit);
   EXPECT_EQ(spoilt([](Spline& s) { s.weights = {1, 0, 1}; }), "a SPLINE has a weight that is not positive");
+}
+
+/// A clamped spline with uneven knots, every other one with weights from 0.1 to 10.
+Spline random_spline(std::mt19937_64& rng) {
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  Spline s;
+  s.degree = 1 + static_cast<int>(rng() % 10);
+  const auto n = static_cast<std::size_t>(s.degree) + 1 + rng() % 8;
+  s.knots.assign(n + s.degree + 1, 0.0);
+  for (std::size_t i = s.degree + 1; i < s.knots.size(); ++i) s.knots[i] = i >= n ? 1.0 : uniform(rng);
+  std::sort(s.knots.begin(), s.knots.end());
+  for (std::size_t i = 0; i < n; ++i) s.control.emplace_back(100.0 * uniform(rng), 100.0 * uniform(rng));
+  if (rng() % 2 == 0) {
+    for (std::size_t i = 0; i < n; ++i) s.weights.push_back(std::pow(10.0, 2.0 * uniform(rng) - 1.0));
+  }
+  return s;
+}
+
+double distance_to(const std::vector<Vec2>& line, const Vec2& p) {
+  double best = INFINITY;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Vec2 way = line[i] - line[i - 1];
+    const double t = std::clamp((p - line[i - 1]).dot(way) / std::max(1e-300, way.squaredNorm()), 0.0, 1.0);
+    best = std::min(best, (line[i - 1] + t * way - p).norm());
+  }
+  return best;
+}
+
+TEST(Spline, ChordsStayWithinTheirError) {
+  std::mt19937_64 rng(3);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Spline s = random_spline(rng);
+    ASSERT_FALSE(complaint_of(s)) << trial;
+    CurveWriter coarse(0.1, 1'000'000);
+    CurveWriter fine(0.001, 1'000'000);
+    draw(s, coarse);
+    draw(s, fine);
+    for (std::size_t i = 0; i < fine.points().size(); i += 7)
+      ASSERT_LT(distance_to(coarse.points(), fine.points()[i]), 0.101) << trial << ", degree " << s.degree;
+  }
 }
 
 }  // namespace
