@@ -2,14 +2,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "common/vision/curves.h"
+#include "common/vision/drawn_lines.h"
 #include "common/vision/dxf_blocks.h"
 #include "common/vision/dxf_groups.h"
 #include "common/vision/number.h"
@@ -99,11 +98,11 @@ bool draws_nothing(const Entity& e) {
 class Reader {
  public:
   Reader(const DxfContents& contents, const VectorLimits& limits)
-      : contents_(contents), limits_(limits), room_(limits.most_points) {}
+      : contents_(contents),
+        most_groups_(limits.most_bytes / 4),
+        out_(limits, Vec2::Constant(contents.metres)) {}
 
-  std::vector<geometry::Polyline> lines;
-  LeftOut left_out;
-  std::string complaint;
+  tl::expected<VectorDrawing, std::string> drawing() { return out_.drawing("DXF"); }
 
   /// Draws what a section or a block holds.
   void draw(const DxfPart& part, const Affine& here) {
@@ -124,16 +123,16 @@ class Reader {
       }
       entity.reset();
     };
-    while (complaint.empty()) {
+    while (!out_.failed()) {
       const auto group = groups.next();
       if (!group) break;
-      if (++groups_read_ > most_groups()) return fail("blocks are inserted too often to be drawn");
+      if (++groups_read_ > most_groups_) return out_.fail("blocks are inserted too often to be drawn");
       if (group->code == 0) {
         flush();
         entity.emplace();
         entity->kind = group->value.substr(0, 32);
       } else if (entity && !absorb(*entity, *group)) {
-        return fail(
+        return out_.fail(
             fmt::format("line {}: \"{:.40}\" is not a finite number", groups.line_number(), group->value));
       }
     }
@@ -142,24 +141,19 @@ class Reader {
   }
 
  private:
-  /// Reading a file of that size without blocks takes about as long.
-  std::size_t most_groups() const { return limits_.most_bytes / 4; }
-
   void draw(const Entity& e, const Affine& outer) {
-    if (!complaint.empty() || draws_nothing(e)) return;
-    if (e.on_sheet) return left_out.add(e.kind + " on a sheet");
-    if (e.tilted) return left_out.add("tilted " + e.kind);
+    if (out_.failed() || draws_nothing(e)) return;
+    if (e.on_sheet) return out_.left_out.add(e.kind + " on a sheet");
+    if (e.tilted) return out_.left_out.add("tilted " + e.kind);
     Affine here = outer;
     // These are given in coordinates of their own plane, the others in those of the drawing.
     for (const std::string_view planar : {"CIRCLE", "ARC", "LWPOLYLINE", "POLYLINE", "INSERT"}) {
       if (e.extruded_down && e.kind == planar) here.scale(Vec2(-1.0, 1.0));
     }
     if (e.kind == "INSERT") return insert(e.insert, here);
-    const Eigen::JacobiSVD<Eigen::Matrix2d> svd(here.linear());
-    const double magnification = svd.singularValues()[0] * contents_.metres;
-    if (!std::isfinite(magnification)) return fail("a block's scale is not finite");
-    if (!(magnification > 0.0)) return;
-    CurveWriter w(limits_.chord_error_m / magnification, room_);
+    auto writer = out_.writer(here);
+    if (!writer) return;
+    CurveWriter& w = *writer;
     const auto at = [&](int code) { return Vec2(e.number[code], e.number[code + 10]); };
     bool closed = false;
     if (e.kind == "LINE") {
@@ -182,26 +176,27 @@ class Reader {
       w.ellipse(at(10), major, ratio * Vec2(-major.y(), major.x()), from, from + sweep);
       closed = sweep > 2.0 * M_PI - 1e-9;
     } else if (e.kind == "LWPOLYLINE" || e.kind == "POLYLINE") {
-      if (e.kind == "POLYLINE" && (e.flags & ~(1 | 128)) != 0) return left_out.add("fitted or 3D POLYLINE");
+      if (e.kind == "POLYLINE" && (e.flags & ~(1 | 128)) != 0)
+        return out_.left_out.add("fitted or 3D POLYLINE");
       closed = (e.flags & 1) != 0;
       polyline(e, w, closed);
     } else if (e.kind == "SPLINE") {
       if (!spline(e, w)) return;
       closed = (e.flags & 1) != 0;
     } else {
-      return left_out.add(e.kind);
+      return out_.left_out.add(e.kind);
     }
-    finish(w, closed, here);
+    out_.add(w, here, closed);
   }
 
   void insert(const DxfInsert& insert, const Affine& here) {
     const auto block = block_of(insert, contents_);
-    if (!block) return fail(block.error());
+    if (!block) return out_.fail(block.error());
     if (++depth_ > kDeepest)
-      return fail(fmt::format("block \"{:.40}\" is nested too deeply or in itself", insert.block));
-    for (int row = 0; row < insert.rows && complaint.empty(); ++row) {
-      for (int column = 0; column < insert.columns && complaint.empty(); ++column) {
-        if (++groups_read_ > most_groups()) return fail("blocks are inserted too often to be drawn");
+      return out_.fail(fmt::format("block \"{:.40}\" is nested too deeply or in itself", insert.block));
+    for (int row = 0; row < insert.rows && !out_.failed(); ++row) {
+      for (int column = 0; column < insert.columns && !out_.failed(); ++column) {
+        if (++groups_read_ > most_groups_) return out_.fail("blocks are inserted too often to be drawn");
         draw(block->part, place_of(insert, *block, row, column, here));
       }
     }
@@ -212,21 +207,6 @@ class Reader {
     double sweep = std::fmod(to - from, 2.0 * M_PI);
     if (sweep <= 1e-12) sweep += 2.0 * M_PI;
     return sweep;
-  }
-
-  void fail(std::string sentence) {
-    if (complaint.empty()) complaint = std::move(sentence);
-  }
-
-  void finish(CurveWriter& w, bool closed, const Affine& here) {
-    if (w.bad()) return fail("a coordinate is not a finite number");
-    if (w.full()) return fail(fmt::format("the drawing has more than {} points", limits_.most_points));
-    geometry::Polyline line{w.take(), closed};
-    room_ -= std::min(room_, line.size());
-    for (Vec2& p : line.points_m) p = contents_.metres * (here * p);
-    if (!geometry::all_finite(line.points_m)) return fail("a coordinate is not a finite number");
-    line = geometry::without_duplicates(line, closed ? 1e-12 : 0.0);
-    if (line.size() >= 2) lines.push_back(std::move(line));
   }
 
   static void polyline(const Entity& e, CurveWriter& w, bool closed) {
@@ -242,7 +222,7 @@ class Reader {
       return true;
     }
     if (const auto wrong = complaint_of(e.spline)) {
-      fail(*wrong);
+      out_.fail(*wrong);
       return false;
     }
     vision::draw(e.spline, w);
@@ -252,10 +232,10 @@ class Reader {
   static constexpr int kDeepest = 32;
 
   const DxfContents& contents_;
-  const VectorLimits& limits_;
-  std::size_t room_;
+  std::size_t most_groups_;  ///< reading a file of that size without blocks takes about as long
   std::size_t groups_read_ = 0;
   int depth_ = 0;  ///< of blocks within blocks
+  DrawnLines out_;
 };
 
 }  // namespace
@@ -271,16 +251,7 @@ tl::expected<VectorDrawing, std::string> read_dxf(std::string_view text, const V
   if (!contents) return tl::unexpected(contents.error());
   Reader reader(*contents, limits);
   for (const DxfPart& section : contents->drawn) reader.draw(section, Affine::Identity());
-  if (!reader.complaint.empty()) return tl::unexpected(reader.complaint);
-  VectorDrawing out;
-  out.contours = joined(std::move(reader.lines), 1e-8);
-  out.left_out = std::move(reader.left_out);
-  if (!out.contours.empty()) return out;
-  if (!contents->any_section) return tl::unexpected<std::string>("not a DXF file");
-  return tl::unexpected(out.left_out.empty()
-                            ? std::string("the DXF file draws no line")
-                            : fmt::format("the DXF file draws no line that is understood (not followed: {})",
-                                          out.left_out.sentence()));
+  return reader.drawing();
 }
 
 }  // namespace telekerf::vision

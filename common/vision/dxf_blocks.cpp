@@ -97,6 +97,7 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text) {
   DxfContents out;
   Blocks blocks(out.blocks);
   std::string_view section;
+  bool any_section = false;
   std::string_view variable;
   DxfPart here{text, 0};  // from the group in hand
   for (; const auto group = groups.next(); here = {groups.rest(), groups.line_number()}) {
@@ -104,7 +105,7 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text) {
     if (group->code == 0 && section_ends) {
       if (section == "ENTITIES") end(out.drawn.back(), here);
       section = {};
-      out.any_section = true;
+      any_section = true;
       if (group->value == "EOF") break;
     } else if (group->code == 2 && section.empty()) {
       section = group->value;
@@ -122,6 +123,7 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text) {
   }
   if (groups.damaged())
     return tl::unexpected(fmt::format("not a DXF file, or damaged, near line {}", groups.line_number()));
+  if (!any_section && out.drawn.empty()) return tl::unexpected<std::string>("not a DXF file");
   return out;
 }
 

@@ -32,7 +32,6 @@ struct DxfContents {
   double metres = 1e-3;        ///< a unit, $INSUNITS
   std::vector<DxfPart> drawn;  ///< sections of entities
   std::map<std::string_view, DxfBlock> blocks;
-  bool any_section = false;
 };
 
 /// The first reading of a file, which `text` must outlive; the error is one sentence.

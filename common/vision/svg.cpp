@@ -12,7 +12,7 @@
 #include <optional>
 #include <utility>
 
-#include "common/vision/curves.h"
+#include "common/vision/drawn_lines.h"
 #include "common/vision/number.h"
 #include "common/vision/svg_path.h"
 #include "common/vision/svg_transform.h"
@@ -46,29 +46,26 @@ std::optional<double> length_of(const char* text) {
   return std::nullopt;
 }
 
-/// A length of the page itself; nothing where it is left to the viewer (no length, auto, a per cent),
-/// `complaint` where it is no length, since the drawing would then come out in some other size than meant.
-std::optional<double> page_length_of(const tinyxml2::XMLElement& root, const char* name,
-                                     std::string& complaint) {
+/// A length of the page itself; nothing where it is left to the viewer (no length, auto, a per cent). What is
+/// no length is refused, since the drawing would then come out in some other size than meant.
+tl::expected<std::optional<double>, std::string> page_length_of(const tinyxml2::XMLElement& root,
+                                                                const char* name) {
   const char* text = root.Attribute(name);
   if (text == nullptr || std::strcmp(text, "auto") == 0 || std::strchr(text, '%') != nullptr)
     return std::nullopt;
   const auto length_m = length_of(text);
-  if (!length_m || !(*length_m > 0.0)) {
-    complaint = fmt::format("{} = \"{:.30}\" is no length above 0; write it like \"100.5mm\"", name, text);
-    return std::nullopt;
-  }
-  return length_m;
+  if (length_m && *length_m > 0.0) return length_m;
+  return tl::unexpected(
+      fmt::format("{} = \"{:.30}\" is no length above 0; write it like \"100.5mm\"", name, text));
 }
 
-/// Nothing where the element has none; `complaint` where it has one that cannot be used.
-std::optional<ViewBox> view_box_of(const tinyxml2::XMLElement& e, std::string& complaint) {
+/// Nothing where the element has none.
+tl::expected<std::optional<ViewBox>, std::string> view_box_of(const tinyxml2::XMLElement& e) {
   const char* text = e.Attribute("viewBox");
   if (text == nullptr) return std::nullopt;
   const auto box = read_view_box(text);
-  if (box) return *box;
-  complaint = box.error();
-  return std::nullopt;
+  if (!box) return tl::unexpected(box.error());
+  return *box;
 }
 
 std::string_view aspect_of(const tinyxml2::XMLElement& e) {
@@ -76,18 +73,50 @@ std::string_view aspect_of(const tinyxml2::XMLElement& e) {
   return text != nullptr ? text : "xMidYMid";
 }
 
+/// The outermost viewport.
+struct Page {
+  Vec2 size_m = Vec2::Zero();  ///< 0: the file does not say
+  double metres = kPixel;      ///< a user unit, along the axis that is magnified less
+  Vec2 units = Vec2::Zero();   ///< its size in user units
+  Affine view = Affine::Identity();
+};
+
+tl::expected<Page, std::string> page_of(const tinyxml2::XMLElement& root) {
+  const auto width = page_length_of(root, "width");
+  if (!width) return tl::unexpected(width.error());
+  const auto height = page_length_of(root, "height");
+  if (!height) return tl::unexpected(height.error());
+  const auto box = view_box_of(root);
+  if (!box) return tl::unexpected(box.error());
+  Page out;
+  out.size_m = {width->value_or(0.0), height->value_or(0.0)};
+  if (*box) {
+    Vec2 scale = Vec2::Constant(kPixel);
+    if (*width && *height) {
+      scale = scale_of(**box, out.size_m, aspect_of(root));
+    } else if (*width || *height) {
+      scale.setConstant(*width ? **width / (*box)->size.x() : **height / (*box)->size.y());
+    }
+    out.metres = scale.minCoeff();
+    // Contours are centred later: where the viewport puts the box does not count.
+    if (out.metres > 0.0) out.view.scale(scale / out.metres);
+    out.view.translate(-(*box)->corner);
+    out.size_m = (*box)->size.cwiseProduct(scale);
+  }
+  if (!(out.metres > 0.0) || !std::isfinite(out.metres))
+    return tl::unexpected<std::string>("the drawing's size is not positive");
+  out.units = *box ? (*box)->size : Vec2(out.size_m / out.metres);
+  return out;
+}
+
 class Reader {
  public:
-  /// `page` is the outermost viewport, in user units.
-  Reader(const tinyxml2::XMLElement& root, const VectorLimits& limits, double metres_per_unit,
-         const Vec2& page)
-      : metres_(metres_per_unit), limits_(limits), room_(limits.most_points), viewport_(page) {
+  Reader(const tinyxml2::XMLElement& root, const Page& page, const VectorLimits& limits)
+      : most_elements_(limits.most_points), viewport_(page.units), out_(limits, {page.metres, -page.metres}) {
     find_names(root, 0);
   }
 
-  std::vector<geometry::Polyline> lines;
-  LeftOut left_out;
-  std::string complaint;
+  tl::expected<VectorDrawing, std::string> drawing() { return out_.drawing("SVG"); }
 
   void children(const tinyxml2::XMLElement& e, const Affine& here, int depth) {
     for (auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
@@ -97,19 +126,19 @@ class Reader {
 
  private:
   void element(const tinyxml2::XMLElement& e, const Affine& outer, int depth) {
-    if (!complaint.empty()) return;
-    if (depth > kDeepest) return fail("groups are nested too deeply");
-    if (++visited_ > limits_.most_points)
-      return fail(fmt::format("the drawing has more than {} elements", limits_.most_points));
+    if (out_.failed()) return;
+    if (depth > kDeepest) return out_.fail("groups are nested too deeply");
+    if (++visited_ > most_elements_)
+      return out_.fail(fmt::format("the drawing has more than {} elements", most_elements_));
     const std::string_view name = local_name(e.Name());
     if (draws_nothing(e, name) || is_hidden(e)) return;
     note_effects(e);
     Affine here = outer;
     if (const char* text = e.Attribute("transform")) {
       const auto transform = transform_of(text);
-      if (!transform) return fail(fmt::format("transform \"{:.60}\" cannot be read", text));
+      if (!transform) return out_.fail(fmt::format("transform \"{:.60}\" cannot be read", text));
       here = outer * *transform;
-      if (!here.matrix().allFinite()) return fail("a transform is not finite");
+      if (!here.matrix().allFinite()) return out_.fail("a transform is not finite");
     }
     if (name == "g" || name == "a") return children(e, here, depth);
     if (name == "switch") return first_choice(e, here, depth);
@@ -118,12 +147,8 @@ class Reader {
       here.translate(Vec2(coordinate(e, "x"), coordinate(e, "y")));
       return viewport(e, here, extent_of(e, e), depth);
     }
-    // Curves are cut in the element's own units, as finely as its largest magnification asks for.
-    const Eigen::JacobiSVD<Eigen::Matrix2d> svd(here.linear());
-    const double magnification = svd.singularValues()[0] * metres_;
-    if (!(magnification > 0.0) || !std::isfinite(magnification)) return;
-    CurveWriter writer(limits_.chord_error_m / magnification, room_);
-    shape(name, e, writer, here);
+    auto writer = out_.writer(here);
+    if (writer) shape(name, e, *writer, here);
   }
 
   static std::string_view local_name(std::string_view name) {
@@ -145,7 +170,7 @@ class Reader {
       const char* text = e.GetText();
       const std::string_view sheet = text != nullptr ? text : "";
       for (const std::string_view rule : {"display", "visibility", "transform"}) {
-        if (sheet.find(rule) != std::string_view::npos) left_out.add("rules of a style sheet");
+        if (sheet.find(rule) != std::string_view::npos) out_.left_out.add("rules of a style sheet");
       }
       return true;
     }
@@ -183,10 +208,10 @@ class Reader {
     for (const char* name : {"clip-path", "mask", "marker", "marker-start", "marker-mid", "marker-end"}) {
       const char* text = e.Attribute(name);
       const bool has = text != nullptr && std::strcmp(text, "none") != 0;
-      if (has || flat.find(fmt::format(";{}:url", name)) != std::string::npos) left_out.add(name);
+      if (has || flat.find(fmt::format(";{}:url", name)) != std::string::npos) out_.left_out.add(name);
     }
     if (flat.find(";transform:") != std::string::npos)
-      fail("a transform within a style is not read; write it as the element's own transform");
+      out_.fail("a transform within a style is not read; write it as the element's own transform");
   }
 
   /// The first child that asks for no extension.
@@ -202,21 +227,22 @@ class Reader {
     for (auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
       if (local_name(a->Name()) == "href") link = a->Value();
     }
-    if (link == nullptr) return left_out.add("use");  // SVG: it draws nothing
+    if (link == nullptr) return out_.left_out.add("use");  // SVG: it draws nothing
     if (link[0] != '#')
-      return fail(
+      return out_.fail(
           fmt::format("use of \"{:.60}\": only what the same file defines (#name) is followed", link));
     const auto found = named_.find(std::string_view(link + 1));
     if (found == named_.end())
-      return fail(fmt::format("use of \"{:.60}\", which the file does not define", link));
+      return out_.fail(fmt::format("use of \"{:.60}\", which the file does not define", link));
     const tinyxml2::XMLElement* target = found->second;
     if (std::find(in_use_.begin(), in_use_.end(), target) != in_use_.end())
-      return fail(fmt::format("use of \"{:.60}\" within itself", link));
+      return out_.fail(fmt::format("use of \"{:.60}\" within itself", link));
     in_use_.push_back(target);
     here.translate(Vec2(coordinate(e, "x"), coordinate(e, "y")));
     const std::string_view kind = local_name(target->Name());
     if ((kind == "symbol" || kind == "svg") && !is_hidden(*target)) {
-      if (target->Attribute("transform") != nullptr) left_out.add(fmt::format("transform of a {}", kind));
+      if (target->Attribute("transform") != nullptr)
+        out_.left_out.add(fmt::format("transform of a {}", kind));
       viewport(*target, here, extent_of(e, *target), depth);
     } else {
       element(*target, here, depth + 1);
@@ -235,10 +261,11 @@ class Reader {
 
   void viewport(const tinyxml2::XMLElement& e, const Affine& here, const Vec2& size, int depth) {
     const Vec2 around = viewport_;
-    const auto box = view_box_of(e, complaint);
-    viewport_ = box ? box->size : size;
-    if (box && !(size.minCoeff() > 0.0)) fail("a viewBox is shown in no area");
-    if (complaint.empty()) children(e, box ? here * fitted(*box, size, aspect_of(e)) : here, depth);
+    const auto box = view_box_of(e);
+    if (!box) return out_.fail(box.error());
+    if (*box && !(size.minCoeff() > 0.0)) return out_.fail("a viewBox is shown in no area");
+    viewport_ = *box ? (*box)->size : size;
+    children(e, *box ? here * fitted(**box, size, aspect_of(e)) : here, depth);
     viewport_ = around;
   }
 
@@ -250,7 +277,7 @@ class Reader {
     std::string_view rest(text);
     const auto share = take_number(rest);
     if (!share || rest != "%") {
-      fail(fmt::format("{} = \"{:.30}\" is not a length that is understood", name, text));
+      out_.fail(fmt::format("{} = \"{:.30}\" is not a length that is understood", name, text));
       return fallback;
     }
     const std::string_view axis(name);
@@ -259,44 +286,26 @@ class Reader {
     return 0.01 * *share * viewport_.norm() / std::sqrt(2.0);
   }
 
-  void fail(std::string sentence) {
-    if (complaint.empty()) complaint = std::move(sentence);
-  }
-
-  void finish(CurveWriter& writer, const Affine& here, bool closed) {
-    if (writer.bad()) return fail("a coordinate is not a finite number");
-    if (writer.full()) return fail(fmt::format("the drawing has more than {} points", limits_.most_points));
-    geometry::Polyline line{writer.take(), closed};
-    room_ -= std::min(room_, line.size());
-    for (Vec2& p : line.points_m) {
-      p = here * p;
-      p = metres_ * Vec2(p.x(), -p.y());
-    }
-    if (!geometry::all_finite(line.points_m)) return fail("a coordinate is not a finite number");
-    line = geometry::without_duplicates(line);
-    if (line.size() >= 2) lines.push_back(std::move(line));
-  }
-
   void shape(std::string_view name, const tinyxml2::XMLElement& e, CurveWriter& w, const Affine& here) {
     if (name == "path") {
       if (const char* d = e.Attribute("d")) path(d, w, here);
     } else if (name == "line") {
       w.move_to({coordinate(e, "x1"), coordinate(e, "y1")});
       w.line_to({coordinate(e, "x2"), coordinate(e, "y2")});
-      finish(w, here, false);
+      out_.add(w, here, false);
     } else if (name == "polyline" || name == "polygon") {
       std::string_view text = e.Attribute("points") != nullptr ? e.Attribute("points") : "";
       bool first = true;
       while (auto x = take_number(text)) {
         const auto y = take_number(text);
-        if (!y) return fail("a polyline has an odd number of coordinates");
+        if (!y) return out_.fail("a polyline has an odd number of coordinates");
         first ? w.move_to({*x, *y}) : w.line_to({*x, *y});
         first = false;
         if (w.full() || w.bad()) break;
       }
       skip_separators(text);
-      if (!text.empty() && !w.full() && !w.bad()) return fail("a polyline's points cannot be read");
-      finish(w, here, name == "polygon");
+      if (!text.empty() && !w.full() && !w.bad()) return out_.fail("a polyline's points cannot be read");
+      out_.add(w, here, name == "polygon");
     } else if (name == "rect") {
       rectangle(e, w, here);
     } else if (name == "circle" || name == "ellipse") {
@@ -304,24 +313,10 @@ class Reader {
       const Vec2 radii = name == "circle" ? Vec2(r, r) : Vec2(coordinate(e, "rx"), coordinate(e, "ry"));
       if (!(radii.minCoeff() > 0.0)) return;
       w.ellipse({coordinate(e, "cx"), coordinate(e, "cy")}, {radii.x(), 0}, {0, radii.y()}, 0.0, 2.0 * M_PI);
-      drop_last(w, here);
+      out_.add(w, here, true);
     } else {
-      left_out.add(name);
+      out_.left_out.add(name);
     }
-  }
-
-  /// A full turn ends where it began; the closed polyline does not repeat that point.
-  void drop_last(CurveWriter& w, const Affine& here) {
-    CurveWriter copy = w;
-    std::vector<Vec2> points = copy.take();
-    if (points.size() > 1 && !w.full() && !w.bad()) {
-      points.pop_back();
-      CurveWriter again(1.0, points.size());
-      for (std::size_t i = 0; i < points.size(); ++i)
-        i == 0 ? again.move_to(points[i]) : again.line_to(points[i]);
-      return finish(again, here, true);
-    }
-    finish(w, here, true);
   }
 
   void rectangle(const tinyxml2::XMLElement& e, CurveWriter& w, const Affine& here) {
@@ -344,13 +339,13 @@ class Reader {
     w.arc_to(r, 0, false, true, {x, y + height - ry});
     w.line_to({x, y + ry});
     w.arc_to(r, 0, false, true, {x + rx, y});
-    finish(w, here, true);
+    out_.add(w, here, true);
   }
 
   void path(std::string_view d, CurveWriter& w, const Affine& here) {
     const auto end_subpath = [&](bool closed) {
       if (w.points().size() > 1) {
-        finish(w, here, closed);
+        out_.add(w, here, closed);
       } else {
         w.take();
       }
@@ -359,25 +354,25 @@ class Reader {
     while (const auto segment = data.next()) {
       if (segment->kind == PathSegment::Kind::kMove || segment->kind == PathSegment::Kind::kClose) {
         end_subpath(segment->kind == PathSegment::Kind::kClose);
-        if (!complaint.empty()) return;
+        if (out_.failed()) return;
         if (segment->kind == PathSegment::Kind::kMove) w.move_to(segment->to);
         continue;
       }
       if (w.points().empty()) w.move_to(segment->from);  // drawing goes on after a close
       draw(*segment, w);
-      if (w.full() || w.bad()) return finish(w, here, false);
+      if (w.full() || w.bad()) return out_.add(w, here, false);
     }
-    if (data.damaged()) return fail(fmt::format("a path's data cannot be read near \"{:.30}\"", data.rest()));
+    if (data.damaged())
+      return out_.fail(fmt::format("a path's data cannot be read near \"{:.30}\"", data.rest()));
     end_subpath(false);
   }
 
-  double metres_;
-  const VectorLimits& limits_;
-  std::size_t room_;
+  std::size_t most_elements_;
   std::size_t visited_ = 0;
   Vec2 viewport_;
   std::map<std::string_view, const tinyxml2::XMLElement*> named_;
   std::vector<const tinyxml2::XMLElement*> in_use_;
+  DrawnLines out_;
 };
 
 }  // namespace
@@ -399,45 +394,14 @@ tl::expected<VectorDrawing, std::string> read_svg(std::string_view text, const V
     return tl::unexpected<std::string>(
         "a transform of the whole <svg> is not read; put it on a group within");
   }
-  VectorDrawing out;
-  Affine view = Affine::Identity();
-  double metres = kPixel;
-  std::string complaint;
-  const auto width = page_length_of(*root, "width", complaint);
-  const auto height = page_length_of(*root, "height", complaint);
-  const auto box = view_box_of(*root, complaint);
-  if (!complaint.empty()) return tl::unexpected(complaint);
-  if (box) {
-    // Contours are centred later: only the scale counts.
-    Vec2 scale = Vec2::Constant(kPixel);
-    if (width && height) {
-      scale = scale_of(*box, {*width, *height}, aspect_of(*root));
-    } else if (width || height) {
-      scale.setConstant(width ? *width / box->size.x() : *height / box->size.y());
-    }
-    metres = scale.minCoeff();
-    if (metres > 0.0) view.scale(scale / metres);
-    view.translate(-box->corner);
-    out.page_width_m = box->size.x() * scale.x();
-    out.page_height_m = box->size.y() * scale.y();
-  } else {
-    out.page_width_m = width.value_or(0.0);
-    out.page_height_m = height.value_or(0.0);
-  }
-  if (!(metres > 0.0) || !std::isfinite(metres))
-    return tl::unexpected<std::string>("the drawing's size is not positive");
-  Reader reader(*root, limits, metres,
-                box ? box->size : Vec2(out.page_width_m / metres, out.page_height_m / metres));
-  reader.children(*root, view, 0);
-  if (!reader.complaint.empty()) return tl::unexpected(reader.complaint);
-  out.contours = joined(std::move(reader.lines), 1e-8);
-  out.left_out = std::move(reader.left_out);
-  if (out.contours.empty()) {
-    return tl::unexpected(out.left_out.empty() ? std::string("the SVG file draws no line")
-                                               : fmt::format("the SVG file draws no line that is understood "
-                                                             "(not followed: {})",
-                                                             out.left_out.sentence()));
-  }
+  const auto page = page_of(*root);
+  if (!page) return tl::unexpected(page.error());
+  Reader reader(*root, *page, limits);
+  reader.children(*root, page->view, 0);
+  auto out = reader.drawing();
+  if (!out) return out;
+  out->page_width_m = page->size_m.x();
+  out->page_height_m = page->size_m.y();
   return out;
 }
 

@@ -68,6 +68,11 @@ TEST(Svg, PathCommandsAbsoluteRelativeAndRepeated) {
   EXPECT_NEAR(geometry::signed_area_m2(d.contours[1]), -50e-6, 1e-15);
 }
 
+TEST(Svg, AClosedPathDoesNotRepeatItsStartForRounding) {
+  const auto d = svg(R"svg(<path d="M0.1 0l0.1 0 0.1 0.2-0.2-0.2z"/>)svg");  // 0.1 + 0.1 + 0.1 - 0.2 > 0.1
+  EXPECT_EQ(d.contours.at(0).size(), 3u);
+}
+
 TEST(Svg, CurvesStayWithinTheChordError) {
   // A half circle as an arc; the same flags glued together as optimisers write them.
   for (const char* arc : {"M0 0A5 5 0 0 1 10 0", "M0 0a5 5 0 0110 0", "M0 0a5,5,0,1,1,10,0"}) {
