@@ -3,14 +3,16 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
+
+#include "common/vision/light.h"
 
 namespace telekerf::vision {
 namespace {
@@ -263,92 +265,6 @@ double percentile(const std::array<double, 256>& counts, int first, int last, do
   return last;
 }
 
-using Light = Eigen::Matrix<double, 6, 1>;  ///< of 1, u, v, u u, u v, v v
-
-/// Slow change of the light over the background: a parabola in x and y through the picture's block medians,
-/// fitted again and again without the blocks that lie off it. False when the background is not the larger
-/// part of the picture.
-bool light_of(const cv::Mat& grey, double noise, Light& light) {
-  constexpr int kBlocks = 20;
-  // A block's median, from a few of its pixels: the paper's, even where a good part of the block is drawn on.
-  constexpr int kSide = 5;
-  cv::Mat small(kBlocks, kBlocks, CV_8U);
-  std::array<unsigned char, std::size_t{kSide} * kSide> sample{};
-  for (int y = 0; y < kBlocks; ++y) {
-    for (int x = 0; x < kBlocks; ++x) {
-      for (int k = 0; k < kSide * kSide; ++k) {
-        const int row = (y * kSide + k / kSide) * (grey.rows - 1) / (kBlocks * kSide - 1);
-        const int column = (x * kSide + k % kSide) * (grey.cols - 1) / (kBlocks * kSide - 1);
-        sample[k] = grey.at<unsigned char>(row, column);
-      }
-      std::nth_element(sample.begin(), sample.begin() + sample.size() / 2, sample.end());
-      small.at<unsigned char>(y, x) = sample[sample.size() / 2];
-    }
-  }
-  const auto row_at = [&](int x, int y) {
-    const double u = (x + 0.5) / kBlocks - 0.5;
-    const double v = (y + 0.5) / kBlocks - 0.5;
-    return Light(1.0, u, v, u * u, u * v, v * v);
-  };
-  std::vector<double> values;
-  for (int y = 0; y < kBlocks; ++y) {
-    for (int x = 0; x < kBlocks; ++x) values.push_back(small.at<unsigned char>(y, x));
-  }
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  light = Light::Zero();
-  light[0] = values[values.size() / 2];
-  double tolerance = 40.0;
-  double inside = 0.0;
-  for (int pass = 0; pass < 8; ++pass) {
-    Eigen::Matrix<double, 6, 6> normal = 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
-    Light right = Light::Zero();
-    inside = 0.0;
-    for (int y = 0; y < kBlocks; ++y) {
-      for (int x = 0; x < kBlocks; ++x) {
-        const Light row = row_at(x, y);
-        const double value = small.at<unsigned char>(y, x);
-        if (std::abs(value - row.dot(light)) > tolerance) continue;
-        normal += row * row.transpose();
-        right += value * row;
-        inside += 1.0 / (kBlocks * kBlocks);
-      }
-    }
-    if (inside < 0.5) return false;
-    light = normal.ldlt().solve(right);
-    tolerance = std::max(0.7 * tolerance, 3.0 + noise);
-  }
-  return inside > 0.55;
-}
-
-/// How far the light can differ from its middle's.
-double change_of(const Light& light) {
-  return 0.5 * light.segment<2>(1).lpNorm<1>() + 0.25 * light.tail<3>().lpNorm<1>();
-}
-
-/// The picture minus the light's change, in whole grey levels: bytes stay bytes.
-cv::Mat flattened(const cv::Mat& smooth, const Light& light) {
-  constexpr int kStretch = 32;
-  cv::Mat out(smooth.size(), CV_8U);
-  for (int y = 0; y < smooth.rows; ++y) {
-    const double v = (y + 0.5) / smooth.rows - 0.5;
-    const auto* in = smooth.ptr<unsigned char>(y);
-    auto* to = out.ptr<unsigned char>(y);
-    for (int first = 0; first < smooth.cols; first += kStretch) {
-      const int end = std::min(first + kStretch, smooth.cols);
-      const double u = 0.5 * (first + end) / smooth.cols - 0.5;
-      const double change = (light[1] + light[3] * u + light[4] * v) * u + (light[2] + light[5] * v) * v;
-      const auto more = static_cast<unsigned char>(std::clamp(std::lround(change), 0L, 255L));
-      const auto less = static_cast<unsigned char>(std::clamp(std::lround(-change), 0L, 255L));
-      const auto most = static_cast<unsigned char>(255 - less);
-      for (int x = first; x < end; ++x) {
-        const unsigned char value = std::min(std::max(in[x], more), most);
-        to[x] = static_cast<unsigned char>(value - more + less);
-      }
-    }
-  }
-  return out;
-}
-
 /// Drawing against a background that is known to be the larger part: what lies six deviations of the noise
 /// off it. Lines of one pixel are too few for a split of the histogram.
 bool separate_from_background(const std::array<double, 256>& counts, double background, double noise,
@@ -386,7 +302,7 @@ bool separate_from_background(const std::array<double, 256>& counts, double back
 }
 
 /// Smooths and finds the level half way between drawing and background, where a blurred border lies.
-void separate(const cv::Mat& grey, double sigma_px, const Light* light, Field& field) {
+void separate(const cv::Mat& grey, double sigma_px, const std::optional<Light>& light, Field& field) {
   field.sigma_px = sigma_px;
   const int size = 2 * static_cast<int>(std::ceil(2.0 * sigma_px)) + 1;
   cv::GaussianBlur(grey, field.smooth, {size, size}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
@@ -394,7 +310,7 @@ void separate(const cv::Mat& grey, double sigma_px, const Light* light, Field& f
   Split halves = otsu(counts);
   // A large faint region looks like a change of light; two grey levels with nothing between are no such
   // thing.
-  if (light != nullptr && !halves.clear) {
+  if (light && !halves.clear) {
     if (change_of(*light) > 3.0) {
       field.smooth = flattened(field.smooth, *light);
       counts = histogram_of(field.smooth);
@@ -418,15 +334,13 @@ void separate(const cv::Mat& grey, double sigma_px, const Light* light, Field& f
 tl::expected<Field, std::string> make_field(const cv::Mat& grey) {
   Field field;
   field.noise = noise_of(grey);
-  Light light;
-  const bool even = light_of(grey, field.noise, light);
-  separate(grey, 1.0, even ? &light : nullptr, field);
-  if (field.noise > 0.08 * field.contrast && field.noise > 1.0)
-    separate(grey, 1.6, even ? &light : nullptr, field);
+  const auto light = light_of(grey, field.noise);
+  separate(grey, 1.0, light, field);
+  if (field.noise > 0.08 * field.contrast && field.noise > 1.0) separate(grey, 1.6, light, field);
   double smoothed_noise = field.noise / (2.0 * field.sigma_px * std::sqrt(M_PI));
   if (field.contrast > 6.0 * smoothed_noise && field.contrast < 14.0 * smoothed_noise + 8.0 &&
       field.noise > 1.0) {
-    separate(grey, 2.6, even ? &light : nullptr, field);
+    separate(grey, 2.6, light, field);
     smoothed_noise = field.noise / (2.0 * field.sigma_px * std::sqrt(M_PI));
   }
   // Two halves of plain noise are 1.6 standard deviations apart.
