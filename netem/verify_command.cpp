@@ -15,7 +15,7 @@ namespace {
 
 struct Options {
   std::string profile;
-  VerifyOptions verify;
+  Traffic traffic;
   bool json = false;
 };
 
@@ -53,13 +53,13 @@ void print_table(const StageReport& report) {
 
 int run(const Options& options) {
   const Profile profile = load_profile(options.profile);
-  const auto reports = verify(profile, options.verify);
+  const auto reports = verify(profile, options.traffic);
   const bool good =
       std::all_of(reports.begin(), reports.end(), [](const StageReport& report) { return report.good(); });
   if (options.json) {
     nlohmann::json out{{"profile", profile.name},
-                       {"packets", options.verify.packets},
-                       {"seed", options.verify.seed},
+                       {"packets", options.traffic.packets},
+                       {"seed", options.traffic.seed},
                        {"good", good},
                        {"reports", nlohmann::json::array()}};
     for (const auto& report : reports) out["reports"].push_back(to_json(report));
@@ -67,8 +67,8 @@ int run(const Options& options) {
   } else {
     for (const auto& report : reports) print_table(report);
     fmt::print("{}: {} over {} packets each way, seed {}\n", profile.name,
-               good ? "all within their bounds" : "OUTSIDE its bounds", options.verify.packets,
-               options.verify.seed);
+               good ? "all within their bounds" : "OUTSIDE its bounds", options.traffic.packets,
+               options.traffic.seed);
   }
   return good ? 0 : 1;
 }
@@ -80,13 +80,13 @@ void add_verify_command(CLI::App& app, Action& action) {
       "verify", "Sends virtual packets and holds what happens to them against the profile");
   auto options = std::make_shared<Options>();
   command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
-  command->add_option("--packets", options->verify.packets, "in each direction (and stage)")
+  command->add_option("--packets", options->traffic.packets, "in each direction (and stage)")
       ->check(within(100, 20e6))
       ->capture_default_str();
-  command->add_option("--seed", options->verify.seed, "of the random numbers")
+  command->add_option("--seed", options->traffic.seed, "of the random numbers")
       ->check(whole_number())
       ->capture_default_str();
-  command->add_option("--rate-hz", options->verify.rate_hz, "packets per second")
+  command->add_option("--rate-hz", options->traffic.rate_hz, "packets per second")
       ->check(within(0.1, 1e6))
       ->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object instead of a table");

@@ -77,9 +77,9 @@ TEST(Trace, ReplayGivesTheRecordingAgain) {
   std::ifstream in(file.path);
   const std::string text(std::istreambuf_iterator<char>(in), {});
   EXPECT_EQ(text_of(record(replay.forward, {99}, 3'000)), text);
-  VerifyOptions options;
-  options.packets = 10'000;  // goes round more than three times
-  for (const auto& report : verify(replay, options)) EXPECT_TRUE(report.good());
+  Traffic traffic;
+  traffic.packets = 10'000;  // goes round more than three times
+  for (const auto& report : verify(replay, traffic)) EXPECT_TRUE(report.good());
 }
 
 TEST(Trace, LossesAloneCanBeReplayed) {
@@ -120,11 +120,11 @@ TEST(Trace, VerifyHoldsRecordedLossesAgainstTheRecording) {
     return profile;
   };
   const DirectionProfile nominal = losses_of(recording);
-  VerifyOptions options;
-  options.packets = 2'000;
-  EXPECT_TRUE(verify_direction(nominal, nominal, Direction::kForward, options).front().good());
+  Traffic traffic;
+  traffic.packets = 2'000;
+  EXPECT_TRUE(verify_direction(nominal, nominal, Direction::kForward, traffic).front().good());
   recording[77].lost = !recording[77].lost;
-  EXPECT_FALSE(verify_direction(nominal, losses_of(recording), Direction::kForward, options).front().good());
+  EXPECT_FALSE(verify_direction(nominal, losses_of(recording), Direction::kForward, traffic).front().good());
 }
 
 TEST(Trace, DamagedFilesAreRefusedByLine) {

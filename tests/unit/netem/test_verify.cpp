@@ -31,10 +31,10 @@ TEST(Verify, ShippedProfilesRaiseNoFalseAlarm) {
     const Profile profile = load_profile(name);
     for (const auto& [packets, seeds] : {std::pair{200'000, 1}, {2'000, 5}, {100, 10}}) {
       for (int seed = 1; seed <= seeds; ++seed) {
-        VerifyOptions options;
-        options.packets = packets;
-        options.seed = seed;
-        EXPECT_EQ(complaints(verify(profile, options)), "")
+        Traffic traffic;
+        traffic.packets = packets;
+        traffic.seed = seed;
+        EXPECT_EQ(complaints(verify(profile, traffic)), "")
             << name << " packets " << packets << " seed " << seed;
       }
     }
@@ -46,10 +46,10 @@ TEST_P(RightLaw, RaisesNoFalseAlarm) {
   const DirectionProfile profile = of(GetParam());
   for (const auto& [packets, seeds] : {std::pair{150'000, 1}, {3'000, 8}}) {
     for (int seed = 1; seed <= seeds; ++seed) {
-      VerifyOptions options;
-      options.packets = packets;
-      options.seed = seed;
-      EXPECT_EQ(complaints(verify_direction(profile, profile, Direction::kForward, options)), "")
+      Traffic traffic;
+      traffic.packets = packets;
+      traffic.seed = seed;
+      EXPECT_EQ(complaints(verify_direction(profile, profile, Direction::kForward, traffic)), "")
           << "seed " << seed;
     }
   }
@@ -92,10 +92,10 @@ struct Wrong {
 };
 class WrongLaw : public testing::TestWithParam<Wrong> {};
 TEST_P(WrongLaw, IsFound) {
-  VerifyOptions options;
-  options.packets = 300'000;
+  Traffic traffic;
+  traffic.packets = 300'000;
   const auto reports =
-      verify_direction(of(GetParam().nominal), of(GetParam().emulated), Direction::kForward, options);
+      verify_direction(of(GetParam().nominal), of(GetParam().emulated), Direction::kForward, traffic);
   EXPECT_NE(complaints(reports).find(GetParam().named), std::string::npos) << complaints(reports);
 }
 #define NORMAL "jitter_ms = 10\ndistribution = \"normal\"\n"

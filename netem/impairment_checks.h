@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a run of many packets must show of delay and loss, held against their nominal law.
+#pragma once
+
+#include "netem/checks.h"
+#include "netem/profile.h"
+#include "netem/virtual_run.h"
+
+namespace telekerf::netem {
+
+/// Quantiles, mean, deviation and memory of the delays; where the order is free how often a packet overtakes
+/// the one before it, sent at `rate_hz`.
+void check_delay(const Conditions& nominal, const Run& run, double rate_hz, Checks& checks);
+
+/// Share and bursts of what the loss model takes. With `event_losses` retransmissions have two causes and are
+/// not counted.
+void check_loss(const Conditions& nominal, const Run& run, bool event_losses, Checks& checks);
+
+/// Losses alone from a recording: packet by packet.
+void check_loss_trace(const Recording& recording, const Run& run, Checks& checks);
+
+}  // namespace telekerf::netem

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "netem/impairment_checks.h"
+
+namespace telekerf::netem {
+namespace {
+
+void check_burst(const LossLaw& law, const LossChain& chain, std::uint64_t lost, std::uint64_t bursts,
+                 double n, Checks& checks) {
+  const double nominal = mean_burst(chain);
+  const auto count = static_cast<double>(bursts);
+  const double measured = static_cast<double>(lost) / count;
+  const bool renewal = law.model == LossModel::kBernoulli ||
+                       (law.model == LossModel::kGilbertElliott && law.ge_h == 0 && law.ge_k == 1);
+  double half;
+  if (renewal) {  // independent geometric lengths
+    const double variance = nominal * std::max(0.0, nominal - 1);
+    half = std::sqrt(2 * kLogAlarm * variance / count) + 2 * nominal * kLogAlarm / count;
+  } else {
+    const double memory = chain_memory(chain);
+    const double spread =
+        (1 + memory) / (1 - memory);  // bernstein() multiplies by it; the variance has it already
+    half = bernstein(n, burst_variance(chain) / spread, nominal, memory) * n / count;
+  }
+  checks.near("mean burst", "packets", measured, nominal, half);
+}
+
+}  // namespace
+
+void check_loss(const Conditions& nominal, const Run& run, bool event_losses, Checks& checks) {
+  const LossChain chain = loss_chain(nominal.loss);
+  const double p = mean_loss(chain);
+  const auto n = static_cast<double>(run.sent.size());
+  std::uint64_t lost = 0;
+  std::uint64_t bursts = 0;
+  bool before = false;
+  for (const Sent& sent : run.sent) {
+    const bool now = sent.fate.lost_by_model || sent.fate.retransmissions > 0;
+    lost += now;
+    bursts += now && !before;
+    before = now;
+  }
+  if (nominal.tcp_like) {
+    checks.none("lost on a TCP-like link", run.counters.lost);
+    if (!event_losses) checks.share("retransmitted", lost, run.sent.size(), p, chain_memory(chain));
+    return;
+  }
+  if (p == 0) {
+    checks.none("lost by the model", lost);
+    return;
+  }
+  checks.share("loss", lost, run.sent.size(), p, chain_memory(chain));
+  if (bursts > 0 && p < 1) check_burst(nominal.loss, chain, lost, bursts, n, checks);
+}
+
+void check_loss_trace(const Recording& recording, const Run& run, Checks& checks) {
+  std::uint64_t differing = 0;
+  for (std::size_t i = 0; i < run.sent.size(); ++i) {
+    const Fate& fate = run.sent[i].fate;
+    const bool lost = fate.lost_by_model || fate.retransmissions > 0;
+    differing += lost != recording[i % recording.size()].lost;
+  }
+  checks.none("lost otherwise than recorded", differing);
+}
+
+}  // namespace telekerf::netem
