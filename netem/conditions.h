@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a stage does to packets, read from its keys.
+#pragma once
+
+#include "netem/profile.h"
+#include "netem/section.h"
+
+namespace telekerf::netem {
+
+/// Delay, loss, order and what else the section says; refuses keys that contradict one another.
+Conditions read_conditions(const Section& section);
+
+}  // namespace telekerf::netem
