@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "common/vision/corners.h"
 #include "common/vision/modes.h"
@@ -119,6 +120,10 @@ struct Separation {
   std::optional<std::string> complaint;
   double explained = 0.0;   ///< share of the sharp edges
   bool stands_out = false;  ///< large enough to be what the picture is about
+
+  bool whole() const { return !complaint && stands_out; }
+  bool thin() const { return outlines.width_px < kThinnest * outlines.size_px; }
+  double score() const { return explained * field.contrast; }  ///< many edges on a clear border
 };
 
 Separation judged(Field field) {
@@ -130,62 +135,68 @@ Separation judged(Field field) {
   return out;
 }
 
-/// Lines on paper whose light changes at once, if the picture shows any that stand out.
-std::optional<Separation> lines_across_shadows(const cv::Mat& grey) {
+constexpr double kExplained = 0.95;  ///< a separation that explains more edges leaves none over
+
+/// The level that explains most edges, if it does explain them. Among texture some level always leaves a
+/// shape over: where the first one found no drawing, few shapes may be left.
+std::optional<Separation> by_level(const Separation& first) {
+  constexpr std::ptrdiff_t kFew = 8;
+  Separation found = judged(at_explaining_level(first.field));
+  if (!found.whole() || found.explained <= kExplained) return std::nullopt;
+  const auto& contours = found.outlines.contours;
+  const auto rivals = std::count_if(contours.begin(), contours.end(), [&](const PixelContour& c) {
+    return size_of(c) > 0.1 * found.outlines.size_px;
+  });
+  if (first.complaint && rivals > kFew) return std::nullopt;
+  return found;
+}
+
+/// Lines on paper whose light changes at once, wide ones and thin ones.
+std::vector<Separation> across_shadows(const cv::Mat& grey) {
   constexpr int kWideLines = 160;
   constexpr int kThinLines = 480;
-  std::optional<Separation> best;
+  std::vector<Separation> out;
   for (const int small_side : {kWideLines, kThinLines}) {
     auto field = make_field(without_shadows(grey, small_side));
     if (!field) continue;
     Separation found = judged(std::move(*field));
-    if (found.complaint || !found.stands_out || found.outlines.width_px >= kThinnest * found.outlines.size_px)
-      continue;
-    if (!best || found.field.contrast > best->field.contrast) best = std::move(found);
+    if (found.whole() && found.thin()) out.push_back(std::move(found));
   }
-  return best;
+  return out;
 }
 
-/// Drawing and background of a picture. Second thoughts, where no whole drawing is found or sharp edges are
-/// left over: another level, lines across the edge of a shadow, or the other way round (a lit plate in a dark
-/// frame).
+/// The other way round: a lit plate in a dark frame.
+std::optional<Separation> in_frame(const Field& field) {
+  if (!frames(field.drawn)) return std::nullopt;
+  Separation found = judged(inverted(field));
+  if (!found.whole()) return std::nullopt;
+  return found;
+}
+
+/// Drawing and background of a picture. Where the first level finds no whole drawing or leaves sharp edges
+/// over, a better one if there is any, or lines across shadows, whichever scores best.
 tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
-  constexpr double kExplained = 0.95;
-  constexpr double kFewer = 0.5;  // edges unexplained than before
-  constexpr double kAsGood = 0.03;
-  constexpr double kFainter = 0.8;  // of a wide region a rim is left, fainter than the region itself
   auto field = make_field(grey);
   if (!field) return tl::unexpected(field.error());
   Separation first = judged(std::move(*field));
   if (!first.complaint && first.explained > kExplained) return first;
-  const auto better = [&](const Separation& other) {
-    if (other.complaint || !other.stands_out) return false;
-    return first.complaint || 1.0 - other.explained < kFewer * (1.0 - first.explained);
-  };
-  Separation level = judged(at_explaining_level(first.field));
-  // Among texture some level always leaves a shape over.
-  constexpr std::ptrdiff_t kFew = 8;
-  const auto rivals =
-      std::count_if(level.outlines.contours.begin(), level.outlines.contours.end(),
-                    [&](const PixelContour& c) { return size_of(c) > 0.1 * level.outlines.size_px; });
-  const bool texture = first.complaint && rivals > kFew;
-  const bool by_level = !texture && level.explained > kExplained && better(level);
-  auto lines = lines_across_shadows(grey);
-  const double clearest = by_level ? level.field.contrast : first.field.contrast;
-  const bool by_lines = lines && lines->field.contrast > kFainter * clearest && better(*lines);
-  // Lines that a shadow makes faint are whole only without it; where the two see opposite drawings, a level
-  // is not misled by lines as wide as the gaps between them.
-  const bool whole = by_lines && lines->field.dark == level.field.dark;
-  if (by_level && !(whole && lines->explained > level.explained - kAsGood)) return level;
-  if (by_lines) return std::move(*lines);
-  if (!first.complaint) return first;
-  if (frames(first.field.drawn)) {
-    invert(first.field);
-    Separation inverted = judged(std::move(first.field));
-    if (better(inverted)) return inverted;
+  const auto complaint = first.complaint;
+  std::vector<Separation> candidates;
+  auto level = by_level(first);
+  // Lines where a level sees a region are its rim; lines the other way round the gaps between its lines.
+  if (!level || level->thin()) candidates = across_shadows(grey);
+  if (level) {
+    std::erase_if(candidates, [&](const Separation& lines) { return lines.field.dark != level->field.dark; });
+    candidates.push_back(std::move(*level));
+  } else if (!complaint) {
+    candidates.push_back(std::move(first));
+  } else if (auto plate = in_frame(first.field)) {
+    candidates.push_back(std::move(*plate));
   }
-  if (lines) return std::move(*lines);
-  return tl::unexpected(*first.complaint);
+  if (candidates.empty()) return tl::unexpected(*complaint);
+  return std::move(
+      *std::max_element(candidates.begin(), candidates.end(),
+                        [](const Separation& a, const Separation& b) { return a.score() < b.score(); }));
 }
 
 tl::expected<Contours, std::string> finished(Contours contours, double smallest_share, double sigma_px,

@@ -360,9 +360,12 @@ tl::expected<Field, std::string> make_field(const cv::Mat& grey) {
   return field;
 }
 
-void invert(Field& field) {
-  field.dark = !field.dark;
-  cv::bitwise_not(field.drawn, field.drawn);
+Field inverted(const Field& field) {
+  Field out = field;
+  out.dark = !field.dark;
+  out.drawn = cv::Mat();  // a copied field shares its planes
+  cv::bitwise_not(field.drawn, out.drawn);
+  return out;
 }
 
 }  // namespace telekerf::vision

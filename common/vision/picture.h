@@ -33,7 +33,7 @@ bool border_is_dark(const cv::Mat& smooth, double level);
 /// Smooths and separates; the error says why the picture holds no drawing.
 tl::expected<Field, std::string> make_field(const cv::Mat& grey);
 
-/// Swaps drawing and background.
-void invert(Field& field);
+/// Drawing and background swapped.
+Field inverted(const Field& field);
 
 }  // namespace telekerf::vision
