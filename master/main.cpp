@@ -119,12 +119,13 @@ int run(Flags& flags) {
   std::atomic<double> wanted_beta{flags.station.beta};
   double beta = flags.station.beta;  // in force; only the watch's own thread needs it
   ContourWatch<Task> contour(bus, [&](const ContourMessage& message) {
+    double wanted = wanted_beta.load();
     try {
-      auto task = station.prepare(message, wanted_beta.load());
+      auto task = station.prepare(message, wanted);
       beta = task->guide.beta;
       return task;
     } catch (const Refusal&) {
-      wanted_beta.store(beta);
+      wanted_beta.compare_exchange_strong(wanted, beta);  // unless another has been asked for meanwhile
       throw;
     }
   });
