@@ -33,7 +33,7 @@ const std::vector<std::string> kDxfSeeds{
 const std::vector<std::string> kTokens{
     "nan",  "inf",       "-1e308", "1e308", "1e-308", "0",      "-0",         "99999999999999999999",
     "M",    "Z",         "a",      "<g>",   "</g>",   "\"",     ">",          "(",
-    ")",    ",",         "\n0\n",  "10\n",  "40\n",   "SPLINE", "CIRCLE",     "\0",
+    ")",    ",",         "\n0\n",  "10\n",  "40\n",   "SPLINE", "CIRCLE",     std::string(1, '\0'),
     "<!--", "<![CDATA[", "&#0;",   "<use",  "id='g'", "INSERT", "0\nENDBLK\n"};
 
 std::string mutated(const std::vector<std::string>& seeds, std::mt19937_64& rng) {
