@@ -143,14 +143,12 @@ int run() {
   bool good = true;
   fmt::print("median / p99 / max of {} rounds, per packet\n", kRounds);
   for (const int delay_ms : {50, 150, 1000}) {
-    const std::string delay = "delay_ms = " + std::to_string(delay_ms) + "\n";
-    const auto name = [&](const char* what) {
-      return std::string(what) + ", " + std::to_string(delay_ms) + " ms";
-    };
-    good &= compare(name("fifo, constant").c_str(), "[both]\n" + delay, 1.0);
-    good &= compare(name("fifo, everything on").c_str(), "[both]\n" + delay + all + event, 1.0);
+    const std::string delay = fmt::format("[both]\ndelay_ms = {}\n", delay_ms);
+    const auto name = [&](const char* what) { return fmt::format("{}, {} ms", what, delay_ms); };
+    good &= compare(name("fifo, constant").c_str(), delay, 1.0);
+    good &= compare(name("fifo, everything on").c_str(), fmt::format("{}{}{}", delay, all, event), 1.0);
     good &= compare(name("free, everything on").c_str(),
-                    "[both]\n" + delay + all + "order = \"free\"\n" + event, 0.5);
+                    fmt::format("{}{}order = \"free\"\n{}", delay, all, event), 0.5);
   }
   fmt::print("checksum {}\n", checksum);
   return good ? 0 : 1;

@@ -75,12 +75,12 @@ int main() {
     drawing::Drawing drawing = *drawing::by_name(name, kWidth, kHeight);
     drawing.pen_px *= 2.0;
     std::vector<cv::Mat> pictures;
-    for (int i = 0; i < 3; ++i) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       drawing::Look look;
       look.width_px = kWidth;
       look.height_px = kHeight;
       look.noise = 4.0;
-      look.seed = static_cast<std::uint64_t>(i + 1);
+      look.seed = seed;
       pictures.push_back(drawing::render(drawing, look));
     }
     for (const vision::Mode mode : {vision::Mode::kAuto, vision::Mode::kOutline, vision::Mode::kStroke}) {

@@ -99,7 +99,7 @@ std::vector<double> block_variances_of(const codec::Trace& trace, int block) {
     const auto windows = x.size() - static_cast<std::size_t>(block) + 1;
     for (std::size_t at = 0; at < windows; ++at) {
       const Eigen::Map<const Eigen::VectorXd> part(&x[at], block);
-      covariance.selfadjointView<Eigen::Lower>().rankUpdate(part);
+      covariance.noalias() += part * part.transpose();
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance / static_cast<double>(windows),
                                                                 Eigen::EigenvaluesOnly);

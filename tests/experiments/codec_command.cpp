@@ -189,6 +189,7 @@ Json rate_distortion(const SeededTrace& seeded, int block, Panel& panel) {
   const auto limit = gaussian_limit(block_variances_of(seeded.trace, block), errors);
   const auto endless = gaussian_limit(spectrum_of(seeded.trace), errors);
   std::vector<Curve> curves;
+  curves.reserve(kContenders.size());
   for (const auto& contender : kContenders) curves.push_back(sweep(seeded, contender, block));
 
   panel = panel_for(fmt::format("{} [{}]", seeded.trace.name, seeded.unit), {errors.front(), errors.back()});

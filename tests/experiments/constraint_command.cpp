@@ -98,6 +98,7 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
         double largest = 0.0;
         constexpr int kPlaces = 4000;
         std::vector<Vec2> places;
+        places.reserve(kPlaces);
         const auto begin = std::chrono::steady_clock::now();
         for (int i = 0; i < kPlaces; ++i) places.push_back(guide.at(guide.length_m() * i / kPlaces).point_m);
         const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;

@@ -115,6 +115,7 @@ Panel over_time(const std::string& title, const std::vector<double>& values, con
 
 std::vector<double> axis(const std::vector<Vec2>& points, int k) {
   std::vector<double> out;
+  out.reserve(points.size());
   for (const Vec2& p : points) out.push_back(p[k]);
   return out;
 }
@@ -154,12 +155,11 @@ class Drawer {
 
   /// Figures 3.2 to 3.4.
   void from_pixels() {
-    const std::array<const Subject*, 2> both{&open_, &closed_};
-    std::vector<cv::Mat> edges;
-    for (const Subject* s : both) edges.push_back(in_colour(s->field.smooth));
-    for (const Subject* s : both) edges.push_back(in_colour(s->band));
-    write_pictures(edges, file("3.2"));
+    write_pictures({in_colour(open_.field.smooth), in_colour(closed_.field.smooth), in_colour(open_.band),
+                    in_colour(closed_.band)},
+                   file("3.2"));
 
+    const std::array<const Subject*, 2> both{&open_, &closed_};
     std::vector<cv::Mat> starts;
     std::vector<cv::Mat> travelled;
     for (const Subject* s : both) {

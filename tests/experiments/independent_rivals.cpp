@@ -96,7 +96,7 @@ ContourRunSettings tuned_independent(ContourRunSettings settings) {
   return independent(settings, slave::ModelUse::kNone, 150.0, 600.0);
 }
 
-ContourRunSettings assisted_independent(ContourRunSettings settings) {
+ContourRunSettings assisted_independent(const ContourRunSettings& settings) {
   return independent(settings, slave::ModelUse::kJoints, 1000.0, 1800.0);
 }
 

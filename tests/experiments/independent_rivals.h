@@ -20,7 +20,7 @@ ContourRunSettings tuned_independent(ContourRunSettings settings);
 
 /// More than the thesis' law, and twice as fast a loop: friction at the reference velocity, the weight at the
 /// start and preview for every joint, and the observer that then leaves the least product of the errors.
-ContourRunSettings assisted_independent(ContourRunSettings settings);
+ContourRunSettings assisted_independent(const ContourRunSettings& settings);
 
 /// Names and figures of a run's tuning.
 nlohmann::ordered_json tuning(const ContourRunSettings& settings);

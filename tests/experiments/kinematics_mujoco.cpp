@@ -164,9 +164,9 @@ Vec3 MujocoDelta::rod_error_m() const {
   mj_kinematics(engine_->model, engine_->data);
   mj_tendon(engine_->model, engine_->data);
   Vec3 error;
-  for (int i = 0; i < 3; ++i) {
-    error[i] = 0.5 * (engine_->data->ten_length[2 * i] + engine_->data->ten_length[2 * i + 1]) -
-               engine_->rod_length_m[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double pair_m = 0.5 * (engine_->data->ten_length[2 * i] + engine_->data->ten_length[2 * i + 1]);
+    error[static_cast<int>(i)] = pair_m - engine_->rod_length_m[i];
   }
   return error;
 }

@@ -109,6 +109,7 @@ class SidedProgram {
       (void)::dup2(fd, STDOUT_FILENO);
       (void)::dup2(fd, STDERR_FILENO);
       std::vector<char*> arguments;
+      arguments.reserve(command.size() + 1);
       for (auto& word : command) arguments.push_back(word.data());
       arguments.push_back(nullptr);
       ::execv(arguments.front(), arguments.data());

@@ -15,7 +15,7 @@ using std::chrono::seconds;
 namespace fs = std::filesystem;
 
 std::string file_of(const std::string& name, const std::string& text) {
-  const std::string path = (Program::scratch() / name).string();
+  std::string path = (Program::scratch() / name).string();
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }

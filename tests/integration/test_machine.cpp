@@ -47,7 +47,7 @@ TEST(Machine, CutsEveryContourOfAFlangeFromTheInsideOut) {
   EXPECT_EQ(result["burn"]["energy_outside_corridor_j"].get<double>(), 0.0);
   EXPECT_EQ(result["limit_violations"].get<int>(), 0);
   for (const std::string file : {"timing.json", "trace.csv", "mark.png", "depth.png"})
-    EXPECT_TRUE(std::filesystem::exists(out + "/" + file)) << file;
+    EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(out) / file)) << file;
 }
 
 TEST(Machine, AnInterruptPutsTheBeamOutAndStillReports) {

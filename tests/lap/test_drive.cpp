@@ -2,7 +2,6 @@
 // The stations with devices of which they know nothing but `Robot`, `Laser` and `HandInput`.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -57,16 +56,10 @@ class Lamp : public slave::Laser {
 };
 
 /// Held and let go by the world.
-class Foot : public master::HandInput {
- public:
-  explicit Foot(bool& down) : down_(down) {}
-  bool pressed(std::int64_t) noexcept override { return down_; }
-
- private:
-  bool& down_;
+struct Foot : master::HandInput {
+  bool pressed(std::int64_t) noexcept override { return down; }
+  bool down = false;
 };
-
-bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), sizeof(Vec3)) == 0; }
 
 /// A master with a simulated hand and a slave, without a network between them.
 class Cell {
@@ -86,7 +79,7 @@ class Cell {
     commands.clear();
     if (out.command) commands.push_back({*out.command, now_ns});
     if (!corridor) corridor = slave.prepare(contour);
-    const auto followed = slave.step(now_ns, corridor.get(), commands, {});
+    auto followed = slave.step(now_ns, corridor.get(), commands, {});
     states.clear();
     if (followed.state) states.push_back({*followed.state, now_ns});
     return followed;
@@ -128,8 +121,8 @@ TEST(Drive, BehindTheSeamTheSlaveDoesBitByBitWhatItDoesWithItsOwnPlant) {
     const Vec3 true_tool_m = model.in_workpiece(world.plant->true_tool_in_base_m());
     const auto here = cell.step(own);
     const auto there = other.step((cell.tick - 1) * kMs, cell.corridor.get(), cell.commands, {});
-    ASSERT_TRUE(same_bits(here.currents_a, there.currents_a)) << n;
-    ASSERT_TRUE(same_bits(here.tool_m, there.tool_m)) << n;
+    ASSERT_EQ(here.currents_a, there.currents_a) << n;
+    ASSERT_EQ(here.tool_m, there.tool_m) << n;
     ASSERT_EQ(here.laser_w, there.laser_w) << n;
     ASSERT_EQ(here.interlock, there.interlock) << n;
     ASSERT_LT((there.tool_m - true_tool_m).norm(), 20e-6) << n;
@@ -295,13 +288,14 @@ TEST(Button, OfADeviceIsTheOnlyOneOnAnyRobot) {
   for (const bool simulated : {true, false}) {
     master::StationSettings settings;
     Foreign::World world;
-    bool down = false;
     robot::Drive drive;
     if (!simulated) drive = foreign(world, settings.robot, 7);
-    master::Station master(settings, std::move(drive), std::make_unique<Foot>(down));
+    auto button = std::make_unique<Foot>();
+    Foot& foot = *button;
+    master::Station master(settings, std::move(drive), std::move(button));
     const auto task = master.prepare(contour);
     for (int n = 0; n < 6000; ++n) {
-      down = n % 1500 < 500;
+      foot.down = n % 1500 < 500;
       (void)master.step(n * kMs, task.get(), true, {}, {});
     }
     RunRecord record;

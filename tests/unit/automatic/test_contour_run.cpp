@@ -31,7 +31,7 @@ Polyline wave(double length_m) {
   return line;
 }
 
-nlohmann::ordered_json measured(const Polyline& contour, ContourRunSettings settings) {
+nlohmann::ordered_json measured(const Polyline& contour, const ContourRunSettings& settings) {
   const auto plan = slave::make_plan(contour, settings.plan);
   EXPECT_TRUE(plan);
   return measure(run_contour(*plan, contour, settings), settings);

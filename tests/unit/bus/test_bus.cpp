@@ -27,8 +27,8 @@ TEST(Bus, StreamsCrossBothWays) {
   ASSERT_TRUE(soon([&] { return commands_read.writers() == 1 && states_read.writers() == 1; }));
 
   samples::Random random(1);
-  for (int i = 0; i < 20; ++i) {
-    const CommandBlock command = samples::command(random, i * 100);
+  for (std::size_t bytes = 0; bytes < 2000; bytes += 100) {
+    const CommandBlock command = samples::command(random, bytes);
     const std::int64_t before_ns = monotonic_ns();
     ASSERT_TRUE(commands.write(command));
     const auto command_back = take_soon(commands_read);
@@ -37,7 +37,7 @@ TEST(Bus, StreamsCrossBothWays) {
     EXPECT_GT(command_back->received_ns, before_ns);
     EXPECT_LE(command_back->received_ns, monotonic_ns());
 
-    const StateBlock state = samples::state(random, i * 100);
+    const StateBlock state = samples::state(random, bytes);
     ASSERT_TRUE(states.write(state));
     const auto state_back = take_soon(states_read);
     ASSERT_TRUE(state_back);

@@ -42,7 +42,7 @@ std::size_t longest_burst(const std::vector<bool>& lost) {
 }
 
 TEST(Loss, WithAsManyCopiesAsABurstIsLongNothingChanges) {
-  const auto trace = wavy(16 * 400);
+  const auto trace = wavy(std::size_t{16} * 400);
   for (const char* name : {"sdct", "batched", "truncated", "dpcm", "deadband"}) {
     for (const bool anchored : {true, false}) {
       for (const int redundancy : {1, 2, 4}) {
@@ -66,7 +66,7 @@ TEST(Loss, WithAsManyCopiesAsABurstIsLongNothingChanges) {
 }
 
 TEST(Loss, WithoutCopiesWhatIsLostIsConcealedAndCounted) {
-  const auto trace = wavy(16 * 400);
+  const auto trace = wavy(std::size_t{16} * 400);
   const auto figures = measure(trace, {.redundancy = 0}, {.loss = 0.05, .seed = 3});
   EXPECT_EQ(figures.concealed_samples, 16 * figures.lost);
   EXPECT_LT(figures.rmse, 1e-4);  // holding still instead would be off by more than a millimetre in places

@@ -305,6 +305,7 @@ TEST(Stream, IntegratedSamplesKeepWhatMovesTheIntegral) {
   std::size_t usual_bits = 0, bits = 0;
   for (int b = 0; b < 500; ++b) {
     std::vector<Vec3> samples;
+    samples.reserve(16);
     for (int n = 0; n < 16; ++n) {
       samples.emplace_back(0.3 * std::sin(0.06 * (16 * b + n)) + noise(random), noise(random), 0.0);
     }

@@ -10,7 +10,7 @@
 namespace telekerf::geometry {
 namespace {
 
-std::vector<Vec2> arc(Vec2 centre, double radius, double from, double to, int points) {
+std::vector<Vec2> arc(const Vec2& centre, double radius, double from, double to, int points) {
   std::vector<Vec2> out;
   for (int i = 0; i < points; ++i) {
     const double a = from + (to - from) * i / (points - 1);
@@ -42,6 +42,7 @@ TEST(CircleFit, StraightPointsBecomeALine) {
   for (const double angle : {0.0, 0.3, 1.2, 2.9, -2.0}) {
     const Vec2 d(std::cos(angle), std::sin(angle));
     std::vector<Vec2> points;
+    points.reserve(11);
     for (int i = 0; i < 11; ++i) points.push_back(Vec2(0.02, -0.03) + 1e-4 * i * d);
     const CircleOrLine c = fit_circle(points);
     ASSERT_TRUE(c.is_line);

@@ -11,7 +11,7 @@
 namespace telekerf::geometry {
 namespace {
 
-Polyline circle(double radius, int points, Vec2 centre = Vec2::Zero()) {
+Polyline circle(double radius, int points, const Vec2& centre = Vec2::Zero()) {
   Polyline out{{}, true};
   for (int i = 0; i < points; ++i) {
     const double a = 2.0 * M_PI * i / points;
@@ -73,10 +73,10 @@ TEST(Polyline, ResamplingIsEvenAndKeepsTheEnds) {
 TEST(Polyline, BoundingCircleHoldsEverythingAndIsSmall) {
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
-  for (int round = 0; round < 50; ++round) {
+  for (std::size_t size = 3; size < 53; ++size) {
     std::vector<Vec2> points;
-    points.reserve(static_cast<std::size_t>(3 + round));
-    for (int i = 0; i < 3 + round; ++i) points.emplace_back(u(rng), u(rng));
+    points.reserve(size);
+    while (points.size() < size) points.emplace_back(u(rng), u(rng));
     const Circle c = bounding_circle(points);
     int touching = 0;
     for (const Vec2& p : points) {

@@ -27,8 +27,8 @@ class ForceFeedbackTest : public testing::Test {
     state.sequence = ++number_;
     state.first_tick = static_cast<Tick>(index_);
     state.sample_period_ns = 1'000'000;
-    std::vector<Vec3> samples;
-    for (int n = 0; n < encoder_.settings().block; ++n) samples.push_back(force_at(index_++));
+    std::vector<Vec3> samples(static_cast<std::size_t>(encoder_.settings().block));
+    for (Vec3& sample : samples) sample = force_at(index_++);
     state.force.size =
         static_cast<std::uint16_t>(encoder_.encode(samples, 0, {}, state.force.room()).value_or(0));
     EXPECT_GT(state.force.size, 0);

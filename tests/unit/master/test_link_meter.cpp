@@ -14,8 +14,8 @@ TEST(LinkMeter, TheTimeThatTheSlaveHoldsIsNoNetworkTime) {
     StateBlock state;
     state.sequence = n;
     state.echo_sequence = n;
-    state.echo_sent_ns = n * 16 * kMs;
-    state.echo_received_ns = 777 * kMs + n * 16 * kMs;  // another clock
+    state.echo_sent_ns = 16 * kMs * n;
+    state.echo_received_ns = 777 * kMs + 16 * kMs * n;  // another clock
     state.sent_ns = state.echo_received_ns + 9 * kMs;   // held for 9 ms
     meter.received(state, state.echo_sent_ns + 9 * kMs + (n <= 90 ? 40 : 80) * kMs);
   }

@@ -33,7 +33,7 @@ class MasterStation : public testing::Test {
         state.contour_id = slave_contour_;
         state.interlock = Interlock::kReady;
         state.sample_period_ns = 1'000'000;
-        state.first_tick = static_cast<Tick>(16 * number_);
+        state.first_tick = Tick{16} * number_;
         const std::vector<Vec3> resting(16, Vec3::Zero());
         state.payload.size =
             static_cast<std::uint16_t>(encoder_.encode(resting, 0, {}, state.payload.room()).value_or(0));

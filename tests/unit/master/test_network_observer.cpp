@@ -231,7 +231,7 @@ TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
   Motion slave;
   double coded_away = 0.0;
   std::vector<double> made;
-  for (Tick tick = 0; tick < 16 * 300; ++tick) {
+  for (Tick tick = 0; tick < Tick{16} * 300; ++tick) {
     const double t = static_cast<double>(tick) * kH;
     MasterMotion master;
     master.engaged = true;

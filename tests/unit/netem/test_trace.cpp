@@ -65,6 +65,7 @@ TEST(Trace, ThreadsChangeNothing) {
   const std::string expected = text_of(record(profile, {7}, 5'000));
   std::vector<std::string> traces(4);
   std::vector<std::thread> threads;
+  threads.reserve(traces.size());
   for (auto& trace : traces) threads.emplace_back([&] { trace = text_of(record(profile, {7}, 5'000)); });
   for (auto& thread : threads) thread.join();
   for (const auto& trace : traces) EXPECT_EQ(trace, expected);

@@ -45,6 +45,7 @@ class SlaveNodeTest : public testing::Test {
     const double h = 1e-6;
     block.anchor = rounded(Anchor{place(t0), (place(t0 + h) - place(t0)) / h});
     std::vector<Vec3> samples;
+    samples.reserve(16);
     for (int n = 0; n < 16; ++n) samples.push_back(place(t0 + n * period_s));
     const auto bytes = encoder_.encode(samples, button_ ? ~0ULL : 0,
                                        {block.anchor.position_m, block.anchor.velocity_m_per_s * period_s},
@@ -242,6 +243,7 @@ TEST_F(SlaveNodeTest, ASilenceWithinThePlayOutsDepthStopsNothing) {
   int stopped = 0;
   for (int burst = 0; burst < 30; ++burst) {
     std::vector<Received<CommandBlock>> arrived;
+    arrived.reserve(kBlocks);
     for (int i = 0; i < kBlocks; ++i) arrived.push_back({next_block(), now_ns_});
     for (int n = 0; n < 16 * kBlocks; ++n, now_ns_ += kMs) {
       out_ = station_.step(now_ns_, corridor_.get(), arrived, {});

@@ -21,7 +21,7 @@ drawing::Look hard_look(int round) {
   look.blur_px = 1.2;
   look.noise = 8.0;
   look.shading = 20.0;
-  look.seed = static_cast<std::uint64_t>(round + 1);
+  look.seed = static_cast<std::uint64_t>(round) + 1;
   return look;
 }
 
@@ -410,7 +410,10 @@ TEST(Extract, WhatIsNoDrawingIsRefusedWithAReason) {
   cv::GaussianBlur(blurred, blurred, {}, 1.0);
   EXPECT_NE(complaint(blurred).find("specks"), std::string::npos);
   cv::Mat ramp(480, 640, CV_8U);
-  for (int x = 0; x < 640; ++x) ramp.col(x) = x * 255 / 640;
+  for (int x = 0; x < 640; ++x) {
+    const int grey = x * 255 / 640;
+    ramp.col(x) = grey;
+  }
   EXPECT_NE(complaint(ramp), "");
   cv::Mat cut(480, 640, CV_8U, cv::Scalar(220));
   cv::circle(cut, {600, 240}, 150, cv::Scalar(40), -1);

@@ -123,7 +123,7 @@ TEST(Svg, UseDrawsWhatIsDefinedElsewhere) {
   const auto d = svg(R"svg(<defs><g id="arm"><line id="bar" x1="0" y1="0" x2="3" y2="0"/></g></defs>
       <g id="pair"><use href="#arm" x="10" y="20"/><use xlink:href="#bar" transform="rotate(90)" x="1"/></g>
       <use href="#pair" transform="translate(50 0) scale(2)"/>)svg");
-  const auto ends = [&](std::size_t i, Vec2 from, Vec2 to) {
+  const auto ends = [&](std::size_t i, const Vec2& from, const Vec2& to) {
     const auto& p = d.contours.at(i).points_m;
     EXPECT_NEAR((p.front() - 1e-3 * from).norm() + (p.back() - 1e-3 * to).norm(), 0.0, 1e-15) << i;
   };
@@ -144,8 +144,8 @@ TEST(Svg, SymbolsAndNestedDrawingsFitTheirViewports) {
     const std::string head = fmt::format(" viewBox='5 5 10 10' {}>", aspect);
     const std::string body = "<line x1='5' y1='10' x2='15' y2='10'/>";
     const auto used =
-        svg("<symbol id='s'" + head + body + "</symbol><use href='#s' width='40' height='20'/>");
-    const auto nested = svg("<svg width='40%' height='20'" + head + body + "</svg>");
+        svg(fmt::format("<symbol id='s'{}{}</symbol><use href='#s' width='40' height='20'/>", head, body));
+    const auto nested = svg(fmt::format("<svg width='40%' height='20'{}{}</svg>", head, body));
     for (const auto& d : {used, nested}) {
       ASSERT_EQ(d.contours.size(), 1u);
       const auto& p = d.contours[0].points_m;
@@ -274,7 +274,7 @@ TEST(Dxf, BlocksAreInsertedWhereTheyBelong) {
       "0\nBLOCK\n2\nBAR\n70\n0\n10\n1\n20\n1\n0\nLINE\n10\n1\n20\n1\n11\n4\n21\n1\n0\nENDBLK\n8\n0\n"
       "0\nBLOCK\n2\nPAIR\n10\n0\n20\n0\n0\nINSERT\n2\nBAR\n10\n0\n20\n0\n"
       "0\nINSERT\n2\nBAR\n10\n0\n20\n5\n50\n90\n0\nENDBLK\n");
-  const auto ends = [](const VectorDrawing& d, std::size_t i, Vec2 from, Vec2 to) {
+  const auto ends = [](const VectorDrawing& d, std::size_t i, const Vec2& from, const Vec2& to) {
     const auto& p = d.contours.at(i).points_m;
     EXPECT_NEAR((p.front() - 1e-3 * from).norm() + (p.back() - 1e-3 * to).norm(), 0.0, 1e-15) << i;
   };

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-cv::Mat picture_of(const std::string& name, std::uint64_t seed = 1, Vec2 shift = Vec2::Zero()) {
+cv::Mat picture_of(const std::string& name, std::uint64_t seed = 1, const Vec2& shift = Vec2::Zero()) {
   const auto drawing = drawing::transformed(*drawing::by_name(name), 0.0, 0.8, Vec2(319.5, 239.5), shift);
   return drawing::render(drawing, {.noise = 6.0, .seed = seed});
 }
@@ -85,7 +85,7 @@ TEST(VisionNode, ALiveContourIsPublishedOnceWhenFramesAgree) {
 
 TEST(VisionNode, WhatPassesIsIgnoredAndWhatStaysIsPublished) {
   VisionNode node(at_true_size());
-  const auto show = [&](const std::string& name, int frames, Vec2 shift = Vec2::Zero()) {
+  const auto show = [&](const std::string& name, int frames, const Vec2& shift = Vec2::Zero()) {
     std::vector<ContourMessage> out;
     for (int i = 0; i < frames; ++i) {
       if (const auto o = node.step(live(picture_of(name, 1 + i, shift))); o.publish)
