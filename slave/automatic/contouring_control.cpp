@@ -3,6 +3,9 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <cmath>
+
 namespace telekerf::slave {
 namespace {
 
@@ -46,9 +49,16 @@ MovingFrame moving_frame(const Reference& r) noexcept {
 Vec3 ContouringControl::update(const Tracking& now) const noexcept {
   const Reference reference = now.track.at(now.tick);
   const Vec3 ahead = now.track.at(now.tick + acceleration_ahead).acceleration_m_per_s2;
-  const MovingFrame frame = moving_frame(reference);
-  const Mat3 k1 = bandwidth_rad_s.cwiseAbs2().asDiagonal();
-  const Mat3 k2 = (2.0 * damping.cwiseProduct(bandwidth_rad_s)).asDiagonal();
+  MovingFrame frame = moving_frame(reference);
+  // Errors that are turned along with a fast frame ask for centrifugal forces that come too late, round after
+  // round and corner after corner; and what is along the path now is across it when the currents act.
+  const double along = bandwidth_rad_s[0], across = bandwidth_rad_s[1];
+  const double followed = std::clamp(2.0 - std::sqrt(frame.rate2.norm()) / along, 0.0, 1.0);
+  frame.rate *= followed;
+  frame.rate2 *= followed;
+  const Vec3 bandwidth(across + followed * (along - across), across, bandwidth_rad_s[2]);
+  const Mat3 k1 = bandwidth.cwiseAbs2().asDiagonal();
+  const Mat3 k2 = (2.0 * damping.cwiseProduct(bandwidth)).asDiagonal();
   const Vec3 e = now.origin_in_base_m + reference.position_m - now.measured.tool_m;
   const Vec3 de = reference.velocity_m_per_s - now.measured.tool_velocity_m_per_s;
   const Vec3 desired =

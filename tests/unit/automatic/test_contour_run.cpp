@@ -60,6 +60,32 @@ TEST(ContourRun, ContouringHoldsItsBarsAndBeatsIndependentJoints) {
   EXPECT_EQ(contouring["corners"].get<int>(), 8);
 }
 
+TEST(ContourRun, CornersCloseToEachOtherAndSmallHolesDoNotShakeTheToolOff) {
+  // 40 teeth of 0.2 mm, a corner every 5 ms; holes that are gone round up to 40 times a second.
+  Polyline gear{{}, true};
+  for (int i = 0; i < 160; ++i) {
+    const double t = std::numbers::pi / 80 * i;
+    const double r = i % 4 < 2 ? 4e-3 : 3.8e-3;
+    gear.points_m.emplace_back(r * std::cos(t), r * std::sin(t));
+  }
+  const auto hole = [](double radius_m) {
+    Polyline line{{}, true};
+    for (int i = 0; i < 90; ++i) {
+      const double t = std::numbers::pi / 45 * i;
+      line.points_m.emplace_back(radius_m * std::cos(t), radius_m * std::sin(t));
+    }
+    return line;
+  };
+  for (const Polyline& contour : {gear, hole(0.5e-3), hole(0.3e-3), hole(0.2e-3), hole(0.1e-3)}) {
+    for (const double speed : {8e-3, 20e-3, 50e-3}) {
+      const auto found = measured(contour, at(speed));
+      EXPECT_LT(found["normal_error_um"]["max"].get<double>(), 15.0) << speed;
+      EXPECT_LT(found["contour_error_um"]["max"].get<double>(), 15.0) << speed;
+      EXPECT_EQ(found["limit_violations"].get<int>(), 0) << speed;
+    }
+  }
+}
+
 TEST(ContourRun, WithoutAnyModelContouringStillBeatsIndependentJoints) {
   // The thesis' terms (eq. 21-24, 32, 57): the same drive for both, a constant diagonal inertia.
   ContourRunSettings settings = at(8e-3);
