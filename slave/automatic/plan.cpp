@@ -10,7 +10,7 @@
 namespace telekerf::slave {
 namespace {
 
-constexpr double kGrid_m = 5e-6;
+constexpr double kGrid_m = 0.5e-6;  ///< an acute tip is rounded within a few of these
 constexpr std::size_t kMostTicks = 20'000'000;
 
 /// Greatest speed at equal steps along the way: what was asked, what curvature allows, and what can still be

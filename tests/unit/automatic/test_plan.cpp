@@ -86,6 +86,24 @@ TEST(Plan, TheMachinesAccelerationIsNeverPassedHoweverFast) {
   }
 }
 
+TEST(Plan, NorIsItAtAnAcuteTip) {
+  // 15 degrees: the rounding is shorter than a sample's way.
+  const geometry::Polyline tip{{{0, 0}, {5e-3, 0}, {0.17e-3, 1.294e-3}}, true};
+  for (const double speed : {8e-3, 50e-3}) {
+    PlanSettings settings;
+    settings.speed_m_per_s = speed;
+    const auto plan = make_plan(tip, settings);
+    ASSERT_TRUE(plan);
+    const double rate = settings.control_hz;
+    for (std::size_t i = 1; i + 1 < plan->track.size(); ++i) {
+      const Vec3 moved =
+          plan->track[i + 1].position_m - 2.0 * plan->track[i].position_m + plan->track[i - 1].position_m;
+      ASSERT_LT(moved.norm() * rate * rate, settings.max_acceleration_m_per_s2) << i;
+      ASSERT_LT(plan->track[i].acceleration_m_per_s2.norm(), 1.25 * settings.max_acceleration_m_per_s2) << i;
+    }
+  }
+}
+
 TEST(Plan, TheSeamOfAClosedContourGetsAsMuchEnergyAsTheRest) {
   const auto plan = make_plan(kSquare, PlanSettings{});
   ASSERT_TRUE(plan);
