@@ -151,7 +151,14 @@ ordered_json burn(std::span<const Pass> passes, const std::string& material_name
   for (const Pass& pass : passes)
     all.insert(all.end(), pass.contour->points_m.begin(), pass.contour->points_m.end());
   const geometry::Box box = geometry::bounding_box(all);
-  const PulsedSourceSettings source;
+  PulsedSourceSettings source;
+  double most_w = source.max_power_w;
+  for (const Pass& pass : passes) {
+    for (const PassRow& row : pass.rows) most_w = std::max(most_w, row.laser_w);
+  }
+  // A stronger laser has more pulses of the same energy.
+  source.repetition_hz *= most_w / source.max_power_w;
+  source.max_power_w = most_w;
   HeightMap map(
       {.centre_m = box.centre(), .half_width_m = 0.5 * box.size().maxCoeff() + 0.5e-3, .pixel_m = 7.5e-6},
       material(material_name), source);

@@ -63,11 +63,11 @@ void HeightMap::pulse(const Vec2& at_m, double energy_j, double radius_m) {
 
 void HeightMap::expose(const Vec2& from_m, const Vec2& to_m, double power_w, double dt_s, double defocus_m,
                        const geometry::NearestIndex* corridor, double corridor_m) {
-  const int pulses = source_.fire(power_w, dt_s);
+  const PulsedSource::Pulses pulses = source_.fire(power_w, dt_s);
   const double energy = source_.pulse_energy_j();
   const double radius = source_.spot_radius_m(defocus_m);
-  for (int i = 0; i < pulses; ++i) {
-    const Vec2 at = from_m + (i + 0.5) / pulses * (to_m - from_m);
+  for (int i = 0; i < pulses.count; ++i) {
+    const Vec2 at = from_m + (pulses.first + i * pulses.step) * (to_m - from_m);
     pulse(at, energy, radius);
     const Vec2 off = (at - settings_.centre_m).cwiseAbs();
     const bool outside = off.maxCoeff() > settings_.half_width_m ||

@@ -29,9 +29,9 @@ class HeightMap {
  public:
   HeightMap(const HeightMapSettings& settings, const Material& material, const PulsedSourceSettings& source);
 
-  /// The beam moved from `from_m` to `to_m` (workpiece frame) in `dt_s` with `power_w`; pulses are spread
-  /// along the way. `defocus_m`: distance of the surface from the focus. `corridor`: null, or the contour
-  /// whose energy is booked within `corridor_m` to either side of it.
+  /// The beam moved from `from_m` to `to_m` (workpiece frame) in `dt_s` with `power_w`; pulses are where
+  /// the beam is when they leave. `defocus_m`: distance of the surface from the focus. `corridor`: null, or
+  /// the contour whose energy is booked within `corridor_m` to either side of it.
   void expose(const Vec2& from_m, const Vec2& to_m, double power_w, double dt_s, double defocus_m = 0.0,
               const geometry::NearestIndex* corridor = nullptr, double corridor_m = 0.5e-3);
 

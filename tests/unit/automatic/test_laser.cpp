@@ -25,11 +25,30 @@ const geometry::Polyline kLine{{{-0.6e-3, 0}, {0.6e-3, 0}}, false};
 TEST(PulsedSource, GivesTheEnergyThatIsAskedForInWholePulses) {
   PulsedSource source({.max_power_w = 20, .repetition_hz = 20e3});
   double energy = 0.0;
-  for (int i = 0; i < 2400; ++i) energy += source.fire(7.3, 1.0 / 2400.0) * source.pulse_energy_j();
+  for (int i = 0; i < 2400; ++i) energy += source.fire(7.3, 1.0 / 2400.0).count * source.pulse_energy_j();
   EXPECT_NEAR(energy, 7.3, 2e-3);
-  EXPECT_EQ(source.fire(0.0, 1.0), 0);
-  EXPECT_EQ(source.fire(NAN, 1.0), 0);
-  EXPECT_NEAR(source.fire(1e6, 1.0), 20000, 1);
+  EXPECT_EQ(source.fire(0.0, 1.0).count, 0);
+  EXPECT_EQ(source.fire(NAN, 1.0).count, 0);
+  EXPECT_NEAR(source.fire(1e6, 1.0).count, 20000, 1);
+}
+
+TEST(PulsedSource, PulsesAreEvenlySpacedWhateverTheCallsAre) {
+  PulsedSource source({.max_power_w = 20, .repetition_hz = 20e3});
+  const double dt = 1.0 / 2400.0;
+  double last = -1.0;
+  for (int i = 0; i < 240; ++i) {
+    const auto pulses = source.fire(10.0, dt);
+    for (int k = 0; k < pulses.count; ++k) {
+      const double share = pulses.first + k * pulses.step;
+      ASSERT_GE(share, -1e-9);
+      ASSERT_LE(share, 1.0 + 1e-9);
+      const double now = (i + share) * dt;
+      if (last > 0.0) {
+        ASSERT_NEAR(now - last, 1e-4, 1e-9);
+      }
+      last = now;
+    }
+  }
 }
 
 TEST(PulsedSource, TheSpotWidensAwayFromTheFocus) {
@@ -42,6 +61,11 @@ TEST(HeightMap, DepthIsInverselyProportionalToSpeed) {
   const double fast = measure_mark(marked(16e-3, "wood"), kLine, 30e-6).depth_m;
   EXPECT_GT(fast, 10e-6);
   EXPECT_NEAR(slow / fast, 4.0, 0.08);
+}
+
+TEST(HeightMap, AFastMarkIsAsEvenAsASlowOne) {
+  for (const double speed : {8e-3, 50e-3, 100e-3})
+    EXPECT_LT(measure_mark(marked(speed, "wood"), kLine, 30e-6).depth_variation, 0.05) << speed;
 }
 
 TEST(HeightMap, PowerThatFollowsTheSpeedLeavesTheDepth) {
