@@ -91,7 +91,9 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
   std::vector<Vec2> all;
   double length_m = 0.0;
   for (const std::size_t which : order) {
-    lines.push_back(compensated(contours[which], settings.kerf_m, is_hole(contours, which)));
+    auto line = compensated(contours[which], settings.kerf_m, is_hole(contours, which));
+    if (!line) return tl::unexpected(line.error());
+    lines.push_back(std::move(*line));
     auto plan = make_plan(lines.back(), settings.plan);
     if (!plan) return tl::unexpected(plan.error());
     length_m += plan->path.length_m();

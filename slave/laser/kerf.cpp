@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/laser/kerf.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -54,7 +56,8 @@ MarkAlongPath measure_mark(const HeightMap& map, const geometry::Polyline& path,
   return mark;
 }
 
-geometry::Polyline compensated(const geometry::Polyline& contour, double kerf_m, bool hole) {
+tl::expected<geometry::Polyline, std::string> compensated(const geometry::Polyline& contour, double kerf_m,
+                                                          bool hole) {
   if (!contour.closed || contour.size() < 3 || !(kerf_m > 0.0)) return contour;
   const double offset = 0.5 * kerf_m;
   const double outward = (geometry::signed_area_m2(contour) > 0.0 ? 1.0 : -1.0) * (hole ? -1.0 : 1.0);
@@ -87,7 +90,17 @@ geometry::Polyline compensated(const geometry::Polyline& contour, double kerf_m,
       if (index.find(moved).distance_m > offset * (1.0 - 1e-3)) out.points_m.push_back(moved);
     }
   }
-  return out.size() < 3 ? contour : out;
+  // Where it is too narrow for the beam the moved line is gone, or it jumps across.
+  bool narrow = out.size() < 3;
+  for (std::size_t i = 0; i < out.segments() && !narrow; ++i) {
+    const Vec2 middle = 0.5 * (out.start_of(i) + out.end_of(i));
+    narrow = index.find(middle).distance_m < 0.9 * offset;
+  }
+  if (narrow) {
+    return tl::unexpected(fmt::format(
+        "it is somewhere narrower than the kerf of {:g} mm; use a smaller --kerf-um", kerf_m * 1e3));
+  }
+  return out;
 }
 
 }  // namespace telekerf::slave

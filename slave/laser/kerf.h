@@ -2,6 +2,9 @@
 // The width of the cut: measured on the height map, and compensated by moving the path to the waste's side.
 #pragma once
 
+#include <string>
+#include <tl/expected.hpp>
+
 #include "common/geometry/polyline.h"
 #include "slave/laser/height_map.h"
 
@@ -18,7 +21,9 @@ struct MarkAlongPath {
 MarkAlongPath measure_mark(const HeightMap& map, const geometry::Polyline& path, double spot_radius_m);
 
 /// The closed contour moved by half the kerf: outwards (the piece inside keeps its size), or inwards for a
-/// hole. Loops that the move makes at tight inner corners are cut off. An open line comes back as it is.
-geometry::Polyline compensated(const geometry::Polyline& contour, double kerf_m, bool hole);
+/// hole. Loops that the move makes at tight inner corners are cut off. An open line comes back as it is. An
+/// error, one sentence: the contour is somewhere narrower than the kerf.
+tl::expected<geometry::Polyline, std::string> compensated(const geometry::Polyline& contour, double kerf_m,
+                                                          bool hole);
 
 }  // namespace telekerf::slave

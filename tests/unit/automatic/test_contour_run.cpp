@@ -174,7 +174,7 @@ struct Cut {
 /// that stays begins: inside of the groove, or outside of it for a hole.
 Cut cut(const Polyline& drawn, double compensation_m, bool hole) {
   const ContourRunSettings settings = at(8e-3);
-  const Polyline line = slave::compensated(drawn, compensation_m, hole);
+  const Polyline line = *slave::compensated(drawn, compensation_m, hole);
   const auto plan = slave::make_plan(line, settings.plan);
   EXPECT_TRUE(plan);
   const ContourRun run = run_contour(*plan, line, settings);

@@ -101,11 +101,34 @@ TEST(Kerf, CompensationMovesTheOutlineOutAndTheHoleIn) {
   geometry::Polyline square{{{0, 0}, {10e-3, 0}, {10e-3, 10e-3}, {0, 10e-3}}, true};
   for (const bool reversed : {false, true}) {
     if (reversed) std::reverse(square.points_m.begin(), square.points_m.end());
-    const double out = std::abs(geometry::signed_area_m2(compensated(square, 0.1e-3, false)));
-    const double in = std::abs(geometry::signed_area_m2(compensated(square, 0.1e-3, true)));
+    const double out = std::abs(geometry::signed_area_m2(*compensated(square, 0.1e-3, false)));
+    const double in = std::abs(geometry::signed_area_m2(*compensated(square, 0.1e-3, true)));
     EXPECT_NEAR(out, 10.1e-3 * 10.1e-3, 5e-9);
     EXPECT_NEAR(in, 9.9e-3 * 9.9e-3, 5e-9);
   }
+}
+
+TEST(Kerf, WhatIsNarrowerThanTheKerfIsRefused) {
+  // Two rooms of 3 mm, joined by a passage of 1 mm.
+  const geometry::Polyline rooms{{{0, 0},
+                                  {3e-3, 0},
+                                  {3e-3, 1e-3},
+                                  {5e-3, 1e-3},
+                                  {5e-3, 0},
+                                  {8e-3, 0},
+                                  {8e-3, 3e-3},
+                                  {5e-3, 3e-3},
+                                  {5e-3, 2e-3},
+                                  {3e-3, 2e-3},
+                                  {3e-3, 3e-3},
+                                  {0, 3e-3}},
+                                 true};
+  EXPECT_TRUE(compensated(rooms, 0.8e-3, true));
+  EXPECT_TRUE(compensated(rooms, 1.3e-3, false));
+  const auto passage = compensated(rooms, 1.3e-3, true);
+  ASSERT_FALSE(passage);
+  EXPECT_NE(passage.error().find("--kerf-um"), std::string::npos) << passage.error();
+  EXPECT_FALSE(compensated(rooms, 4e-3, true)) << "nothing is left of it";
 }
 
 TEST(Material, UnknownOnesAreRefusedByName) {
