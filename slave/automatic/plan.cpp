@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/automatic/plan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -193,6 +195,15 @@ PathSettings path_settings(const PlanSettings& settings) noexcept {
 }
 
 tl::expected<Plan, std::string> make_plan(const geometry::Polyline& contour, const PlanSettings& settings) {
+  const double size = geometry::all_finite(contour.points_m) && contour.size() > 0
+                          ? geometry::bounding_box(contour.points_m).size().maxCoeff()
+                          : INFINITY;  // refused below
+  if (size < 2.0 * settings.spot_radius_m) {
+    return tl::unexpected(
+        fmt::format("the contour is {:.3g} mm across, less than the beam's {:g} mm; use a larger "
+                    "--width-mm",
+                    size * 1e3, 2e3 * settings.spot_radius_m));
+  }
   auto path = Path::through(contour, path_settings(settings));
   if (!path) return tl::unexpected(path.error());
   return make_plan(std::move(*path), settings);

@@ -139,6 +139,14 @@ TEST(Plan, AnAcuteTipGetsNoMoreEnergyThanItsLegs) {
     EXPECT_NEAR(dose_at(s) / straight, 1.0, 0.12) << s;  // 1.46 without the plan's shares
 }
 
+TEST(Plan, RefusesWhatIsSmallerThanTheBeam) {
+  geometry::Polyline small = kSquare;
+  for (Vec2& p : small.points_m) p *= 50e-6 / geometry::bounding_box(kSquare.points_m).size().maxCoeff();
+  const auto plan = make_plan(small, PlanSettings{});
+  ASSERT_FALSE(plan);
+  EXPECT_NE(plan.error().find("--width-mm"), std::string::npos) << plan.error();
+}
+
 TEST(Plan, RefusesASpeedOfZero) {
   PlanSettings settings;
   settings.speed_m_per_s = 0.0;
