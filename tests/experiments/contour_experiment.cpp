@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
+#include "common/geometry/cutting_order.h"
 #include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
@@ -101,8 +102,21 @@ struct Source {
   cv::Mat picture;  ///< empty for vector drawings
 };
 
+/// What the lines enclose, holes taken out.
+double area_m2(const std::vector<geometry::Polyline>& contours) {
+  double sum = 0.0;
+  for (const auto& inner : contours) {
+    if (!inner.closed) continue;
+    const auto around = std::count_if(contours.begin(), contours.end(), [&](const geometry::Polyline& outer) {
+      return &outer != &inner && outer.closed && geometry::encloses(outer, inner);
+    });
+    sum += (around % 2 == 0 ? 1.0 : -1.0) * std::abs(geometry::signed_area_m2(inner));
+  }
+  return sum;
+}
+
 /// The largest contour of the expected kind; if the picture shows none at first sight, it is looked at as
-/// strokes or as outlines. Failing that the largest contour is taken as it is.
+/// strokes or as outlines. Throws Refusal if there is none.
 Source contour_of(const std::string& image, const Options& options, const robot::RobotModel& model,
                   bool closed) {
   vision::LoadRequest request;
@@ -123,11 +137,18 @@ Source contour_of(const std::string& image, const Options& options, const robot:
                         [&](const geometry::Polyline& c) { return c.closed == closed; });
   };
   if (const auto first = wanted(*found); first != found->contours.end()) return {*first, found->picture};
-  request.extract.mode = closed ? vision::Mode::kOutline : vision::Mode::kStroke;
-  if (const auto again = load()) {
-    if (const auto first = wanted(*again); first != again->contours.end()) return {*first, again->picture};
+  if (found->mode != "vector") {
+    request.extract.mode = closed ? vision::Mode::kOutline : vision::Mode::kStroke;
+    if (const auto again = load()) {
+      // The middle of a region is no stroke: that is four times as long as it is wide, at least.
+      const double least_m = closed ? 0.0 : 2.0 * std::sqrt(std::max(0.0, area_m2(found->contours)));
+      const auto first = wanted(*again);
+      if (first != again->contours.end() && geometry::length_m(*first) >= least_m)
+        return {*first, again->picture};
+    }
   }
-  return {found->contours[found->selected], found->picture};
+  throw Refusal(fmt::format("{}: there is no {} line in it; see telekerf-experiment {}-contour", file,
+                            closed ? "closed" : "open", closed ? "open" : "closed"));
 }
 
 /// Rows of a run that a figure shows.
