@@ -33,7 +33,7 @@ struct PathSettings {
   /// Corners are rounded until the way is this far from the points, and no further than `most_smoothing_m`.
   double tolerance_m = 15e-6;
   double least_smoothing_m = 12e-6;  ///< standard deviation of the Gaussian, along the arc
-  double most_smoothing_m = 60e-6;
+  double most_smoothing_m = 40e-6;
 };
 
 /// A curve in space, twice continuously differentiable by arc length: quintic Hermite pieces between nodes.

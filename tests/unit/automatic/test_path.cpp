@@ -24,12 +24,12 @@ Polyline circle(double radius_m, int points) {
 Polyline square(double side_m) { return {{{0, 0}, {side_m, 0}, {side_m, side_m}, {0, side_m}}, true}; }
 
 TEST(Path, CircleKeepsItsRadiusCurvatureAndLength) {
-  const auto path = Path::through(circle(5e-3, 400), {});
+  const auto path = Path::through(circle(5e-3, 1600), {});
   ASSERT_TRUE(path) << path.error();
   EXPECT_NEAR(path->length_m(), 2.0 * std::numbers::pi * 5e-3, 20e-6);
   for (double s = 0.0; s < path->length_m(); s += 1e-3) {
     const PathPoint p = path->at(s);
-    EXPECT_NEAR(p.position_m.norm(), 5e-3, 1e-6);
+    EXPECT_NEAR(p.position_m.norm(), 5e-3, 0.25e-6);  // what the smoothing takes off a bend
     EXPECT_NEAR(p.first.norm(), 1.0, 1e-9);
     EXPECT_NEAR(p.second.norm(), 200.0, 2.0);
     EXPECT_NEAR(p.first.dot(p.second), 0.0, 0.05);
