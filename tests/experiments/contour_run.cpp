@@ -44,10 +44,11 @@ ContourRun run_contour(const slave::Plan& plan, const geometry::Polyline& contou
     const Vec3 p = track[i].position_m;
     if (p.head<2>().norm() > nominal.workspace.radius_m ||
         std::abs(p.z()) > 0.5 * nominal.workspace.height_m) {
-      throw Refusal(
-          fmt::format("the path reaches ({:.1f}, {:.1f}, {:.1f}) mm, outside the workspace of {} "
-                      "({:.1f} mm about the centre); use a smaller --width-mm",
-                      p.x() * 1e3, p.y() * 1e3, p.z() * 1e3, nominal.name, nominal.workspace.radius_m * 1e3));
+      throw Refusal(fmt::format(
+          "the path reaches ({:.1f}, {:.1f}, {:.1f}) mm, outside the workspace of {} "
+          "({:.1f} mm about the centre, {:.1f} mm up and down); use a smaller --width-mm or --radius-mm",
+          p.x() * 1e3, p.y() * 1e3, p.z() * 1e3, nominal.name, nominal.workspace.radius_m * 1e3,
+          0.5e3 * nominal.workspace.height_m));
     }
   }
   const bool closed = plan.path.closed();

@@ -68,6 +68,11 @@ nlohmann::ordered_json spread(const ContourRun& run, int axis) {
 
 int run(Options& options) {
   options.settings.fill();
+  if (options.radius_mm > 0.95 * options.curvature_mm) {
+    throw Refusal(fmt::format(
+        "radius_mm = {:g}: must be at most {:g}, 95 % of curvature_mm, where a sphere is still not steep",
+        options.radius_mm, 0.95 * options.curvature_mm));
+  }
   const std::filesystem::path out = options.out;
   ContourRunSettings settings;
   settings.plan.speed_m_per_s = options.speed_mm_s * 1e-3;
@@ -78,7 +83,6 @@ int run(Options& options) {
   const auto flat = slave::Path::through(flat_contour, slave::path_settings(settings.plan));
   if (!flat) throw Refusal(flat.error());
 
-  make_folder("--out", out);
   nlohmann::ordered_json result{{"experiment", "space-contour"}, {"speed_mm_s", options.speed_mm_s}};
   Figure figure{.title = fmt::format("contours on curved workpieces at {:g} mm/s", options.speed_mm_s),
                 .columns = 2};
@@ -110,6 +114,7 @@ int run(Options& options) {
                     {"limit_violations", run.limit_violations}, {"time_s", run.time_s}};
     good = good && result[name]["normal_error_um"]["rms"].get<double>() <= kBar_um &&
            result[name]["binormal_error_um"]["rms"].get<double>() <= kBar_um;
+    make_folder("--out", out);
     write_contour_trace(run, out / (name + ".csv"));
     figure.panels.push_back(
         {.title = name + ": height", .x_label = "time [s]", .y_label = "z [mm]", .lines = {height}});
