@@ -8,6 +8,11 @@
 #include <vector>
 
 namespace telekerf::slave {
+namespace {
+
+constexpr double kSpacing_m = 10e-6;
+
+}  // namespace
 
 MarkAlongPath measure_mark(const HeightMap& map, const geometry::Polyline& path, double spot_radius_m) {
   const geometry::NearestIndex index(path);
@@ -62,11 +67,13 @@ tl::expected<geometry::Polyline, std::string> compensated(const geometry::Polyli
   const double offset = 0.5 * kerf_m;
   const double outward = (geometry::signed_area_m2(contour) > 0.0 ? 1.0 : -1.0) * (hole ? -1.0 : 1.0);
   const geometry::NearestIndex index(contour);
-  // Corners are kept, straights get points as dense as the offset: beside an inner corner only those survive.
+  // Corners are kept, straights get dense points: of those beside an inner corner only the ones before the
+  // moved corner survive.
+  const double spacing = std::min(offset, kSpacing_m);
   geometry::Polyline dense{{}, true};
   for (std::size_t i = 0; i < contour.segments(); ++i) {
     const Vec2 way = contour.end_of(i) - contour.start_of(i);
-    const auto pieces = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(way.norm() / offset)));
+    const auto pieces = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(way.norm() / spacing)));
     for (std::size_t k = 0; k < pieces; ++k) {
       dense.points_m.push_back(contour.start_of(i) +
                                static_cast<double>(k) / static_cast<double>(pieces) * way);

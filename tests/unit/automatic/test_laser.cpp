@@ -108,6 +108,20 @@ TEST(Kerf, CompensationMovesTheOutlineOutAndTheHoleIn) {
   }
 }
 
+TEST(Kerf, AWideKerfReachesAsFarIntoACornerAsItCan) {
+  const double half = 0.4e-3;
+  const geometry::Polyline wedge{{{0, 0}, {10e-3, 0}, {10e-3, 7e-3}}, true};
+  const auto hole = compensated(wedge, 2.0 * half, true);
+  ASSERT_TRUE(hole);
+  const geometry::NearestIndex index(wedge);
+  for (const Vec2& p : hole->points_m) EXPECT_NEAR(index.find(p).distance_m, half, 1e-6);
+  // The corners of the smaller triangle, on the bisectors.
+  const geometry::NearestIndex moved(*hole);
+  const double angle = std::atan2(7.0, 10.0);
+  EXPECT_LT(moved.find({half / std::tan(0.5 * angle), half}).distance_m, 15e-6);
+  EXPECT_LT(moved.find({10e-3 - half, half}).distance_m, 15e-6);
+}
+
 TEST(Kerf, WhatIsNarrowerThanTheKerfIsRefused) {
   // Two rooms of 3 mm, joined by a passage of 1 mm.
   const geometry::Polyline rooms{{{0, 0},
