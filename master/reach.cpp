@@ -41,6 +41,17 @@ std::string objection(const robot::RobotModel& model, const robot::DeltaKinemati
 
 }  // namespace
 
+void require_room(const robot::RobotModel& model, std::span<const Vec2> points_m, double beta) {
+  double reach_m = 0.0;
+  for (const Vec2& point : points_m) reach_m = std::max(reach_m, point.norm() / beta);
+  if (reach_m > model.workspace.radius_m) {
+    throw Refusal(
+        fmt::format("the contour reaches {:.1f} mm from the centre of the master's workspace at beta = {:g}, "
+                    "but {} reaches {:.1f} mm; use a larger --beta or a smaller --width-mm",
+                    reach_m * 1e3, beta, model.name, model.workspace.radius_m * 1e3));
+  }
+}
+
 void require_reach(const robot::RobotModel& model, const Guide& guide, double corridor_m) {
   const robot::DeltaKinematics kinematics(model.geometry);
   const auto require = [&](const std::string& what, const Vec2& at, double above_m) {
@@ -52,15 +63,6 @@ void require_reach(const robot::RobotModel& model, const Guide& guide, double co
                     what, 1e3 * at.x(), 1e3 * at.y(), model.name, guide.beta, why));
   };
   const auto& line = guide.curve.line();
-  double reach_m = 0.0;
-  for (const auto& point : line.points_m) reach_m = std::max(reach_m, point.norm());
-  if (reach_m > model.workspace.radius_m) {
-    throw Refusal(
-        fmt::format("the contour reaches {:.1f} mm from the centre of the master's workspace at beta = {:g}, "
-                    "but {} reaches {:.1f} mm; "
-                    "use a larger --beta or a smaller --width-mm",
-                    reach_m * 1e3, guide.beta, model.name, model.workspace.radius_m * 1e3));
-  }
   constexpr std::size_t kEvery = 8;  // points are 25 um apart
   for (std::size_t i = 0; i < line.size(); i += kEvery) {
     const Vec2& point = line.points_m[i];

@@ -3,6 +3,8 @@
 // the ends of its rails stands a soft wall in every mode.
 #pragma once
 
+#include <span>
+
 #include "common/robot/delta_kinematics.h"
 #include "common/robot/robot_model.h"
 #include "master/constraint_guide.h"
@@ -12,10 +14,14 @@ namespace telekerf::master {
 /// The walls stand this far before the ends of the rails.
 inline constexpr double kStrokeRoom_m = 2e-3;
 
+/// Points of a contour (true size) for a master whose motion is scaled by `beta`: none of contour / beta may
+/// leave the workspace. Quick, for what is far too large. Throws Refusal.
+void require_room(const robot::RobotModel& model, std::span<const Vec2> points_m, double beta);
+
 /// Every point of the guide, to either side as far as the corridor and above and below as far as the
 /// constraint gives way, and the straight way to the guide from the workspace's centre. Throws Refusal that
-/// names the first point that leaves the workspace, comes nearer than kStrokeRoom_m to the end of a rail, or
-/// is worse conditioned than robot::kWorstCondition. Allocates nothing, but is no matter of one control step.
+/// names the first point that comes nearer than kStrokeRoom_m to the end of a rail, or is worse conditioned than
+/// robot::kWorstCondition. Allocates nothing, but is no matter of one control step.
 void require_reach(const robot::RobotModel& model, const Guide& guide, double corridor_m);
 
 /// Wanted joint accelerations, m/s^2, kept from running into the ends of the rails.

@@ -109,7 +109,9 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
 std::unique_ptr<Task> Station::prepare(const ContourMessage& contour, std::optional<double> beta) const {
-  Guide guide = make_guide(contour, beta.value_or(settings_.beta), settings_.node.constraint);
+  const double scale = beta.value_or(settings_.beta);
+  require_room(model_, contour.points_m, scale);
+  Guide guide = make_guide(contour, scale, settings_.node.constraint);
   require_reach(model_, guide, settings_.node.constraint.corridor_m);
   SimulatedHand hand(guide.curve.line(), settings_.hand, settings_.seed);
   return std::make_unique<Task>(Task{std::move(guide), std::move(hand)});

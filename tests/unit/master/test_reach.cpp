@@ -24,7 +24,9 @@ std::string refusal_of(const robot::RobotModel& model, double radius_m, double c
   coarse.spacing_m = 0.2e-3;
   coarse.half_window = 2;
   try {
-    require_reach(model, make_guide(circle(radius_m), 1.0, coarse), corridor_m);
+    const ContourMessage contour = circle(radius_m);
+    require_room(model, contour.points_m, 1.0);
+    require_reach(model, make_guide(contour, 1.0, coarse), corridor_m);
   } catch (const Refusal& refusal) {
     return refusal.what();
   }
@@ -43,6 +45,14 @@ TEST(Reach, ShippedWorkspaceIsAcceptedAndOutsideItRefused) {
   EXPECT_EQ(refusal_of(model, 0.02, 0.0), "");
   EXPECT_NE(refusal_of(model, model.workspace.radius_m + 1e-3, 0.0).find("use a larger --beta"),
             std::string::npos);
+}
+
+TEST(Reach, RoomIsAskedOfTheContourOverBeta) {
+  const auto model = robot::load_robot("master-horizontal");
+  const double radius_m = 0.9 * model.workspace.radius_m;
+  EXPECT_NO_THROW(require_room(model, circle(radius_m).points_m, 1.0));
+  EXPECT_NO_THROW(require_room(model, circle(2.0 * radius_m).points_m, 2.0));
+  EXPECT_THROW(require_room(model, circle(radius_m).points_m, 0.5), Refusal);
 }
 
 TEST(Reach, RefusesWhatComesNearTheEndOfARailAndNamesPointValueBoundAndRemedy) {
