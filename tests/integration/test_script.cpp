@@ -92,6 +92,26 @@ TEST_F(Script, WhatWasCutBeforeTheDriveDiedIsKept) {
   EXPECT_TRUE(fs::exists(here_ / "cut/trace.csv"));
 }
 
+TEST_F(Script, MachinesWithARobotOfTheUsersOwn) {
+  fs::copy_file(TELEKERF_BIN_DIR "/../share/telekerf/robots/slave-keops.toml", here_ / "my robot.toml");
+  const Ended bright =
+      run("machine circle --width-mm 5 --speed-mm-s 50 --robot 'my robot.toml' --laser-w 30 --laser-max-w 20 "
+          "--out cut --domain " +
+          own_domain());
+  EXPECT_EQ(bright.code, 2) << bright.out;
+  EXPECT_NE(bright.err.find("laser_max_w = 20"), std::string::npos) << bright.err;
+  std::ofstream(here_ / "no robot.toml") << "[geometry]\nbase_radius_m = -1\n";
+  const Ended none = run("machine circle --robot 'no robot.toml' --out cut --domain " + own_domain());
+  EXPECT_EQ(none.code, 2) << none.out;
+  EXPECT_NE(none.err.find("no robot.toml: geometry.base_radius_m"), std::string::npos) << none.err;
+  const Ended cut =
+      run("machine circle --width-mm 5 --speed-mm-s 50 --robot 'my robot.toml' --machining-hz 2000 "
+          "--out cut --domain " +
+          own_domain());
+  EXPECT_EQ(cut.code, 0) << cut.out << cut.err;
+  EXPECT_TRUE(fs::exists(here_ / "cut/mark.png"));
+}
+
 TEST_F(Script, AskedForHelpItBuildsNothingAndInstallsNothing) {
   for (const std::string command : {"setup", "build", "demo", "machine"}) {
     const Ended help = run(command + " --help");
