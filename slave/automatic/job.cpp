@@ -30,8 +30,10 @@ class Writer {
     const double length = way.norm();
     if (!(length > 1e-9)) return;
     // s = 10 u^3 - 15 u^4 + 6 u^5: at most 15/8 of the mean speed and 5.78 length / time^2.
-    const double time_s = std::max(1.875 * length / settings_.travel_m_per_s,
-                                   std::sqrt(5.78 * length / settings_.travel_m_per_s2));
+    const PlanSettings& most = settings_.plan;
+    const double time_s = std::max(
+        1.875 * length / std::min(settings_.travel_m_per_s, most.max_speed_m_per_s),
+        std::sqrt(5.78 * length / std::min(settings_.travel_m_per_s2, most.max_acceleration_m_per_s2)));
     const auto ticks = static_cast<std::size_t>(std::ceil(time_s / period_s_));
     const double whole_s = static_cast<double>(ticks) * period_s_;
     for (std::size_t i = 1; i <= ticks; ++i) {

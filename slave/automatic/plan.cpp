@@ -23,7 +23,7 @@ std::vector<double> speed_limits(const Path& path, const PlanSettings& s, double
   const double across = slow ? std::min(s.slow_acceleration_m_per_s2, s.max_acceleration_m_per_s2)
                              : 0.8 * s.max_acceleration_m_per_s2;
   const double along = slow ? across : std::min(s.ramp_m_per_s2, s.max_acceleration_m_per_s2);
-  const double wanted = std::min(s.speed_m_per_s, s.max_speed_m_per_s);
+  const double wanted = s.speed_m_per_s;
   std::vector<double> limit(count, wanted);
   for (std::size_t i = 0; i < count; ++i) {
     const double bend = path.at(from_m + static_cast<double>(i) * kGrid_m).second.norm();
@@ -194,6 +194,11 @@ PathSettings path_settings(const PlanSettings& settings) noexcept {
   return path;
 }
 
+void PlanSettings::keep_within(const robot::ToolLimits& limits) noexcept {
+  max_acceleration_m_per_s2 = std::min(max_acceleration_m_per_s2, 0.5 * limits.acceleration_m_per_s2);
+  max_speed_m_per_s = std::min(max_speed_m_per_s, 0.9 * limits.velocity_m_per_s);
+}
+
 tl::expected<Plan, std::string> make_plan(const geometry::Polyline& contour, const PlanSettings& settings) {
   const double size = geometry::all_finite(contour.points_m) && contour.size() > 0
                           ? geometry::bounding_box(contour.points_m).size().maxCoeff()
@@ -211,9 +216,15 @@ tl::expected<Plan, std::string> make_plan(const geometry::Polyline& contour, con
 
 tl::expected<Plan, std::string> make_plan(Path path, const PlanSettings& s) {
   if (!(s.speed_m_per_s > 0.0)) return tl::unexpected<std::string>("the speed must be greater than zero");
+  if (s.speed_m_per_s > s.max_speed_m_per_s) {
+    return tl::unexpected(
+        fmt::format("a speed of {:g} mm/s is more than the {:g} mm/s that this machine has for it; use a "
+                    "smaller --speed-mm-s",
+                    s.speed_m_per_s * 1e3, s.max_speed_m_per_s * 1e3));
+  }
   const double period = 1.0 / s.control_hz;
   const double ramp = std::min(s.ramp_m_per_s2, s.max_acceleration_m_per_s2);
-  const double speed = std::min(s.speed_m_per_s, s.max_speed_m_per_s);
+  const double speed = s.speed_m_per_s;
   const double run_up =
       speed * speed / (2.0 * ramp) + 1.5 * speed * s.smoothing_s + std::min(s.settle_m, speed * s.settle_s);
   const double cut_end = path.length_m() + (path.closed() ? s.overlap_m : 0.0);

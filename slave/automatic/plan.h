@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/robot/robot_model.h"
 #include "slave/automatic/path.h"
 #include "slave/laser/pulsed_source.h"
 
@@ -24,14 +25,18 @@ struct PlanSettings {
   CornerPolicy corner = CornerPolicy::kRounded;
   double tolerance_m = 10e-6;                ///< of kRounded
   double slow_acceleration_m_per_s2 = 0.25;  ///< of kSlow: across the path, and along it
-  double max_acceleration_m_per_s2 = 10.0;   ///< of the machine, whatever the policy
-  double max_speed_m_per_s = 0.3;
-  double ramp_m_per_s2 = 2.0;  ///< run-up and run-out along the path, beam off
-  double smoothing_s = 0.012;  ///< of the speed in time, so that acceleration is continuous
-  double settle_s = 0.15;      ///< at full speed before the beam comes on, but ...
-  double settle_m = 2e-3;      ///< ... not longer than this
-  double overlap_m = 0.2e-3;   ///< a closed contour is cut this far beyond its start
+  double max_acceleration_m_per_s2 = 10.0;   ///< whatever the policy
+  double max_speed_m_per_s = 0.3;            ///< more is refused
+  double ramp_m_per_s2 = 2.0;                ///< run-up and run-out along the path, beam off
+  double smoothing_s = 0.012;                ///< of the speed in time, so that acceleration is continuous
+  double settle_s = 0.15;                    ///< at full speed before the beam comes on, but ...
+  double settle_m = 2e-3;                    ///< ... not longer than this
+  double overlap_m = 0.2e-3;                 ///< a closed contour is cut this far beyond its start
   double spot_radius_m = PulsedSourceSettings{}.spot_radius_m;  ///< of the beam, for an even burn
+
+  /// For a machine of these limits. Half of its acceleration and nine tenths of its speed are planned with,
+  /// the rest is for following.
+  void keep_within(const robot::ToolLimits& limits) noexcept;
 };
 
 /// What the controllers follow at one tick, workpiece frame.

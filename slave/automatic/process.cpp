@@ -30,6 +30,7 @@ JobSettings job_settings(const AutomaticSettings& s, const robot::RobotModel& mo
   job.reach_m = model.workspace.radius_m;
   job.plan.control_hz = s.machining_hz;
   job.plan.speed_m_per_s = s.speed_mm_s * 1e-3;
+  job.plan.keep_within(model.limits);
   job.plan.corner = s.corner == "exact"  ? CornerPolicy::kExact
                     : s.corner == "slow" ? CornerPolicy::kSlow
                                          : CornerPolicy::kRounded;

@@ -30,6 +30,7 @@ using nlohmann::ordered_json;
 
 struct Options {
   std::string image;
+  std::string robot = "slave-keops";
   double width_mm = 0.0;
   double speed_mm_s = 8.0;
   std::string controller = "auto";
@@ -250,8 +251,10 @@ void draw(const std::string& title, const std::vector<Named>& runs, const std::f
               png);
 }
 
-ContourRunSettings run_settings(const Options& options) {
+ContourRunSettings run_settings(const Options& options, const robot::RobotModel& model) {
   ContourRunSettings s;
+  s.robot = options.robot;
+  s.plan.keep_within(model.limits);
   s.plan.speed_m_per_s = options.speed_mm_s * 1e-3;
   s.plan.corner = corner_of(options.corner);
   s.plan.tolerance_m = options.tolerance_um * 1e-6;
@@ -270,8 +273,9 @@ ContourRunSettings run_settings(const Options& options) {
 
 ordered_json one_picture(const std::string& image, const Options& options,
                          const ContourExperiment& experiment, const std::filesystem::path& out) {
-  const ContourRunSettings settings = run_settings(options);
-  const Source source = contour_of(image, options, robot::load_robot(settings.robot), experiment.closed);
+  const robot::RobotModel model = robot::load_robot(options.robot);
+  const ContourRunSettings settings = run_settings(options, model);
+  const Source source = contour_of(image, options, model, experiment.closed);
   const geometry::Polyline& contour = source.contour;
   const auto plan = slave::make_plan(contour, settings.plan);
   if (!plan) throw Refusal(fmt::format("{}: {}", image, plan.error()));
@@ -281,6 +285,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
                       {"image", std::filesystem::path(image).filename().string()},
                       {"length_mm", plan->path.length_m() * 1e3},
                       {"closed", contour.closed},
+                      {"robot", model.name},
                       {"controller", options.controller},
                       {"corner", options.corner},
                       {"plant", options.plant},
@@ -314,7 +319,8 @@ ordered_json one_picture(const std::string& image, const Options& options,
     for (const double speed : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0}) {
       Options faster = options;
       faster.speed_mm_s = speed;
-      const ContourRunSettings s = run_settings(faster);
+      const ContourRunSettings s = run_settings(faster, model);
+      if (s.plan.speed_m_per_s > s.plan.max_speed_m_per_s) break;
       const auto p = slave::make_plan(contour, s.plan);
       if (!p) throw Refusal(p.error());
       const auto m = measure(run_contour(*p, contour, s), s);
@@ -373,6 +379,7 @@ void add_contour_experiment(CLI::App& app, Action& action, const ContourExperime
   o->out = "out/" + experiment.name;
   auto& s = o->settings;
   s.add("image", o->image, "picture: a shipped name or a file; none: the thesis' set");
+  s.add("robot", o->robot, "that machines: a shipped name or a file");
   s.add("width_mm", o->width_mm, {.min = 0, .max = 1000},
         "width of the whole picture, 0: fitted to the workspace");
   s.add("speed_mm_s", o->speed_mm_s, {.min = 0.1, .max = 300}, "tangential speed");

@@ -44,6 +44,8 @@ void add_lap_command(CLI::App& app, Action& action) {
   s.add("image", lap.image, "picture: a shipped name or a file");
   s.add("width_mm", lap.width_mm, {.min = 0, .max = 1000},
         "width of the whole picture, 0: fitted to the workspace");
+  s.add("master_robot", lap.master.robot, "the operator's: a shipped name or a file");
+  s.add("slave_robot", lap.slave.robot, "the workpiece's: a shipped name or a file");
   s.add("netem", options->netem, "network profile: a shipped name or a file");
   s.add("seed", lap.seed, {.min = 0, .max = 1e15}, "of everything random");
   s.add("beta", lap.master.beta, {.min = 0.01, .max = 10}, "slave motion = beta x master motion");

@@ -31,6 +31,17 @@ TEST(Job, WhatLiesInsideIsCutFirstAndEverythingIsOneSteadyMotion) {
   EXPECT_LT(job->track[job->track.size() - 1].position_m.norm(), 1e-9);
 }
 
+TEST(Job, KeepsASlowMachinesLimitsOnItsWaysToo) {
+  JobSettings settings;
+  settings.plan.keep_within({.velocity_m_per_s = 10e-3, .acceleration_m_per_s2 = 0.4});
+  const auto job = make_job({square(10e-3), square(4e-3)}, settings);
+  ASSERT_TRUE(job) << job.error();
+  for (std::size_t i = 0; i < job->track.size(); ++i) {
+    ASSERT_LT(job->track[i].velocity_m_per_s.norm(), 10e-3 * (1.0 + 1e-9)) << i;
+    ASSERT_LT(job->track[i].acceleration_m_per_s2.norm(), 0.4) << i;
+  }
+}
+
 TEST(Job, KerfIsTakenOffTheHoleAndAddedToThePiece) {
   JobSettings settings;
   settings.kerf_m = 0.2e-3;

@@ -147,6 +147,23 @@ TEST(Plan, RefusesWhatIsSmallerThanTheBeam) {
   EXPECT_NE(plan.error().find("--width-mm"), std::string::npos) << plan.error();
 }
 
+TEST(Plan, KeepsWithinAMachinesLimits) {
+  PlanSettings settings;
+  settings.speed_m_per_s = 20e-3;
+  settings.keep_within({.velocity_m_per_s = 0.025, .acceleration_m_per_s2 = 0.5});
+  const auto plan = make_plan(kSquare, settings);
+  ASSERT_TRUE(plan) << plan.error();
+  double most = 0.0;
+  for (std::size_t i = 0; i < plan->track.size(); ++i)
+    most = std::max(most, plan->track[i].acceleration_m_per_s2.norm());
+  EXPECT_LT(most, 0.5);
+  EXPECT_GT(most, 0.1) << "and uses them";
+  settings.keep_within({.velocity_m_per_s = 0.02, .acceleration_m_per_s2 = 0.5});
+  const auto faster = make_plan(kSquare, settings);
+  ASSERT_FALSE(faster);
+  EXPECT_NE(faster.error().find("20 mm/s is more than the 18 mm/s"), std::string::npos) << faster.error();
+}
+
 TEST(Plan, RefusesASpeedOfZero) {
   PlanSettings settings;
   settings.speed_m_per_s = 0.0;
