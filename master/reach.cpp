@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -39,17 +40,24 @@ std::string objection(const robot::RobotModel& model, const robot::DeltaKinemati
   return {};
 }
 
+double reach_of(std::span<const Vec2> points_m) {
+  double reach_m = 0.0;
+  for (const Vec2& point : points_m) reach_m = std::max(reach_m, point.norm());
+  return reach_m;
+}
+
+void require_within(const robot::RobotModel& model, double reach_m, double beta) {
+  if (reach_m <= model.workspace.radius_m) return;
+  throw Refusal(
+      fmt::format("the contour reaches {:.1f} mm from the centre of the master's workspace at beta = {:g}, "
+                  "but {} reaches {:.1f} mm; use a larger --beta or a smaller --width-mm",
+                  reach_m * 1e3, beta, model.name, model.workspace.radius_m * 1e3));
+}
+
 }  // namespace
 
 void require_room(const robot::RobotModel& model, std::span<const Vec2> points_m, double beta) {
-  double reach_m = 0.0;
-  for (const Vec2& point : points_m) reach_m = std::max(reach_m, point.norm() / beta);
-  if (reach_m > model.workspace.radius_m) {
-    throw Refusal(
-        fmt::format("the contour reaches {:.1f} mm from the centre of the master's workspace at beta = {:g}, "
-                    "but {} reaches {:.1f} mm; use a larger --beta or a smaller --width-mm",
-                    reach_m * 1e3, beta, model.name, model.workspace.radius_m * 1e3));
-  }
+  require_within(model, reach_of(points_m) / beta, beta);
 }
 
 void require_reach(const robot::RobotModel& model, const Guide& guide, double corridor_m) {
@@ -63,6 +71,7 @@ void require_reach(const robot::RobotModel& model, const Guide& guide, double co
                     what, 1e3 * at.x(), 1e3 * at.y(), model.name, guide.beta, why));
   };
   const auto& line = guide.curve.line();
+  require_within(model, reach_of(line.points_m), guide.beta);
   constexpr std::size_t kEvery = 8;  // points are 25 um apart
   for (std::size_t i = 0; i < line.size(); i += kEvery) {
     const Vec2& point = line.points_m[i];

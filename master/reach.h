@@ -20,8 +20,8 @@ void require_room(const robot::RobotModel& model, std::span<const Vec2> points_m
 
 /// Every point of the guide, to either side as far as the corridor and above and below as far as the
 /// constraint gives way, and the straight way to the guide from the workspace's centre. Throws Refusal that
-/// names the first point that comes nearer than kStrokeRoom_m to the end of a rail, or is worse conditioned than
-/// robot::kWorstCondition. Allocates nothing, but is no matter of one control step.
+/// names the first point that leaves the workspace, comes nearer than kStrokeRoom_m to the end of a rail, or
+/// is worse conditioned than robot::kWorstCondition. Allocates nothing, but is no matter of one control step.
 void require_reach(const robot::RobotModel& model, const Guide& guide, double corridor_m);
 
 /// Wanted joint accelerations, m/s^2, kept from running into the ends of the rails.

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "common/runtime/refusal.h"
+#include "common/runtime/results.h"
 
 namespace telekerf::codec {
 namespace {
@@ -87,14 +88,13 @@ Trace read_trace(const std::filesystem::path& file, double rate_hz, const std::v
 }
 
 void write_trace(const std::filesystem::path& file, const Trace& trace) {
-  std::ofstream out(file);
-  out << fmt::format("{}\n", fmt::join(trace.columns, ","));
+  std::string out = fmt::format("{}\n", fmt::join(trace.columns, ","));
   std::vector<double> row(trace.values.size());
   for (std::size_t n = 0; n < trace.size(); ++n) {
     for (std::size_t c = 0; c < row.size(); ++c) row[c] = trace.values[c][n];
-    out << fmt::format("{}\n", fmt::join(row, ","));
+    out += fmt::format("{}\n", fmt::join(row, ","));
   }
-  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
+  write_whole(file, out);
 }
 
 }  // namespace telekerf::codec

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -244,21 +243,21 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
 namespace {
 
 void write_trace(const std::filesystem::path& file, const RunRecord& record) {
-  std::ofstream out(file);
-  out << "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w,"
-         "force_x_n,force_y_n,force_z_n\n";
+  std::string out =
+      "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w,"
+      "force_x_n,force_y_n,force_z_n\n";
   for (const auto& row : record.slave) {
     // The master's tool at the tick that the slave applies; before the first one there is nothing to show.
     const auto master =
         row.applied >= 0.0 ? master_at(record, row.applied, &MasterRow::tool_m) : std::nullopt;
     if (!master) continue;
-    out << fmt::format(
+    out += fmt::format(
         "{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{},{:.5f},{:.5f},{:.5f}\n",
         row.t_s - record.slave.front().t_s, master->x(), master->y(), master->z(), row.ref_m[0], row.ref_m[1],
         row.tool_m[0], row.tool_m[1], row.tool_m[2], row.laser_w, row.force_n[0], row.force_n[1],
         row.force_n[2]);
   }
-  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", file.string()));
+  write_whole(file, out);
 }
 
 /// Wood, burned where energy went; the contour as a thin blue line, the slave's path without laser as a grey

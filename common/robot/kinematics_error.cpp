@@ -16,9 +16,8 @@ std::string describe(const KinematicsError& error) {
       return fmt::format("{} is out of stroke: {:.6g} m is beyond its end at {:.6g} m", leg, error.value_m,
                          error.bound_m);
     case KinematicsError::Kind::kOtherAssembly:
-      return "the pose is on the other side of the carriages than the robot is assembled; does working_mode "
-             "fit "
-             "assembly_mode?";
+      return "the pose is on the other side of the carriages than the robot is assembled; "
+             "does working_mode fit assembly_mode?";
     case KinematicsError::Kind::kSerialSingular:
       return fmt::format("{} is singular: its rod stands square to its rail and cannot move the tool", leg);
     case KinematicsError::Kind::kParallelSingular:

@@ -96,15 +96,13 @@ void Machine::advance() noexcept {
 std::string Machine::loss() const {
   if (drive_.plant != nullptr) {
     return fmt::format(
-        "drive = {}: the robot left the poses that it can take, so the laser is off and the currents are "
-        "zero; "
-        "is the work too large for it, or a bandwidth too high?",
+        "drive = {}: the robot left the poses that it can take, so the laser is off and the currents "
+        "are zero; is the work too large for it, or a bandwidth too high?",
         settings_.drive);
   }
   return fmt::format(
-      "drive = {}: no reading for {:g} s (drive_stale_s), so the laser is off and the currents are zero; is "
-      "the "
-      "drive still running and connected?",
+      "drive = {}: no reading for {:g} s (drive_stale_s), so the laser is off and the currents are zero; "
+      "is the drive still running and connected?",
       settings_.drive, settings_.drive_stale_s);
 }
 

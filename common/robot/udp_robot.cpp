@@ -16,13 +16,13 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 
 static_assert(std::endian::native == std::endian::little, "datagrams are little endian");
+static_assert(sizeof(UdpCurrents) == 40 && sizeof(UdpReading) == 56, "datagrams hold no padding");
+
 /// Steps a second for which there is time to answer on one host.
 constexpr double kMostHz = 5000.0;
 constexpr std::uint32_t kLongestPeriod_ns = 100'000'000;
 /// A controller that has been silent this long has gone.
 constexpr std::chrono::milliseconds kGone{500};
-
-static_assert(sizeof(UdpCurrents) == 40 && sizeof(UdpReading) == 56, "datagrams hold no padding");
 
 }  // namespace
 

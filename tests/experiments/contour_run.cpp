@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "common/robot/simulated_robot.h"
 #include "common/runtime/refusal.h"
+#include "slave/automatic/tool_trace.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -16,6 +16,7 @@ using slave::Reference;
 
 /// Held at the start until the observer knows the weight.
 constexpr double kHold_s = 1.5;
+
 }  // namespace
 
 robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunSettings& settings) {
@@ -107,17 +108,10 @@ nlohmann::ordered_json measure(const ContourRun& run, const ContourRunSettings& 
 }
 
 void write_contour_trace(const ContourRun& run, const std::filesystem::path& csv) {
-  std::ofstream out(csv);
-  out << "t_s,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w\n";
-  const auto& rows = run.pass.rows;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const slave::PassRow& row = rows[i];
-    out << fmt::format("{:.7f},{:.12f},{:.12f},{:.12f},{:.12f},{:.12f},{:.6g}\n",
-                       static_cast<double>(i) * run.pass.plan->period_s, row.reference.position_m.x(),
-                       row.reference.position_m.y(), row.tool_m.x(), row.tool_m.y(), row.tool_m.z(),
-                       row.laser_w);
-  }
-  if (!out.flush()) throw Refusal(fmt::format("{}: cannot be written", csv.string()));
+  slave::write_tool_trace(csv, run.pass.plan->period_s, run.pass.rows.size(), [&](std::size_t i) {
+    const slave::PassRow& row = run.pass.rows[i];
+    return slave::ToolTraceRow{row.reference.position_m, row.tool_m, row.laser_w};
+  });
 }
 
 }  // namespace telekerf::experiments

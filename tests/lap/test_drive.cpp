@@ -146,12 +146,18 @@ TEST(Drive, BehindTheSeamTheSlaveDoesBitByBitWhatItDoesWithItsOwnPlant) {
   EXPECT_GT(apart, 1000) << "the true tool is another";
 }
 
-TEST(Drive, ItsLossPutsTheBeamOutAtOnceAndTheCurrentsSoon) {
+/// In the middle of the work, the beam on.
+class AtWork : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_GT(out.laser_w, 0.0); }
+
   Cell cell;
   Foreign::World world;
-  slave::Station slave(slave_settings("foreign"), foreign(world, "slave-keops", 7));
+  slave::Station slave{slave_settings("foreign"), foreign(world, "slave-keops", 7)};
   slave::SlaveOutputs out = cell.step_until_it_burns(slave);
-  ASSERT_GT(out.laser_w, 0.0);
+};
+
+TEST_F(AtWork, ADrivesLossPutsTheBeamOutAtOnceAndTheCurrentsSoon) {
   EXPECT_EQ(slave.machine().readings_missed(), 0u);
 
   world.broken_line = true;
@@ -229,12 +235,7 @@ TEST(Drive, AStopBeforeTheFirstReadingIsHeeded) {
   EXPECT_EQ(master.step(kMs, nullptr, true, {}, {}).mode, master::MasterMode::kStopped);
 }
 
-TEST(Drive, AMissingReadingIsBridgedWithTheBeamOff) {
-  Cell cell;
-  Foreign::World world;
-  slave::Station slave(slave_settings("foreign"), foreign(world, "slave-keops", 7));
-  slave::SlaveOutputs out = cell.step_until_it_burns(slave);
-  ASSERT_GT(out.laser_w, 0.0);
+TEST_F(AtWork, AMissingReadingIsBridgedWithTheBeamOff) {
   world.broken_line = true;
   for (int n = 0; n < 3; ++n) EXPECT_EQ(cell.step(slave).laser_w, 0.0);
   world.broken_line = false;

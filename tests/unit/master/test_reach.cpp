@@ -24,9 +24,7 @@ std::string refusal_of(const robot::RobotModel& model, double radius_m, double c
   coarse.spacing_m = 0.2e-3;
   coarse.half_window = 2;
   try {
-    const ContourMessage contour = circle(radius_m);
-    require_room(model, contour.points_m, 1.0);
-    require_reach(model, make_guide(contour, 1.0, coarse), corridor_m);
+    require_reach(model, make_guide(circle(radius_m), 1.0, coarse), corridor_m);
   } catch (const Refusal& refusal) {
     return refusal.what();
   }

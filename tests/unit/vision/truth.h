@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far extracted points lie from the drawing they came from, and whether they run along it in order.
+// Drawings to extract, and how far extracted points lie from the drawing they came from, and whether they run
+// along it in order.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "common/geometry/nearest.h"
 #include "common/vision/extract.h"
@@ -59,6 +61,22 @@ inline Comparison compare(const PixelContour& contour, const geometry::Polyline&
   out.once = std::abs(travelled) / (ideal.length_m() * static_cast<double>(steps) /
                                     static_cast<double>(contour.closed ? n : n - 1));
   return out;
+}
+
+/// Blur, noise and uneven light, other ones each round.
+inline drawing::Look hard_look(int round) {
+  drawing::Look look;
+  look.blur_px = 1.2;
+  look.noise = 8.0;
+  look.shading = 20.0;
+  look.seed = static_cast<std::uint64_t>(round) + 1;
+  return look;
+}
+
+/// A shipped drawing at another angle, size and place each round.
+inline drawing::Drawing turned(const std::string& name, int round) {
+  return drawing::transformed(*drawing::by_name(name), 0.41 * round, 1.0 - 0.06 * round, {319.5, 239.5},
+                              {3.3 * round, -2.1 * round});
 }
 
 }  // namespace telekerf::vision
