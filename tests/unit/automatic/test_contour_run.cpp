@@ -61,7 +61,8 @@ TEST(ContourRun, ContouringHoldsItsBarsAndBeatsIndependentJoints) {
 }
 
 TEST(ContourRun, CornersCloseToEachOtherAndSmallHolesDoNotShakeTheToolOff) {
-  // 40 teeth of 0.2 mm, a corner every 5 ms; holes that are gone round up to 40 times a second.
+  // 40 teeth of 0.2 mm, a corner every 5 ms; a needle of 8 degrees; holes that are gone round up to 40 times
+  // a second.
   Polyline gear{{}, true};
   for (int i = 0; i < 160; ++i) {
     const double t = std::numbers::pi / 80 * i;
@@ -76,7 +77,9 @@ TEST(ContourRun, CornersCloseToEachOtherAndSmallHolesDoNotShakeTheToolOff) {
     }
     return line;
   };
-  for (const Polyline& contour : {gear, hole(0.5e-3), hole(0.3e-3), hole(0.2e-3), hole(0.1e-3)}) {
+  const Polyline needle{{{0.0, 0.0}, {2e-3, -0.14e-3}, {2e-3, 0.14e-3}}, true};
+  for (const Polyline& contour :
+       {gear, needle, hole(0.5e-3), hole(0.3e-3), hole(0.2e-3), hole(0.1e-3), hole(0.06e-3)}) {
     for (const double speed : {8e-3, 20e-3, 50e-3}) {
       const auto found = measured(contour, at(speed));
       EXPECT_LT(found["normal_error_um"]["max"].get<double>(), 15.0) << speed;
