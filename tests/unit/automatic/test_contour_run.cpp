@@ -61,7 +61,7 @@ TEST(ContourRun, ContouringHoldsItsBarsAndBeatsIndependentJoints) {
 }
 
 TEST(ContourRun, CornersCloseToEachOtherAndSmallHolesDoNotShakeTheToolOff) {
-  // 40 teeth of 0.2 mm, a corner every 5 ms; a needle of 8 degrees; holes that are gone round up to 40 times
+  // 40 teeth of 0.2 mm, a corner every 5 ms; a needle of 8 degrees; holes that are gone round dozens of times
   // a second.
   Polyline gear{{}, true};
   for (int i = 0; i < 160; ++i) {
