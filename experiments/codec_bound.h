@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "common/codec/trace.h"
+#include "common/codec/baselines/trace.h"
 
 namespace telekerf::experiments {
 

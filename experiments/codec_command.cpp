@@ -8,15 +8,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/bus/wire_cost.h"
-#include "common/codec/measure.h"
-#include "common/runtime/refusal.h"
+#include "common/codec/baselines/measure.h"
+#include "common/protocol/overhead.h"
+#include "common/reporting/plot.h"
 #include "common/runtime/results.h"
-#include "tests/experiments/codec_bound.h"
-#include "tests/experiments/codec_recordings.h"
-#include "tests/experiments/codec_traces.h"
-#include "tests/experiments/commands.h"
-#include "tests/experiments/plot.h"
+#include "common/runtime/startup_error.h"
+#include "experiments/codec_bound.h"
+#include "experiments/codec_recordings.h"
+#include "experiments/codec_traces.h"
+#include "experiments/commands.h"
 
 namespace telekerf::experiments {
 namespace {

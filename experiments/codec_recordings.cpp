@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/codec_recordings.h"
+#include "experiments/codec_recordings.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "common/codec/decoder.h"
-#include "tests/lap/virtual_lap.h"
-#include "tests/lap/virtual_link.h"
+#include "experiments/simulation/simulation.h"
+#include "experiments/simulation/virtual_link.h"
 
 namespace telekerf::experiments {
 namespace {

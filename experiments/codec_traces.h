@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/codec/trace.h"
+#include "common/codec/baselines/trace.h"
 
 namespace telekerf::experiments {
 

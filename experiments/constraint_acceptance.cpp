@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/constraint_bars.h"
+#include "experiments/constraint_acceptance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,16 +7,17 @@
 namespace telekerf::experiments {
 namespace {
 
-using master::HandAct;
+using master::OperatorDisturbance;
 
 constexpr double kLong = 1000.0;
 
 /// A hand that does nothing but the acts.
-TrialSettings still(std::uint64_t seed, double duration_s, std::vector<HandAct> acts) {
+TrialSettings still(std::uint64_t seed, double duration_s, std::vector<OperatorDisturbance> acts) {
   TrialSettings settings;
   settings.station.seed = seed;
   settings.duration_s = duration_s;
-  acts.insert(acts.begin(), HandAct{HandAct::Kind::kLetGo, 0.0, kLong, 0.0, 0.0, 0.0});
+  acts.insert(acts.begin(),
+              OperatorDisturbance{OperatorDisturbance::Kind::kLetGo, 0.0, kLong, 0.0, 0.0, 0.0});
   settings.station.hand.acts = std::move(acts);
   return settings;
 }
@@ -39,9 +40,9 @@ double distance(const MasterRow& a, const MasterRow& b) {
 
 /// Distance that a hand with a constant force along the circle comes between two moments.
 double travelled(std::uint64_t seed, double along_n, double from_s, double to_s) {
-  const Trial trial =
-      run_trial(circle_outline(8e-3),
-                still(seed, to_s + 2.0, {{HandAct::Kind::kFight, 0.5, kLong, 0.0, along_n, 0.0}}));
+  const Trial trial = run_trial(
+      circle_outline(8e-3),
+      still(seed, to_s + 2.0, {{OperatorDisturbance::Kind::kFight, 0.5, kLong, 0.0, along_n, 0.0}}));
   const Clock clock(trial);
   double sum = 0.0;
   for (std::size_t i = clock.row(from_s) + 1; i < std::min(clock.row(to_s), trial.rows.size()); ++i) {
@@ -64,13 +65,13 @@ double least_force(std::uint64_t seed, double distance_m, double from_s, double 
 }  // namespace
 
 Decay measure_decay(std::uint64_t seed, double mismatch) {
-  TrialSettings settings = still(seed, 5.0, {{HandAct::Kind::kFight, 0.2, kLong, 1.0, 0.0, 0.0}});
+  TrialSettings settings = still(seed, 5.0, {{OperatorDisturbance::Kind::kFight, 0.2, kLong, 1.0, 0.0, 0.0}});
   settings.station.mismatch = mismatch;
   settings.station.corridor_mm = 0.5;
   settings.station.node.constraint.entry_s = 0.0;
   constexpr double kClose = 1.8;
   settings.form = [](double since_s) {
-    return since_s >= kClose ? std::optional(master::ConstraintForm{}) : std::nullopt;
+    return since_s >= kClose ? std::optional(master::ConstraintMode{}) : std::nullopt;
   };
   const Trial trial = run_trial(circle_outline(8e-3), settings);
   const Clock clock(trial);
@@ -114,7 +115,7 @@ double drift_m_per_s(const ContourMessage& contour, std::uint64_t seed) {
   TrialSettings settings;
   settings.station.seed = seed;
   settings.duration_s = 15.0;
-  settings.station.hand.acts = {{HandAct::Kind::kLetGo, 3.0, kLong, 0.0, 0.0, 0.0}};
+  settings.station.hand.acts = {{OperatorDisturbance::Kind::kLetGo, 3.0, kLong, 0.0, 0.0, 0.0}};
   const Trial trial = run_trial(contour, settings);
   const Clock clock(trial);
   const std::size_t from = clock.row(4.5);
@@ -132,8 +133,9 @@ double letting_go_m(const ContourMessage& contour, std::uint64_t seed) {
   std::vector<double> moments;
   for (int i = 0; 1.0 + 0.9 * i < 27.0; ++i) {
     const double at = 1.0 + 0.9 * i;
-    if (i % 2 == 1) acts.push_back({HandAct::Kind::kFight, at - 0.2, 0.2, i % 4 == 1 ? 3.0 : -3.0, 0.5, 0.0});
-    acts.push_back({HandAct::Kind::kLetGo, at, 0.3, 0.0, 0.0, 0.0});
+    if (i % 2 == 1)
+      acts.push_back({OperatorDisturbance::Kind::kFight, at - 0.2, 0.2, i % 4 == 1 ? 3.0 : -3.0, 0.5, 0.0});
+    acts.push_back({OperatorDisturbance::Kind::kLetGo, at, 0.3, 0.0, 0.0, 0.0});
     moments.push_back(at);
   }
   const Trial trial = run_trial(contour, settings);
@@ -153,8 +155,9 @@ Fight fight(double force_n, std::uint64_t seed) {
   out.force_n = force_n;
   constexpr double kAt = 1.0;
   constexpr double kFor = 0.5;
-  const Trial trial = run_trial(circle_outline(8e-3),
-                                still(seed, 7.0, {{HandAct::Kind::kFight, kAt, kFor, force_n, 0.0, 0.0}}));
+  const Trial trial =
+      run_trial(circle_outline(8e-3),
+                still(seed, 7.0, {{OperatorDisturbance::Kind::kFight, kAt, kFor, force_n, 0.0, 0.0}}));
   const Clock clock(trial);
   out.saturated = trial.saturated;
   out.broken = trial.broken;
@@ -183,9 +186,9 @@ Region measure_region(std::uint64_t seed) {
   settings.station.seed = seed;
   settings.duration_s = 14.0;
   settings.station.corridor_mm = 0.5;
-  settings.form = [](double since_s) -> std::optional<master::ConstraintForm> {
+  settings.form = [](double since_s) -> std::optional<master::ConstraintMode> {
     if (since_s < 6.0) return std::nullopt;
-    return since_s < 9.0 ? master::ConstraintForm{} : master::ConstraintForm{0.5e-3, 0.0};
+    return since_s < 9.0 ? master::ConstraintMode{} : master::ConstraintMode{0.5e-3, 0.0};
   };
   const Trial trial = run_trial(circle_outline(8e-3), settings);
   const Clock clock(trial);

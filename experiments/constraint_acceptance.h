@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "tests/experiments/constraint_trial.h"
+#include "experiments/constraint_trial.h"
 
 namespace telekerf::experiments {
 

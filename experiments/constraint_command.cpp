@@ -9,12 +9,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/runtime/refusal.h"
+#include "common/reporting/plot.h"
 #include "common/runtime/results.h"
-#include "tests/experiments/commands.h"
-#include "tests/experiments/constraint_bars.h"
-#include "tests/experiments/plot.h"
-#include "tests/lap/virtual_lap.h"
+#include "common/runtime/startup_error.h"
+#include "experiments/commands.h"
+#include "experiments/constraint_acceptance.h"
+#include "experiments/simulation/simulation.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -89,7 +89,7 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
         station.curve = name;
         auto settings = station.node.constraint;
         settings.curve = kind;
-        const master::Guide guide = master::make_guide(contour, station.beta, settings);
+        const master::GuidePath guide = master::make_guide(contour, station.beta, settings);
         geometry::Polyline truth;
         truth.closed = contour.closed;
         for (const auto& p : contour.points_m) truth.points_m.push_back(p / station.beta);

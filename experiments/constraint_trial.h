@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "common/runtime/run_record.h"
+#include "common/recording/run_record.h"
 #include "master/station.h"
 
 namespace telekerf::experiments {
@@ -14,7 +14,7 @@ struct TrialSettings {
   master::StationSettings station;
   double duration_s = 20.0;
   /// Changes of the form while it runs, by time since the hand was guided.
-  std::function<std::optional<master::ConstraintForm>(double)> form;
+  std::function<std::optional<master::ConstraintMode>(double)> form;
 };
 
 struct Trial {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/contour_experiment.h"
+#include "experiments/contour_experiment.h"
 
 #include <fmt/format.h>
 
@@ -13,15 +13,15 @@
 #include <random>
 
 #include "common/geometry/cutting_order.h"
-#include "common/runtime/refusal.h"
+#include "common/reporting/plot.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
+#include "common/runtime/startup_error.h"
 #include "common/vision/load.h"
+#include "experiments/contour_run.h"
+#include "experiments/independent_baselines.h"
 #include "slave/laser/material.h"
-#include "tests/experiments/contour_run.h"
-#include "tests/experiments/independent_rivals.h"
-#include "tests/experiments/plot.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -132,7 +132,7 @@ Source contour_of(const std::string& image, const Options& options, const robot:
                  : vision::load_contours(file, request);
   };
   const auto found = load();
-  if (!found) throw Refusal(drawn ? fmt::format("{}: {}", file, found.error()) : found.error());
+  if (!found) throw StartupError(drawn ? fmt::format("{}: {}", file, found.error()) : found.error());
   const auto wanted = [&](const vision::Loaded& loaded) {
     return std::find_if(loaded.contours.begin(), loaded.contours.end(),
                         [&](const geometry::Polyline& c) { return c.closed == closed; });
@@ -199,7 +199,7 @@ void put_beside(const cv::Mat& picture, const std::filesystem::path& png) {
   cv::putText(all, "source picture", {20, (panels.rows - side) / 2 - 12}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
               cv::Scalar::all(40), 1, cv::LINE_AA);
   panels.copyTo(all(cv::Rect(side + 40, 0, panels.cols, panels.rows)));
-  if (!cv::imwrite(png.string(), all)) throw Refusal(fmt::format("{}: cannot be written", png.string()));
+  if (!cv::imwrite(png.string(), all)) throw StartupError(fmt::format("{}: cannot be written", png.string()));
 }
 
 struct Named {
@@ -278,7 +278,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
   const Source source = contour_of(image, options, model, experiment.closed);
   const geometry::Polyline& contour = source.contour;
   const auto plan = slave::make_plan(contour, settings.plan);
-  if (!plan) throw Refusal(fmt::format("{}: {}", image, plan.error()));
+  if (!plan) throw StartupError(fmt::format("{}: {}", image, plan.error()));
   const ContourRun run = run_contour(*plan, contour, settings);
   make_folder("--out", out);
   ordered_json result{{"experiment", experiment.name},
@@ -322,7 +322,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
       const ContourRunSettings s = run_settings(faster, model);
       if (s.plan.speed_m_per_s > s.plan.max_speed_m_per_s) break;
       const auto p = slave::make_plan(contour, s.plan);
-      if (!p) throw Refusal(p.error());
+      if (!p) throw StartupError(p.error());
       const auto m = measure(run_contour(*p, contour, s), s);
       rms.x.push_back(speed);
       max.x.push_back(speed);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/experiments/commands.h"
+#include "experiments/commands.h"
 
 namespace telekerf::experiments {
 

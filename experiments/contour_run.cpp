@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/contour_run.h"
+#include "experiments/contour_run.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "common/robot/simulated_robot.h"
-#include "common/runtime/refusal.h"
-#include "slave/automatic/tool_trace.h"
+#include "common/robot/drivers/simulated_robot.h"
+#include "common/runtime/startup_error.h"
+#include "slave/machining/tool_trace.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -36,16 +36,16 @@ robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunS
   return model;
 }
 
-ContourRun run_contour(const slave::Plan& plan, const geometry::Polyline& contour,
+ContourRun run_contour(const slave::TimedPath& plan, const geometry::Polyline& contour,
                        const ContourRunSettings& settings) {
   robot::RobotModel nominal = robot::load_robot(settings.robot);
   if (settings.ideal) nominal = true_robot(nominal, settings);
-  const slave::Track& track = plan.track;
+  const slave::Trajectory& track = plan.track;
   for (std::size_t i = 0; i < track.size(); i += 16) {
     const Vec3 p = track[i].position_m;
     if (p.head<2>().norm() > nominal.workspace.radius_m ||
         std::abs(p.z()) > 0.5 * nominal.workspace.height_m) {
-      throw Refusal(fmt::format(
+      throw StartupError(fmt::format(
           "the path reaches ({:.1f}, {:.1f}, {:.1f}) mm, outside the workspace of {} "
           "({:.1f} mm about the centre, {:.1f} mm up and down); use a smaller --width-mm or --radius-mm",
           p.x() * 1e3, p.y() * 1e3, p.z() * 1e3, nominal.name, nominal.workspace.radius_m * 1e3,
@@ -55,9 +55,9 @@ ContourRun run_contour(const slave::Plan& plan, const geometry::Polyline& contou
   const bool closed = plan.path.closed();
   robot::SimulatedRobot robot(true_robot(nominal, settings), settings.seed + 1000,
                               nominal.in_base(track[0].position_m));
-  slave::Follower follower(nominal, slave::drive_settings(settings.controller, settings.follower),
-                           slave::make_controller(settings.controller, closed, settings.follower),
-                           slave::model_use(settings.controller, settings.follower));
+  slave::PathFollower follower(nominal, slave::drive_settings(settings.controller, settings.follower),
+                               slave::make_controller(settings.controller, closed, settings.follower),
+                               slave::model_use(settings.controller, settings.follower));
   follower.reset(robot.read().joints_m);
 
   ContourRun run;
@@ -91,13 +91,14 @@ ContourRun run_contour(const slave::Plan& plan, const geometry::Polyline& contou
     robot.write(currents);
     robot.advance(plan.period_s);
   }
-  if (robot.broken()) throw Refusal("the robot left the poses that it can take: the controller is unstable");
+  if (robot.broken())
+    throw StartupError("the robot left the poses that it can take: the controller is unstable");
   run.time_s = static_cast<double>(track.size()) * plan.period_s;
   return run;
 }
 
 nlohmann::ordered_json measure(const ContourRun& run, const ContourRunSettings& settings) {
-  const slave::Plan& plan = *run.pass.plan;
+  const slave::TimedPath& plan = *run.pass.plan;
   nlohmann::ordered_json out = slave::measure({&run.pass, 1}, settings.plan.speed_m_per_s);
   out["limit_violations"] = run.limit_violations;
   out["time_s"] = run.time_s;

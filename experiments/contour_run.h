@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "common/robot/robot_model.h"
-#include "slave/automatic/follower.h"
-#include "slave/automatic/pass.h"
+#include "slave/machining/contour_pass.h"
+#include "slave/machining/path_follower.h"
 
 namespace telekerf::experiments {
 
 struct ContourRunSettings {
-  slave::PlanSettings plan;
-  slave::FollowerSettings follower;
+  slave::TimedPathSettings plan;
+  slave::PathFollowerSettings follower;
   slave::ControllerKind controller = slave::ControllerKind::kAuto;
   std::string robot = "slave-keops";
   /// true: no friction, no mismatch, ideal sensors; false: all of them, and Hall sensors.
@@ -27,8 +27,8 @@ struct ContourRunSettings {
 };
 
 struct ContourRun {
-  slave::Pass pass;     ///< refers to the plan and the contour that it was given
-  double time_s = 0.0;  ///< run-up, contour, run-out
+  slave::ContourPass pass;  ///< refers to the plan and the contour that it was given
+  double time_s = 0.0;      ///< run-up, contour, run-out
   int limit_violations =
       0;  ///< ticks with a motor, the speed or the acceleration at its limit, or off stroke
 };
@@ -36,8 +36,8 @@ struct ContourRun {
 /// The plant of a run: the robot of the file made worse, or made ideal.
 robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunSettings& settings);
 
-/// Runs a plan. Throws Refusal if the path leaves the workspace.
-ContourRun run_contour(const slave::Plan& plan, const geometry::Polyline& contour,
+/// Runs a plan. Throws StartupError if the path leaves the workspace.
+ContourRun run_contour(const slave::TimedPath& plan, const geometry::Polyline& contour,
                        const ContourRunSettings& settings);
 
 /// The measures of one run against the extracted points (flat contours), names as in docs/machining.md.

@@ -11,13 +11,13 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/runtime/refusal.h"
+#include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
-#include "tests/experiments/commands.h"
-#include "tests/experiments/delay_ideal.h"
-#include "tests/experiments/delay_trial.h"
-#include "tests/experiments/plot.h"
+#include "common/runtime/startup_error.h"
+#include "experiments/commands.h"
+#include "experiments/delay_ideal.h"
+#include "experiments/delay_trial.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -135,7 +135,7 @@ Run one_run(const Options& options) {
                      std::max(0.0, options.jitter_ms), std::max(0.0, options.loss), options.seed);
   if (!options.netem.empty()) {
     if (options.rtt_ms >= 0.0 || options.jitter_ms >= 0.0 || options.loss >= 0.0) {
-      throw Refusal(
+      throw StartupError(
           "--netem says everything about the network: give either it or --rtt-ms, --jitter-ms, --loss");
     }
     run.profile = std::filesystem::path(options.netem).stem().string();

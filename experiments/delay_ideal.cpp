@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/delay_ideal.h"
+#include "experiments/delay_ideal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 namespace telekerf::experiments {
 namespace {
 
-using master::Motion;
+using master::KinematicState;
 
 class IdealLoop {
  public:
@@ -16,25 +16,25 @@ class IdealLoop {
         delay_(delay),
         period_s_(period_s),
         disturbance_(start.disturbance_m_per_s2) {
-    Motion first;
+    KinematicState first;
     first.position_m.x() = start.position_m;
     first.velocity_m_per_s.x() = start.velocity_m_per_s;
     truth_.push_back(first);
-    observer_.begin(0, Motion{});
+    observer_.begin(0, KinematicState{});
   }
   /// Predicted for the command of this very step.
-  Motion predicted() {
+  KinematicState predicted() {
     const auto k = static_cast<std::int64_t>(truth_.size()) - 1;
     if (k >= delay_) {
-      const Motion& then = truth_[static_cast<std::size_t>(k - delay_)];
+      const KinematicState& then = truth_[static_cast<std::size_t>(k - delay_)];
       const master::SlaveSample sample{k - delay_, k, true, then.position_m, then.velocity_m_per_s};
       observer_.measured(std::span(&sample, 1));
     }
-    return observer_.prediction(Motion{});
+    return observer_.prediction(KinematicState{});
   }
   void apply(double u) {
-    observer_.sent(static_cast<std::int64_t>(truth_.size()) - 1, Motion{}, Vec3(u, 0, 0));
-    Motion now = truth_.back();
+    observer_.sent(static_cast<std::int64_t>(truth_.size()) - 1, KinematicState{}, Vec3(u, 0, 0));
+    KinematicState now = truth_.back();
     now.acceleration_m_per_s2 = Vec3(u + disturbance_, 0, 0);
     truth_.push_back(master::advanced(now, period_s_));
   }
@@ -45,7 +45,7 @@ class IdealLoop {
   int delay_;
   double period_s_;
   double disturbance_;
-  std::vector<Motion> truth_;
+  std::vector<KinematicState> truth_;
 };
 
 }  // namespace
@@ -71,7 +71,7 @@ bool law_is_stable(master::Estimator estimator, double w_rad_s, double delay_s) 
   double early = 0.0;
   double late = 0.0;
   for (int i = 0; i < steps; ++i) {
-    const Motion seen = loop.predicted();
+    const KinematicState seen = loop.predicted();
     loop.apply(-2.0 * w_rad_s * seen.velocity_m_per_s.x() - w_rad_s * w_rad_s * seen.position_m.x());
     const double size = std::abs(loop.position_m());
     if (!(size < 1e6)) return false;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/delay_trial.h"
+#include "experiments/delay_trial.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "common/runtime/spread.h"
+#include "common/runtime/error_statistics.h"
+#include "experiments/simulation/simulation.h"
+#include "experiments/simulation/virtual_link.h"
 #include "slave/station.h"
-#include "tests/lap/virtual_lap.h"
-#include "tests/lap/virtual_link.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -16,8 +16,8 @@ namespace {
 constexpr std::int64_t kTickNs = 1'000'000;
 constexpr std::uint32_t kEpoch = 1;
 
-Spread between(const std::vector<double>& errors, double from, double to) {
-  Spread spread;
+ErrorStatistics between(const std::vector<double>& errors, double from, double to) {
+  ErrorStatistics spread;
   const auto size = static_cast<double>(errors.size());
   for (auto i = static_cast<std::size_t>(from * size); i < static_cast<std::size_t>(to * size); ++i) {
     if (std::isfinite(errors[i])) spread.add(errors[i]);
@@ -155,8 +155,8 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     error.pop_back();
     prediction.pop_back();
   }
-  const Spread tracking = between(error, 0.5, 1.0);
-  const Spread predictions = between(prediction, 0.5, 1.0);
+  const ErrorStatistics tracking = between(error, 0.5, 1.0);
+  const ErrorStatistics predictions = between(prediction, 0.5, 1.0);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   result.tracking_rmse_um = tracking.count == 0 ? kNone : tracking.rms() * 1e6;
   result.tracking_max_um = tracking.count == 0 ? kNone : tracking.max * 1e6;

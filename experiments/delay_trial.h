@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 #include "master/command_stream.h"
 #include "master/station.h"
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 
 namespace telekerf::experiments {
 
@@ -17,11 +17,11 @@ namespace telekerf::experiments {
 struct HandRecord {
   double beta = 0.5;
   ContourMessage contour;
-  std::vector<master::Motion> tool;  ///< as measured, with the acceleration commanded
+  std::vector<master::KinematicState> tool;  ///< as measured, with the acceleration commanded
   std::vector<Vec3> true_tool_m;
 };
 
-/// Guides the simulated hand round `image` for `duration_s`. Throws Refusal.
+/// Guides the simulated hand round `image` for `duration_s`. Throws StartupError.
 HandRecord record_hand(const std::string& image, double duration_s, std::uint64_t seed);
 
 struct DelayTrial {
@@ -51,7 +51,7 @@ struct DelayResult {
   std::vector<double> prediction_error_m;
 };
 
-/// The master's side of the trial; throws Refusal if its law, estimator and codec do not go together.
+/// The master's side of the trial; throws StartupError if its law, estimator and codec do not go together.
 master::StationSettings master_settings(const DelayTrial& trial);
 
 DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/independent_rivals.h"
+#include "experiments/independent_baselines.h"
 
 #include <array>
 #include <cmath>
@@ -26,7 +26,7 @@ const char* name_of(slave::ModelUse use) {
   return "unknown";
 }
 
-ordered_json side_by_side(const slave::Plan& plan, const geometry::Polyline& contour,
+ordered_json side_by_side(const slave::TimedPath& plan, const geometry::Polyline& contour,
                           const ContourRunSettings& settings, const ContourRunSettings& independent) {
   const auto ours = measure(run_contour(plan, contour, settings), settings);
   const auto theirs = measure(run_contour(plan, contour, independent), independent);
@@ -50,7 +50,7 @@ ContourRunSettings independent(ContourRunSettings settings, slave::ModelUse mode
 }
 
 /// True positions of a joint of unit mass after one wrong reading of 1 m, until the loop has come to rest.
-std::vector<double> answer_to_a_reading(double law_rad_s, const slave::FollowerSettings& s) {
+std::vector<double> answer_to_a_reading(double law_rad_s, const slave::PathFollowerSettings& s) {
   constexpr double kSeconds = 2.0;
   const double dt = 1.0 / s.control_hz;
   control::DisturbanceObserver observer({.period_s = dt,
@@ -75,7 +75,7 @@ std::vector<double> answer_to_a_reading(double law_rad_s, const slave::FollowerS
 
 }  // namespace
 
-double closed_loop_hz(double law_rad_s, const slave::FollowerSettings& settings) {
+double closed_loop_hz(double law_rad_s, const slave::PathFollowerSettings& settings) {
   const std::vector<double> answer = answer_to_a_reading(law_rad_s, settings);
   const auto gain = [&](double hz) {
     const std::complex<double> step = std::polar(1.0, -2.0 * std::numbers::pi * hz / settings.control_hz);
@@ -117,7 +117,7 @@ double normal_error_ratio(const ordered_json& ours, const ordered_json& theirs) 
   return ours["normal_error_um"]["rms"].get<double>() / theirs["normal_error_um"]["rms"].get<double>();
 }
 
-ordered_json equal_terms(const slave::Plan& plan, const geometry::Polyline& contour,
+ordered_json equal_terms(const slave::TimedPath& plan, const geometry::Polyline& contour,
                          const ContourRunSettings& used) {
   ordered_json out;
   for (const auto model : {slave::ModelUse::kNone, slave::ModelUse::kWhole}) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-experiment kinematics in a build without MuJoCo: says what is missing.
-#include "common/runtime/refusal.h"
-#include "tests/experiments/commands.h"
+#include "common/runtime/startup_error.h"
+#include "experiments/commands.h"
 
 namespace telekerf::experiments {
 
@@ -10,7 +10,7 @@ void add_kinematics_command(CLI::App& app, Action& action) {
   command->allow_extras();
   command->callback([&action] {
     action = []() -> int {
-      throw Refusal(
+      throw StartupError(
           "this build has no MuJoCo: install libmujoco-dev (./telekerf setup does) and build again");
     };
   });

@@ -8,11 +8,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/runtime/refusal.h"
+#include "common/reporting/plot.h"
 #include "common/runtime/results.h"
-#include "tests/experiments/commands.h"
-#include "tests/experiments/kinematics_validation.h"
-#include "tests/experiments/plot.h"
+#include "common/runtime/startup_error.h"
+#include "experiments/commands.h"
+#include "experiments/kinematics_validation.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -28,7 +28,7 @@ constexpr double kPositionBar_m = 1e-6;
 constexpr double kVelocityBar = 1e-3;
 constexpr double kDynamicsBar = 1e-2;
 
-using Pick = robot::Vec3 KinematicsSample::*;
+using Pick = Vec3 KinematicsSample::*;
 
 Panel panel(const KinematicsValidation& run, std::string title, std::string y_label, int axis, Pick measured,
             Pick calculated) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/kinematics_mujoco.h"
+#include "experiments/kinematics_mujoco.h"
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -9,7 +9,7 @@
 #include <cstring>
 #include <string>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -71,7 +71,7 @@ mjModel* compile(const std::string& xml) {
   char error[500] = "";
   mjModel* model = mj_loadXML("delta.xml", files.get(), error, sizeof(error));
   mj_deleteVFS(files.get());
-  if (model == nullptr) throw Refusal(fmt::format("MuJoCo refuses the model: {}", error));
+  if (model == nullptr) throw StartupError(fmt::format("MuJoCo refuses the model: {}", error));
   return model;
 }
 

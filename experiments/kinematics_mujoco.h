@@ -12,8 +12,6 @@
 
 namespace telekerf::experiments {
 
-using robot::Vec3;
-
 class MujocoDelta {
  public:
   /// At rest with the carriages at `joints_m` and the tool at `tool_in_base_m`, which need not fit: see

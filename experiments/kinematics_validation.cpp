@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/kinematics_validation.h"
+#include "experiments/kinematics_validation.h"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "common/robot/simulated_robot.h"
-#include "common/runtime/refusal.h"
-#include "tests/experiments/kinematics_mujoco.h"
+#include "common/robot/drivers/simulated_robot.h"
+#include "common/runtime/startup_error.h"
+#include "experiments/kinematics_mujoco.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -23,7 +23,8 @@ constexpr int kStepsPerSample = 20;
 
 template <typename T>
 T value(const tl::expected<T, robot::KinematicsError>& result) {
-  if (!result) throw Refusal("the motion left what the robot can do: " + robot::describe(result.error()));
+  if (!result)
+    throw StartupError("the motion left what the robot can do: " + robot::describe(result.error()));
   return *result;
 }
 

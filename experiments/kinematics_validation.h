@@ -11,13 +11,13 @@ namespace telekerf::experiments {
 /// One sample of the run: what MuJoCo did ("measured") and what the kinematics make of it ("calculated").
 struct KinematicsSample {
   double time_s = 0;
-  robot::Vec3 reference_m = robot::Vec3::Zero();  ///< where the driving force wants the tool
-  robot::Vec3 tool_m = robot::Vec3::Zero();       ///< measured
-  robot::Vec3 tool_calculated_m = robot::Vec3::Zero();
-  robot::Vec3 joints_m = robot::Vec3::Zero();  ///< measured
-  robot::Vec3 joints_calculated_m = robot::Vec3::Zero();
-  robot::Vec3 velocity_m_per_s = robot::Vec3::Zero();  ///< of the tool, measured
-  robot::Vec3 velocity_calculated_m_per_s = robot::Vec3::Zero();
+  Vec3 reference_m = Vec3::Zero();  ///< where the driving force wants the tool
+  Vec3 tool_m = Vec3::Zero();       ///< measured
+  Vec3 tool_calculated_m = Vec3::Zero();
+  Vec3 joints_m = Vec3::Zero();  ///< measured
+  Vec3 joints_calculated_m = Vec3::Zero();
+  Vec3 velocity_m_per_s = Vec3::Zero();  ///< of the tool, measured
+  Vec3 velocity_calculated_m_per_s = Vec3::Zero();
 };
 
 struct KinematicsValidation {
@@ -30,7 +30,7 @@ struct KinematicsValidation {
 };
 
 /// Drives the tool through steps of `step_m` in x, y and z and back, half a second each, by a force on the
-/// tool alone; carriages run free, as in the thesis. Throws Refusal if the kinematics fail on the way.
+/// tool alone; carriages run free, as in the thesis. Throws StartupError if the kinematics fail on the way.
 KinematicsValidation validate_kinematics(const robot::RobotModel& robot, double step_m = 0.005);
 
 struct DynamicsValidation {

@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/inspect/run_report.h"
-#include "common/runtime/refusal.h"
+#include "common/reporting/run_report.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
-#include "tests/experiments/commands.h"
-#include "tests/lap/virtual_lap.h"
+#include "common/runtime/startup_error.h"
+#include "experiments/commands.h"
+#include "experiments/simulation/simulation.h"
 
 namespace telekerf::experiments {
 namespace {

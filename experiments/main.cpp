@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-experiment: the experiments, in virtual time.
-#include "tests/experiments/commands.h"
+#include "experiments/commands.h"
 
 int main(int argc, char** argv) {
   CLI::App app("Experiments in virtual time", "telekerf-experiment");

@@ -9,12 +9,12 @@
 #include <memory>
 #include <numbers>
 
-#include "common/runtime/refusal.h"
+#include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
-#include "tests/experiments/commands.h"
-#include "tests/experiments/contour_run.h"
-#include "tests/experiments/plot.h"
+#include "common/runtime/startup_error.h"
+#include "experiments/commands.h"
+#include "experiments/contour_run.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -69,7 +69,7 @@ nlohmann::ordered_json spread(const ContourRun& run, int axis) {
 int run(Options& options) {
   options.settings.fill();
   if (options.radius_mm > 0.95 * options.curvature_mm) {
-    throw Refusal(fmt::format(
+    throw StartupError(fmt::format(
         "radius_mm = {:g}: must be at most {:g}, 95 % of curvature_mm, where a sphere is still not steep",
         options.radius_mm, 0.95 * options.curvature_mm));
   }
@@ -81,7 +81,7 @@ int run(Options& options) {
   settings.seed = options.seed;
   const geometry::Polyline flat_contour = clover(options.radius_mm * 1e-3);
   const auto flat = slave::Path::through(flat_contour, slave::path_settings(settings.plan));
-  if (!flat) throw Refusal(flat.error());
+  if (!flat) throw StartupError(flat.error());
 
   nlohmann::ordered_json result{{"experiment", "space-contour"}, {"speed_mm_s", options.speed_mm_s}};
   Figure figure{.title = fmt::format("contours on curved workpieces at {:g} mm/s", options.speed_mm_s),
@@ -93,9 +93,9 @@ int run(Options& options) {
     auto path = slave::wrapped(*flat, [&](const Vec2& p) {
       return name == "saddle" ? saddle(p, radius_m) : sphere_cap(p, radius_m);
     });
-    if (!path) throw Refusal(path.error());
+    if (!path) throw StartupError(path.error());
     const auto plan = slave::make_plan(std::move(*path), settings.plan);
-    if (!plan) throw Refusal(plan.error());
+    if (!plan) throw StartupError(plan.error());
     const ContourRun run = run_contour(*plan, flat_contour, settings);
     double low = 0.0, high = 0.0;
     Line across{"normal", {}, {}}, up{"binormal", {}, {}}, height{"", {}, {}};

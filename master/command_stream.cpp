@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/bus/rounded.h"
+#include "common/protocol/wire_precision.h"
 
 namespace telekerf::master {
 namespace {
@@ -16,7 +16,7 @@ constexpr double kLetGoS = 0.2;
 /// Further from the goal than this, the slave is approached anew instead of pulled with all force.
 constexpr double kLostM = 2e-3;
 
-Motion scaled(const Motion& motion, double factor) {
+KinematicState scaled(const KinematicState& motion, double factor) {
   return {factor * motion.position_m, factor * motion.velocity_m_per_s,
           factor * motion.acceleration_m_per_s2};
 }
@@ -119,7 +119,7 @@ double CommandStream::bandwidth() const noexcept {
   return std::min(settings_.tracking_rad_s, w);
 }
 
-Vec3 CommandStream::command(const Motion& goal) const noexcept {
+Vec3 CommandStream::command(const KinematicState& goal) const noexcept {
   // Eq. 96 in operational space and with eq. 79's scaling corrected: eps = beta x_m - x_s.
   const double w = bandwidth();
   Vec3 u = goal.acceleration_m_per_s2 + 2.0 * w * (goal.velocity_m_per_s - observed_.slave.velocity_m_per_s) +
@@ -143,7 +143,7 @@ void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) 
   const bool rescaled = master.beta != beta_;
   beta_ = master.beta;
   if (rescaled) engaged_before_ = 0;
-  const Motion source = scaled(master.tool, beta_);
+  const KinematicState source = scaled(master.tool, beta_);
   if (settings_.law == Law::kLocal) {
     if (master.engaged && !engaged_) observer_.begin(index, source);
     engaged_ = master.engaged;
@@ -158,11 +158,11 @@ void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) 
   const bool follow = master.engaged && slave_at_m_.has_value() && index >= resume_index_;
   if (!follow) {
     // The slave rests; so does the model, where the slave was last seen.
-    model_ = Motion{.position_m = slave_at_m_.value_or(source.position_m)};
+    model_ = KinematicState{.position_m = slave_at_m_.value_or(source.position_m)};
     observer_.begin(index, model_);
   } else if (!engaged_) {
-    model_ = Motion{.position_m = *slave_at_m_ + settings_.wrong_position_m,
-                    .velocity_m_per_s = settings_.wrong_velocity_m_per_s};
+    model_ = KinematicState{.position_m = *slave_at_m_ + settings_.wrong_position_m,
+                            .velocity_m_per_s = settings_.wrong_velocity_m_per_s};
     observer_.begin(index, model_);
     engaged_index_ = index;
     unheeded_ = 0;
@@ -174,7 +174,7 @@ void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) 
   }
   engaged_ = follow;
   model_.position_m += observer_.take_correction();
-  const Motion carried = settings_.law == Law::kAnchored ? model_ : observer_.prediction(model_);
+  const KinematicState carried = settings_.law == Law::kAnchored ? model_ : observer_.prediction(model_);
   anchor_ = rounded(Anchor{carried.position_m, carried.velocity_m_per_s});
   if (settings_.law == Law::kAnchored) {
     model_.position_m = anchor_.position_m;
@@ -193,7 +193,7 @@ std::optional<CommandBlock> CommandStream::step(std::int64_t now_ns, Tick tick,
   const auto index = static_cast<std::int64_t>(tick / static_cast<Tick>(settings_.ticks_per_sample));
   if (filled_ == 0) begin_block(index, master);
 
-  const Motion source = scaled(master.tool, beta_);
+  const KinematicState source = scaled(master.tool, beta_);
   Vec3 u = Vec3::Zero();
   if (settings_.law == Law::kLocal) {
     model_ = source;
@@ -205,7 +205,7 @@ std::optional<CommandBlock> CommandStream::step(std::int64_t now_ns, Tick tick,
     observed_.slave = observer_.prediction(model_);
     observed_.joined = false;
     if (engaged_) {
-      Motion goal = approach_.join(source, seated_ ? 0.0 : period_s_);
+      KinematicState goal = approach_.join(source, seated_ ? 0.0 : period_s_);
       seated_ = false;
       if (!((goal.position_m - observed_.slave.position_m).norm() < kLostM)) {
         approach_.rejoin(observed_.slave, source);

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "common/bus/messages.h"
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
-#include "common/control/joiner.h"
+#include "common/control/bumpless_transfer.h"
+#include "common/protocol/messages.h"
 #include "master/observer/network_observer.h"
 
 namespace telekerf::master {
@@ -24,12 +24,12 @@ struct CommandStreamSettings {
   double max_acceleration_m_per_s2 = 10.0;  ///< of a command; what is stored is what was clipped
   Vec3 wrong_position_m = Vec3::Zero();     ///< by which the first idea of the slave is wrong, for trials
   Vec3 wrong_velocity_m_per_s = Vec3::Zero();
-  control::JoinerSettings approach{.rate_rad_s = 20.0, .max_acceleration_m_per_s2 = 1.0};
+  control::BumplessTransferSettings approach{.rate_rad_s = 20.0, .max_acceleration_m_per_s2 = 1.0};
 };
 
 /// The master's tool, its own workpiece frame; the acceleration is the one commanded to it.
 struct MasterMotion {
-  Motion tool;
+  KinematicState tool;
   double beta = 1.0;
   std::uint32_t contour_id = 0;
   bool button = false;
@@ -38,7 +38,7 @@ struct MasterMotion {
 
 /// What the observer thinks; published for console, recorder and plots. Workpiece frame of the slave.
 struct Observed {
-  Motion slave;  ///< predicted for the tick at which the command made now acts
+  KinematicState slave;  ///< predicted for the tick at which the command made now acts
   Vec3 disturbance_m_per_s2 = Vec3::Zero();
   Vec3 innovation_m = Vec3::Zero();
   double delay_s = 0.0;
@@ -54,7 +54,7 @@ class CommandStream {
   std::optional<CommandBlock> step(std::int64_t now_ns, Tick tick, const MasterMotion& master) noexcept;
 
   /// Another codec, block length or redundancy, from where the next block begins; the rate stays. Throws
-  /// Refusal.
+  /// StartupError.
   void change(const codec::StreamSettings& codec);
 
   const Observed& observed() const noexcept { return observed_; }
@@ -62,7 +62,7 @@ class CommandStream {
  private:
   void begin_block(std::int64_t index, const MasterMotion& master) noexcept;
   double bandwidth() const noexcept;
-  Vec3 command(const Motion& goal) const noexcept;
+  Vec3 command(const KinematicState& goal) const noexcept;
   std::optional<CommandBlock> finish_block(std::int64_t now_ns, const MasterMotion& master) noexcept;
 
   CommandStreamSettings settings_;
@@ -85,10 +85,10 @@ class CommandStream {
   std::uint8_t engaged_before_ = 0;  ///< bit n: so was the block n + 1 back, at this beta
   double beta_ = 1.0;
 
-  Motion model_;        ///< the commands' integral: the reference of a slave that follows the anchors
-  Motion block_model_;  ///< where the block began
-  Motion commanded_;    ///< prediction with the command that acts on it, for the ticks between samples
-  control::ReferenceJoiner approach_;
+  KinematicState model_;        ///< the commands' integral: the reference of a slave that follows the anchors
+  KinematicState block_model_;  ///< where the block began
+  KinematicState commanded_;  ///< prediction with the command that acts on it, for the ticks between samples
+  control::BumplessTransfer approach_;
   bool seated_ = false;  ///< the approach was seated at this very sample
 
   // The slave's side as its states tell it.

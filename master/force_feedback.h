@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "common/bus/messages.h"
 #include "common/codec/decoder.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::master {
 

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "common/bus/bus_flags.h"
-#include "common/bus/contour_watch.h"
+#include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
-#include "common/bus/netem_switch.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/results.h"
 #include "master/station.h"
 #include "master/telemetry.h"
+#include "netem/drivers/netem_switch.h"
 
 namespace telekerf::master {
 namespace {
@@ -82,8 +82,8 @@ void announce(const std::stop_token& stop, const Progress& progress, double dura
   if (terminal) fmt::print("\r\033[K");
 }
 
-void record_run(const Flags& flags, const Station& station, const ContourWatch<Task>& contour, const Bus& bus,
-                const ReaderCounters& states, const LoopStatistics& loop) {
+void record_run(const Flags& flags, const Station& station, const ContourSubscriber<GuidedContour>& contour,
+                const Bus& bus, const ReaderCounters& states, const LoopStatistics& loop) {
   RunRecord record;
   const ContourMessage message = contour.message();
   for (const auto& point : message.points_m) record.contour_m.push_back({point.x(), point.y()});
@@ -103,7 +103,7 @@ int run(Flags& flags) {
   const BusSettings bus_settings = flags.bus.bus_settings(Site::kOperator, "master");
   flags.station.epoch = bus_settings.epoch;
   Station station(flags.station);
-  const robot::Machine& machine = station.machine();
+  const robot::RobotSupervisor& machine = station.machine();
   if (machine.plant() == nullptr) {
     fmt::print("master: {} is not simulated, so no hand is either: it feels a real one; button = {}{}\n",
                flags.station.machine.drive, flags.station.button,
@@ -118,13 +118,13 @@ int run(Flags& flags) {
   Writer<TelemetryMessage> telemetry(bus);
   std::atomic<double> wanted_beta{flags.station.beta};
   double beta = flags.station.beta;  // in force; only the watch's own thread needs it
-  ContourWatch<Task> contour(bus, [&](const ContourMessage& message) {
+  ContourSubscriber<GuidedContour> contour(bus, [&](const ContourMessage& message) {
     double wanted = wanted_beta.load();
     try {
       auto task = station.prepare(message, wanted);
       beta = task->guide.beta;
       return task;
-    } catch (const Refusal&) {
+    } catch (const StartupError&) {
       wanted_beta.compare_exchange_strong(wanted, beta);  // unless another has been asked for meanwhile
       throw;
     }
@@ -155,7 +155,7 @@ int run(Flags& flags) {
         contour.again();
       }
     }
-    Task* const task = contour.current();
+    GuidedContour* const task = contour.current();
     const MasterOutputs out = station.step(now_ns, task, engage, arrived_states, arrived_events);
     if (out.command) commands.write(*out.command);
     const bool engaged = out.mode == MasterMode::kEngaged;
@@ -174,9 +174,9 @@ int run(Flags& flags) {
   herald.request_stop();
   herald.join();
 
-  if (contour.refused()) throw Refusal(contour.refusal());
+  if (contour.refused()) throw StartupError(contour.refusal());
   if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !machine.lost()) {
-    throw Refusal(
+    throw StartupError(
         fmt::format("nobody to work with for {:.0f} s in cell '{}' of domain {}: are telekerf-vision and "
                     "telekerf-slave running there?",
                     flags.wait_s, bus_settings.cell, bus_settings.domain));
@@ -184,7 +184,7 @@ int run(Flags& flags) {
   if (!flags.record.empty() && contour.current() != nullptr) {
     record_run(flags, station, contour, bus, states.counters(), loop);
   }
-  if (machine.lost()) throw Refusal(machine.loss());
+  if (machine.lost()) throw StartupError(machine.loss());
   return 0;
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "master/reach.h"
+#include "master/constraint/reach.h"
 
 namespace telekerf::master {
 

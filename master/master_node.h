@@ -7,15 +7,15 @@
 #include <span>
 #include <vector>
 
-#include "common/bus/messages.h"
 #include "common/control/acceleration_control.h"
-#include "common/control/friction_lead.h"
+#include "common/control/friction_feedforward.h"
+#include "common/protocol/messages.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
+#include "common/streaming/link_statistics.h"
 #include "master/command_stream.h"
-#include "master/constraint.h"
+#include "master/constraint/constraint.h"
 #include "master/force_feedback.h"
-#include "master/link_meter.h"
 
 namespace telekerf::master {
 
@@ -33,10 +33,10 @@ struct MasterInputs {
   robot::JointReading joints;
   std::span<const Received<StateBlock>> states;  ///< since the last step, in order of arrival
   std::span<const EventMessage> events;
-  const Guide* guide = nullptr;        ///< null: no contour yet; must outlive its use
+  const GuidePath* guide = nullptr;    ///< null: no contour yet; must outlive its use
   bool button = false;                 ///< the pen's laser button
   bool engage = false;                 ///< the operator wants the slave to follow
-  std::optional<ConstraintForm> form;  ///< guidance or corridor from now on; none: as it is
+  std::optional<ConstraintMode> form;  ///< guidance or corridor from now on; none: as it is
 };
 
 enum class MasterMode : std::uint8_t {
@@ -72,7 +72,7 @@ class MasterNode {
   /// stands.
   void heed(std::span<const EventMessage> events) noexcept;
 
-  const LinkMeter& link() const noexcept { return link_; }
+  const LinkStatistics& link() const noexcept { return link_; }
   Tick tick() const noexcept { return tick_; }
   const Observed& observed() const noexcept { return stream_.observed(); }
   /// The slave's newest state block; meaningful once link().states() > 0.
@@ -92,7 +92,7 @@ class MasterNode {
   robot::DeltaKinematics kinematics_;
   MasterSettings settings_;
   control::AccelerationControl acceleration_;
-  control::FrictionLead friction_;
+  control::FrictionFeedforward friction_;
   robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
   double dt_s_;
   Tick tick_ = 0;
@@ -100,7 +100,7 @@ class MasterNode {
 
   MasterMode mode_ = MasterMode::kIdle;
   ConstraintController constraint_;
-  const Guide* guide_ = nullptr;
+  const GuidePath* guide_ = nullptr;
   Vec3 hold_m_ = Vec3::Zero();
   Vec3 approach_from_m_ = Vec3::Zero();
   Vec3 approach_to_m_ = Vec3::Zero();
@@ -109,7 +109,7 @@ class MasterNode {
 
   CommandStream stream_;
   ForceFeedback force_;
-  LinkMeter link_;
+  LinkStatistics link_;
   StateBlock slave_;
   std::int64_t slave_heard_ns_ = 0;
 };

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "common/bus/wire_cost.h"
-#include "common/runtime/refusal.h"
-#include "master/reach.h"
+#include "common/protocol/overhead.h"
+#include "common/runtime/startup_error.h"
+#include "master/constraint/reach.h"
 
 namespace telekerf::master {
 namespace {
@@ -79,8 +79,8 @@ StationSettings StationSettings::validated() const {
   if (curve == "descriptor") settings.node.constraint.curve = CurveKind::kDescriptor;
   const double ratio = node.control_hz / node.stream_hz;
   if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
-    throw Refusal(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
-                              node.control_hz, node.stream_hz));
+    throw StartupError(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
+                                   node.control_hz, node.stream_hz));
   }
   auto& command = settings.node.command;
   command.law = law_named(law);
@@ -97,7 +97,7 @@ StationSettings StationSettings::validated() const {
   return settings;
 }
 
-Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<HandInput> button)
+Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> button)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
       machine_(model_, settings_.machine, settings_.node.control_hz,
@@ -108,16 +108,17 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
-std::unique_ptr<Task> Station::prepare(const ContourMessage& contour, std::optional<double> beta) const {
+std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour,
+                                                std::optional<double> beta) const {
   const double scale = beta.value_or(settings_.beta);
   require_room(model_, contour.points_m, scale);
-  Guide guide = make_guide(contour, scale, settings_.node.constraint);
+  GuidePath guide = make_guide(contour, scale, settings_.node.constraint);
   require_reach(model_, guide, settings_.node.constraint.corridor_m);
-  SimulatedHand hand(guide.curve.line(), settings_.hand, settings_.seed);
-  return std::make_unique<Task>(Task{std::move(guide), std::move(hand)});
+  SimulatedOperator hand(guide.curve.line(), settings_.hand, settings_.seed);
+  return std::make_unique<GuidedContour>(GuidedContour{std::move(guide), std::move(hand)});
 }
 
-HandSample Station::hand(Task& task) noexcept {
+OperatorSample Station::hand(GuidedContour& task) noexcept {
   const auto tool_m = machine_.true_tool_m();
   const auto velocity = machine_.true_tool_velocity_m_per_s();
   if (!tool_m || !velocity) return {};
@@ -125,7 +126,7 @@ HandSample Station::hand(Task& task) noexcept {
   return task.hand.sample(now_s, *tool_m, *velocity, guided_);
 }
 
-MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
+MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engage,
                             std::span<const Received<StateBlock>> states,
                             std::span<const EventMessage> events) noexcept {
   const Tick tick = node_.tick();
@@ -144,7 +145,7 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
   inputs.engage = engage;
   inputs.form = form_;
   form_.reset();
-  HandSample hand;
+  OperatorSample hand;
   if (task != nullptr) {
     inputs.guide = &task->guide;
     hand = this->hand(*task);
@@ -171,11 +172,11 @@ MasterOutputs Station::step(std::int64_t now_ns, Task* task, bool engage,
 void Station::report(RunRecord& record) const {
   record.master = recorder_.rows();
   record.master_drive = {settings_.machine.drive, machine_.plant() != nullptr};
-  const LinkMeter& link = node_.link();
+  const LinkStatistics& link = node_.link();
   const auto& command = settings_.node.command.codec;
   const double run_s = static_cast<double>(node_.tick()) * control_period_s();
   const auto packets = static_cast<double>(link.packets());
-  Figures& f = record.master_figures;
+  Metrics& f = record.master_figures;
   f["beta"] = settings_.beta;
   f["seed"] = static_cast<double>(settings_.seed);
   f["rate_hz"] = settings_.node.control_hz;

@@ -8,13 +8,13 @@
 #include <span>
 #include <string>
 
-#include "common/bus/messages.h"
-#include "common/robot/machine.h"
-#include "common/runtime/run_record.h"
+#include "common/protocol/messages.h"
+#include "common/recording/run_record.h"
+#include "common/robot/supervisor.h"
 #include "common/runtime/settings.h"
 #include "master/master_node.h"
-#include "master/operator/hand.h"
-#include "master/operator/hand_input.h"
+#include "master/operator/operator_input.h"
+#include "master/operator/simulated_operator.h"
 
 namespace telekerf::master {
 
@@ -24,11 +24,11 @@ inline constexpr double kLargestBeta = 10.0;
 struct StationSettings {
   MasterSettings node;
   std::string robot = "master-horizontal";
-  robot::MachineSettings machine;
+  robot::RobotSupervisorSettings machine;
   std::string button = "hand";  ///< who holds the laser button, see hand_input.h
   double beta = 0.5;
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
-  HandSettings hand;
+  SimulatedOperatorSettings hand;
   double hand_speed_mm_s = 20.0;  ///< what a user sets of it
   std::string curve = "circles";  ///< circles, lines or descriptor
   double corridor_mm = 0.0;       ///< half width in which the hand is free; 0: guidance
@@ -39,36 +39,37 @@ struct StationSettings {
   std::uint32_t epoch = 1;
   double record_s = 120.0;  ///< length of the record kept
   void declare(Settings& settings);
-  /// The settings, or a Refusal that names what does not fit.
+  /// The settings, or a StartupError that names what does not fit.
   StationSettings validated() const;
 };
 
 /// A contour made ready for the loop: what the constraint and the hand need of it.
-struct Task {
-  Guide guide;
-  SimulatedHand hand;
+struct GuidedContour {
+  GuidePath guide;
+  SimulatedOperator hand;
 };
 
 class Station {
  public:
-  /// `drive`, `button`: others than those that the settings name. Throws Refusal.
+  /// `drive`, `button`: others than those that the settings name. Throws StartupError.
   explicit Station(const StationSettings& settings, robot::Drive drive = {},
-                   std::unique_ptr<HandInput> button = {});
+                   std::unique_ptr<OperatorInput> button = {});
 
-  /// Allocates: call it outside the loop. `beta`: another one than the settings'. Throws Refusal if the robot
-  /// cannot take the scaled contour.
-  std::unique_ptr<Task> prepare(const ContourMessage& contour, std::optional<double> beta = {}) const;
+  /// Allocates: call it outside the loop. `beta`: another one than the settings'. Throws StartupError if the
+  /// robot cannot take the scaled contour.
+  std::unique_ptr<GuidedContour> prepare(const ContourMessage& contour,
+                                         std::optional<double> beta = {}) const;
 
   /// One control step: read, decide, write, and let a simulated plant move. `task` may be null.
-  MasterOutputs step(std::int64_t now_ns, Task* task, bool engage,
+  MasterOutputs step(std::int64_t now_ns, GuidedContour* task, bool engage,
                      std::span<const Received<StateBlock>> states,
                      std::span<const EventMessage> events) noexcept;
 
   /// Guidance or corridor from the next step on.
-  void choose(const ConstraintForm& form) noexcept { form_ = form; }
+  void choose(const ConstraintMode& form) noexcept { form_ = form; }
 
   const MasterNode& node() const { return node_; }
-  const robot::Machine& machine() const { return machine_; }
+  const robot::RobotSupervisor& machine() const { return machine_; }
   /// After the last step: leaves the robot without current.
   void release() noexcept { machine_.release(); }
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
@@ -77,16 +78,16 @@ class Station {
 
  private:
   /// Simulated on a simulated robot; a real hand is felt by the robot alone.
-  HandSample hand(Task& task) noexcept;
+  OperatorSample hand(GuidedContour& task) noexcept;
 
   StationSettings settings_;
   robot::RobotModel model_;
-  robot::Machine machine_;
-  std::unique_ptr<HandInput> button_;  ///< null: the simulated hand's
+  robot::RobotSupervisor machine_;
+  std::unique_ptr<OperatorInput> button_;  ///< null: the simulated hand's
   MasterNode node_;
   Recorder<MasterRow> recorder_;
   bool guided_ = false;
-  std::optional<ConstraintForm> form_;
+  std::optional<ConstraintMode> form_;
 };
 
 }  // namespace telekerf::master

@@ -8,7 +8,7 @@ MasterValues master_values(const MasterOutputs& out, double beta, const ClockEst
   const geometry::CircleOrLine& shape = piece.shape;
   const Vec2 centre = shape.is_line ? shape.point_m : shape.centre_m;
   const Vec2 tangent = shape.tangent(piece.point_m);
-  const Motion& slave = out.observed.slave;
+  const KinematicState& slave = out.observed.slave;
   return {static_cast<double>(out.mode),
           out.tool_m.x(),
           out.tool_m.y(),

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 #include "master/master_node.h"
 
 namespace telekerf::master {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/runtime/program.h"
-#include "netem/random.h"
+#include "netem/core/random.h"
 
 namespace telekerf::netem {
 
@@ -18,7 +18,8 @@ inline void add_direction(CLI::App& command, Direction& direction) {
     }
     direction = word == "forward" ? Direction::kForward : Direction::kBackward;
   };
-  command.add_option_function<std::string>("--direction", read, "forward (operator to slave, default) or backward");
+  command.add_option_function<std::string>("--direction", read,
+                                           "forward (operator to slave, default) or backward");
 }
 
 void add_link_command(CLI::App& app, Action& action);

@@ -6,9 +6,9 @@
 
 #include "common/runtime/resources.h"
 #include "netem/commands.h"
-#include "netem/law.h"
-#include "netem/loss.h"
-#include "netem/profile.h"
+#include "netem/core/law.h"
+#include "netem/core/loss.h"
+#include "netem/core/profile.h"
 
 namespace telekerf::netem {
 namespace {

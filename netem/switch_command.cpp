@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "common/bus/bus_flags.h"
-#include "common/bus/tell.h"
+#include "common/bus/send_event.h"
 #include "netem/commands.h"
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 
 namespace telekerf::netem {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <memory>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "netem/commands.h"
-#include "netem/tc.h"
+#include "netem/drivers/tc.h"
 
 namespace telekerf::netem {
 namespace {
@@ -22,8 +22,9 @@ int run(const Options& options) {
   constexpr std::size_t kLongest = 15;  // the kernel's limit
   if (options.device.empty() || options.device.size() > kLongest ||
       options.device.find_first_not_of(kPlain) != std::string::npos) {
-    throw Refusal(fmt::format("--dev '{}' is no network device name: 1 to {} letters, digits, '.', '_', '-' or '@'",
-                              options.device, kLongest));
+    throw StartupError(
+        fmt::format("--dev '{}' is no network device name: 1 to {} letters, digits, '.', '_', '-' or '@'",
+                    options.device, kLongest));
   }
   const Profile profile = load_profile(options.profile);
   const bool forward = options.direction == Direction::kForward;

@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <memory>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "netem/commands.h"
-#include "netem/emulator.h"
-#include "netem/link.h"
-#include "netem/trace.h"
+#include "netem/core/emulator.h"
+#include "netem/core/trace.h"
+#include "netem/drivers/tun_link.h"
 
 namespace telekerf::netem {
 namespace {
@@ -28,8 +28,8 @@ struct TraceOptions {
 RecordedFate send(Emulator& emulator, std::int64_t now_ns, std::uint32_t bytes, std::uint64_t index) {
   while (emulator.pop(now_ns)) {
   }
-  const Fate fate = emulator.push(now_ns, bytes, index);
-  if (fate.overflowed) throw Refusal("more packets under way than this program holds; lower --rate-hz");
+  const PacketOutcome fate = emulator.push(now_ns, bytes, index);
+  if (fate.overflowed) throw StartupError("more packets under way than this program holds; lower --rate-hz");
   return {now_ns, fate.lost() ? 0 : fate.due_ns - now_ns, fate.lost(), fate.duplicated, fate.corrupted};
 }
 

@@ -8,7 +8,7 @@
 
 #include "common/runtime/results.h"
 #include "netem/commands.h"
-#include "netem/verify.h"
+#include "netem/verify/verify.h"
 
 namespace telekerf::netem {
 namespace {

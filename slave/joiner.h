@@ -2,14 +2,14 @@
 // The slave's names for motions and how they are joined.
 #pragma once
 
-#include "common/bus/messages.h"
-#include "common/control/joiner.h"
+#include "common/control/bumpless_transfer.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::slave {
 
 using control::advanced;
-using control::JoinerSettings;
-using control::Motion;
-using control::ReferenceJoiner;
+using control::BumplessTransfer;
+using control::BumplessTransferSettings;
+using control::KinematicState;
 
 }  // namespace telekerf::slave

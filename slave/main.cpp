@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "common/bus/bus_flags.h"
-#include "common/bus/contour_watch.h"
+#include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
-#include "common/bus/netem_switch.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/results.h"
-#include "slave/automatic/process.h"
+#include "netem/drivers/netem_switch.h"
+#include "slave/machining/process.h"
 #include "slave/station.h"
 
 namespace telekerf::slave {
@@ -52,8 +52,8 @@ int run(Flags& flags) {
                          flags.record);
   }
   Station station(flags.station);
-  const robot::Machine& machine = station.machine();
-  const Beam& beam = station.beam();
+  const robot::RobotSupervisor& machine = station.machine();
+  const LaserOutput& beam = station.beam();
   if (machine.plant() == nullptr) {
     fmt::print("slave: {} is not simulated: what is recorded is the measured tool\n",
                flags.station.machine.drive);
@@ -64,8 +64,8 @@ int run(Flags& flags) {
   Reader<EventMessage> events(bus);
   Writer<StateBlock> states(bus);
   const NetemSwitch netem_switch(bus);
-  ContourWatch<Corridor> contour(bus,
-                                 [&](const ContourMessage& message) { return station.prepare(message); });
+  ContourSubscriber<Corridor> contour(
+      bus, [&](const ContourMessage& message) { return station.prepare(message); });
   fmt::print("slave: ready in {}\n", bus_settings.cell);
   std::fflush(stdout);
 
@@ -103,9 +103,9 @@ int run(Flags& flags) {
     add_figures(bus.counters(), commands.counters(), record.slave_figures);
     write_slave(flags.record, record);
   }
-  if (contour.refused()) throw Refusal(contour.refusal());
-  if (machine.lost()) throw Refusal(machine.loss());
-  if (beam.lost()) throw Refusal(beam.loss());
+  if (contour.refused()) throw StartupError(contour.refusal());
+  if (machine.lost()) throw StartupError(machine.loss());
+  if (beam.lost()) throw StartupError(beam.loss());
   return 0;
 }
 

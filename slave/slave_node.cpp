@@ -50,13 +50,14 @@ void SlaveNode::heed(std::span<const EventMessage> events) noexcept {
   }
 }
 
-void SlaveNode::rejoin(const Motion& source) noexcept {
+void SlaveNode::rejoin(const KinematicState& source) noexcept {
   // What the reference would be now, had its source gone on.
   joiner_.rejoin(advanced(reference_, dt_s_), source);
   rejoined_ = true;
 }
 
-Motion SlaveNode::choose_source(std::int64_t now_ns, const Motion& tool, SlaveOutputs& out) noexcept {
+KinematicState SlaveNode::choose_source(std::int64_t now_ns, const KinematicState& tool,
+                                        SlaveOutputs& out) noexcept {
   const Played played = intake_.play(now_ns, tool);
   const StreamSample* sample = played.sample;
   if (played.cursor && (sample == nullptr || sample->bridged) && mode_ == SlaveMode::kFollowing)
@@ -87,7 +88,7 @@ Motion SlaveNode::choose_source(std::int64_t now_ns, const Motion& tool, SlaveOu
   return follow(*sample, played.motion);
 }
 
-bool SlaveNode::obeys_limits(const Motion& motion) const noexcept {
+bool SlaveNode::obeys_limits(const KinematicState& motion) const noexcept {
   const double speed = motion.velocity_m_per_s.norm();
   Vec3 rest_m = motion.position_m;
   if (speed > 0.0) rest_m += (kBridgeS + joiner_.way_to_rest_m(speed) / speed) * motion.velocity_m_per_s;
@@ -95,7 +96,7 @@ bool SlaveNode::obeys_limits(const Motion& motion) const noexcept {
          std::abs(rest_m.z()) < 0.5 * model_.workspace.height_m && speed < model_.limits.velocity_m_per_s;
 }
 
-Motion SlaveNode::follow(const StreamSample& sample, const Motion& found) noexcept {
+KinematicState SlaveNode::follow(const StreamSample& sample, const KinematicState& found) noexcept {
   const bool new_source = source_generation_ != sample.generation || source_law_ != sample.law;
   source_generation_ = sample.generation;
   source_law_ = sample.law;
@@ -112,7 +113,7 @@ Motion SlaveNode::follow(const StreamSample& sample, const Motion& found) noexce
   return found;
 }
 
-Motion SlaveNode::hold_on() noexcept {
+KinematicState SlaveNode::hold_on() noexcept {
   if (mode_ == SlaveMode::kFollowing && !tripped_ && intake_.applied_age() * dt_s_ < kBridgeS) {
     if (source_generation_ != 0) {
       hold_ = reference_;
@@ -126,14 +127,14 @@ Motion SlaveNode::hold_on() noexcept {
     return hold_;
   }
   if (source_generation_ != 0 || !hold_.velocity_m_per_s.isZero()) {
-    hold_ = Motion{.position_m = reference_.position_m};
+    hold_ = KinematicState{.position_m = reference_.position_m};
     source_generation_ = 0;
     rejoin(hold_);
   }
   return hold_;
 }
 
-void SlaveNode::keep_inside(Motion& motion) const noexcept {
+void SlaveNode::keep_inside(KinematicState& motion) const noexcept {
   const double radius_m = model_.workspace.radius_m;
   const double distance_m = motion.position_m.head<2>().norm();
   if (distance_m > radius_m) {
@@ -156,7 +157,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   if (!reference_known_ && inputs.joints.valid) acceleration_.reset(inputs.joints.joints_m);
   acceleration_.observe(inputs.joints);
   const auto state = kinematics_.state(acceleration_.joints_m(), acceleration_.joint_velocity_m_per_s());
-  Motion tool;
+  KinematicState tool;
   if (state) {
     tool.position_m = model_.in_workpiece(state->tool_m);
     tool.velocity_m_per_s = state->tool_velocity_m_per_s;
@@ -164,7 +165,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
     tool = reference_;
   }
   if (!reference_known_ && state && inputs.joints.valid) {
-    reference_ = hold_ = Motion{.position_m = tool.position_m};
+    reference_ = hold_ = KinematicState{.position_m = tool.position_m};
     reference_known_ = true;
   }
 
@@ -174,7 +175,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   for (const auto& command : inputs.commands) intake_.receive(command, contour_id);
 
   rejoined_ = false;
-  const Motion source = choose_source(now_ns, tool, out);
+  const KinematicState source = choose_source(now_ns, tool, out);
   reference_ = joiner_.join(source, rejoined_ ? 0.0 : dt_s_);
   keep_inside(reference_);
 

@@ -6,16 +6,16 @@
 #include <optional>
 #include <span>
 
-#include "common/bus/messages.h"
 #include "common/control/acceleration_control.h"
-#include "common/control/friction_lead.h"
+#include "common/control/friction_feedforward.h"
 #include "common/geometry/nearest.h"
+#include "common/protocol/messages.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
-#include "slave/command_intake.h"
+#include "common/streaming/command_receiver.h"
+#include "common/streaming/state_stream.h"
 #include "slave/joiner.h"
 #include "slave/laser/interlock.h"
-#include "slave/state_stream.h"
 
 namespace telekerf::slave {
 
@@ -30,7 +30,7 @@ struct SlaveSettings {
   /// Of the force beside them, N. Codec, block, redundancy and period are the positions'.
   codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};
   PlayoutSettings playout;
-  JoinerSettings joiner;
+  BumplessTransferSettings joiner;
   InterlockSettings interlock;
 };
 
@@ -54,7 +54,7 @@ enum class SlaveMode : std::uint8_t {
   kStopped,    ///< latched emergency stop
 };
 
-struct SlaveCounters : IntakeCounters, StateStreamCounters {
+struct SlaveCounters : CommandReceiverCounters, StateStreamCounters {
   std::uint64_t missed_ticks = 0;  ///< applied while their sample was not there
 };
 
@@ -66,7 +66,7 @@ struct SlaveOutputs {
   Interlock interlock = Interlock::kNoContour;
   double applied_tick = -1.0;  ///< master tick applied at this step; negative: none
   bool settled = false;        ///< following without a rest of an approach
-  Motion reference;
+  KinematicState reference;
   Vec3 tool_m = Vec3::Zero();   ///< measured
   Vec3 force_n = Vec3::Zero();  ///< estimated, of the world on the tool, workpiece frame
 };
@@ -81,7 +81,7 @@ class SlaveNode {
   void heed(std::span<const EventMessage> events) noexcept;
 
   /// Another codec, block length or redundancy of the state stream, from where its next block begins; the
-  /// rate stays. Throws Refusal.
+  /// rate stays. Throws StartupError.
   void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {
     states_.change(feedback, force);
   }
@@ -90,30 +90,30 @@ class SlaveNode {
   const PlayoutClock& playout() const noexcept { return intake_.clock(); }
 
  private:
-  Motion choose_source(std::int64_t now_ns, const Motion& tool, SlaveOutputs& out) noexcept;
-  Motion follow(const StreamSample& sample, const Motion& found) noexcept;
-  Motion hold_on() noexcept;
-  void rejoin(const Motion& source) noexcept;
+  KinematicState choose_source(std::int64_t now_ns, const KinematicState& tool, SlaveOutputs& out) noexcept;
+  KinematicState follow(const StreamSample& sample, const KinematicState& found) noexcept;
+  KinematicState hold_on() noexcept;
+  void rejoin(const KinematicState& source) noexcept;
   /// Slow enough, and to be stopped before the workspace ends.
-  bool obeys_limits(const Motion& motion) const noexcept;
-  void keep_inside(Motion& motion) const noexcept;
+  bool obeys_limits(const KinematicState& motion) const noexcept;
+  void keep_inside(KinematicState& motion) const noexcept;
 
   robot::RobotModel model_;
   robot::DeltaKinematics kinematics_;
   SlaveSettings settings_;
   control::AccelerationControl acceleration_;
-  control::FrictionLead friction_;
+  control::FrictionFeedforward friction_;
   robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
   double dt_s_;
   Tick tick_ = 0;
 
-  CommandIntake intake_;
+  CommandReceiver intake_;
 
   // Reference.
   SlaveMode mode_ = SlaveMode::kWaiting;
-  ReferenceJoiner joiner_;
-  Motion reference_;
-  Motion hold_;  ///< source while not following
+  BumplessTransfer joiner_;
+  KinematicState reference_;
+  KinematicState hold_;  ///< source while not following
   bool reference_known_ = false;
   std::uint32_t source_generation_ = 0;  ///< 0: holding
   std::uint32_t source_block_ = 0;

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::slave {
 namespace {
@@ -52,8 +52,8 @@ StationSettings StationSettings::validated() const {
   StationSettings settings = *this;
   const double ratio = node.control_hz / node.stream_hz;
   if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
-    throw Refusal(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
-                              node.control_hz, node.stream_hz));
+    throw StartupError(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
+                                   node.control_hz, node.stream_hz));
   }
   settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   settings.node.feedback = codec::with_codec(settings.node.feedback, codec).validated();
@@ -82,7 +82,7 @@ std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const 
   double reach_m = 0.0;
   for (const auto& point : contour.points_m) reach_m = std::max(reach_m, point.norm());
   if (reach_m > model_.workspace.radius_m) {
-    throw Refusal(
+    throw StartupError(
         fmt::format("the contour reaches {:.1f} mm from the workspace's centre, but {} reaches {:.1f} mm; "
                     "use a smaller --width-mm",
                     reach_m * 1e3, model_.name, model_.workspace.radius_m * 1e3));
@@ -121,7 +121,7 @@ void Station::report(RunRecord& record) const {
   record.slave = recorder_.rows();
   record.slave_drive = {settings_.machine.drive, machine_.plant() != nullptr};
   const SlaveCounters counters = node_.counters();
-  Figures& f = record.slave_figures;
+  Metrics& f = record.slave_figures;
   f["rate_hz"] = settings_.node.control_hz;
   f["control_period_s"] = control_period_s();
   f["blocks"] = static_cast<double>(counters.blocks);

@@ -7,11 +7,11 @@
 #include <span>
 #include <string>
 
-#include "common/bus/messages.h"
-#include "common/robot/machine.h"
-#include "common/runtime/run_record.h"
+#include "common/protocol/messages.h"
+#include "common/recording/run_record.h"
+#include "common/robot/supervisor.h"
 #include "common/runtime/settings.h"
-#include "slave/laser/beam.h"
+#include "slave/laser/laser_output.h"
 #include "slave/slave_node.h"
 
 namespace telekerf::slave {
@@ -19,25 +19,25 @@ namespace telekerf::slave {
 struct StationSettings {
   SlaveSettings node;
   std::string robot = "slave-keops";
-  robot::MachineSettings machine;
-  BeamSettings beam;
+  robot::RobotSupervisorSettings machine;
+  LaserOutputSettings beam;
   std::string codec = "sdct";  ///< of both parts of the state stream
   double mismatch = 0.1;       ///< how far the simulated robot is off its file, as a share
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
   double record_s = 120.0;
   void declare(Settings& settings);
-  /// The settings, or a Refusal that names what does not fit.
+  /// The settings, or a StartupError that names what does not fit.
   StationSettings validated() const;
 };
 
 class Station {
  public:
-  /// `drive`, `laser`: others than those that the settings name. Throws Refusal.
+  /// `drive`, `laser`: others than those that the settings name. Throws StartupError.
   explicit Station(const StationSettings& settings, robot::Drive drive = {},
                    std::unique_ptr<Laser> laser = {});
 
-  /// Allocates: call it outside the loop. Throws Refusal if the contour leaves the workspace.
+  /// Allocates: call it outside the loop. Throws StartupError if the contour leaves the workspace.
   std::unique_ptr<Corridor> prepare(const ContourMessage& contour) const;
 
   SlaveOutputs step(std::int64_t now_ns, const Corridor* corridor,
@@ -49,8 +49,8 @@ class Station {
     node_.change(feedback, force);
   }
   const SlaveNode& node() const { return node_; }
-  const robot::Machine& machine() const { return machine_; }
-  const Beam& beam() const noexcept { return beam_; }
+  const robot::RobotSupervisor& machine() const { return machine_; }
+  const LaserOutput& beam() const noexcept { return beam_; }
   /// After the last step: beam off, then the robot without current.
   void release() noexcept {
     beam_.off();
@@ -62,8 +62,8 @@ class Station {
  private:
   StationSettings settings_;
   robot::RobotModel model_;
-  robot::Machine machine_;
-  Beam beam_;
+  robot::RobotSupervisor machine_;
+  LaserOutput beam_;
   SlaveNode node_;
   Recorder<SlaveRow> recorder_;
   Tick tick_ = 0;

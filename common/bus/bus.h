@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "common/bus/messages.h"
-#include "common/bus/site.h"
+#include "common/protocol/messages.h"
+#include "common/protocol/site.h"
 #include "common/runtime/version.h"
-#include "netem/profile.h"
-#include "netem/transport.h"
+#include "netem/core/profile.h"
+#include "netem/drivers/transport.h"
 
 namespace telekerf {
 
@@ -44,8 +44,8 @@ struct BusCounters {
 
 class Bus {
  public:
-  /// Announces itself, looks around for `look_around`, joins. Throws Refusal: settings out of range, a peer
-  /// that does not resolve, no participant to be had, or somebody in the cell whom it does not fit
+  /// Announces itself, looks around for `look_around`, joins. Throws StartupError: settings out of range, a
+  /// peer that does not resolve, no participant to be had, or somebody in the cell whom it does not fit
   /// (presence.h).
   explicit Bus(BusSettings settings);
   ~Bus();
@@ -60,7 +60,7 @@ class Bus {
   /// What the user should know about the environment, one sentence each, e.g. clipped socket buffers.
   const std::vector<std::string>& notes() const;
   BusCounters counters() const;
-  /// Another network from the next datagram on; Refusal if the process runs without emulation.
+  /// Another network from the next datagram on; StartupError if the process runs without emulation.
   void set_profile(const netem::Profile& profile);
 
   /// The middleware's side of it; complete inside the bus only. Endpoints share its ownership, so the order

@@ -32,7 +32,7 @@ BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {
   return settings;
 }
 
-void add_figures(const BusCounters& counters, const ReaderCounters& stream, Figures& figures) {
+void add_figures(const BusCounters& counters, const ReaderCounters& stream, Metrics& figures) {
   figures["misfits"] = static_cast<double>(counters.misfits);
   figures["damaged"] = static_cast<double>(stream.damaged);
   figures["netem_datagrams"] = static_cast<double>(counters.link.emulated);

@@ -6,7 +6,7 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/endpoints.h"
-#include "common/runtime/run_record.h"
+#include "common/recording/run_record.h"
 #include "common/runtime/settings.h"
 
 namespace telekerf {
@@ -21,11 +21,11 @@ struct BusFlags {
 
   void declare(Settings& settings);
   /// Settings for a process of this role; the epoch is taken from the wall clock, so that a later start has a
-  /// higher one. Throws Refusal if the profile cannot be loaded.
+  /// higher one. Throws StartupError if the profile cannot be loaded.
   BusSettings bus_settings(Site site, const std::string& role) const;
 };
 
 /// What the bus counted, as figures of a run; `stream`: the reader of the other site's blocks.
-void add_figures(const BusCounters& counters, const ReaderCounters& stream, Figures& figures);
+void add_figures(const BusCounters& counters, const ReaderCounters& stream, Metrics& figures);
 
 }  // namespace telekerf

@@ -15,19 +15,19 @@
 #include <vector>
 
 #include "common/bus/endpoints.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 
 /// `Prepared` is what a node needs of a contour (a guide, a corridor). Everything prepared lives as long as
 /// the watch, so the loop may keep using an old one. A contour that does not fit ends the watch with the
-/// Refusal's sentence.
+/// StartupError's sentence.
 template <class Prepared>
-class ContourWatch {
+class ContourSubscriber {
  public:
   using Prepare = std::function<std::unique_ptr<Prepared>(const ContourMessage&)>;
 
-  ContourWatch(Bus& bus, Prepare prepare)
+  ContourSubscriber(Bus& bus, Prepare prepare)
       : reader_(bus),
         prepare_(std::move(prepare)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -55,7 +55,7 @@ class ContourWatch {
       while (const auto received = reader_.take()) {
         try {
           take_over(received->value);
-        } catch (const Refusal& refusal) {
+        } catch (const StartupError& refusal) {
           const std::lock_guard lock(mutex_);
           refusal_ = refusal.what();
           refused_.store(true, std::memory_order_release);
@@ -64,7 +64,7 @@ class ContourWatch {
       if (again_.exchange(false, std::memory_order_acq_rel) && current() != nullptr) {
         try {
           take_over(message_);
-        } catch (const Refusal& refusal) {
+        } catch (const StartupError& refusal) {
           fmt::print(stderr, "{}: stays as it is: {}\n", message_.source, refusal.what());
         }
       }

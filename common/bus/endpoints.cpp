@@ -16,7 +16,7 @@
 #include "common/bus/topics.h"
 #include "common/bus/wire.h"
 #include "common/runtime/clock.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -48,7 +48,7 @@ template <class T>
 dds::Topic* topic_of(Bus::Participant& participant) {
   using Topic = bus::Topic<T>;
   dds::Topic* topic = participant.topic(Topic::kName, dds::TypeSupport(new Guarded<typename Topic::Type>));
-  if (topic == nullptr) throw Refusal(std::string("the middleware refused topic ") + Topic::kName);
+  if (topic == nullptr) throw StartupError(std::string("the middleware refused topic ") + Topic::kName);
   return topic;
 }
 
@@ -66,7 +66,7 @@ struct Writer<T>::Impl : dds::DataWriterListener {
                                                                 dds::StatusMask::publication_matched());
       if (lanes[lane] == nullptr) {
         remove_lanes();
-        throw Refusal(std::string("the middleware refused a writer of ") + Topic::kName);
+        throw StartupError(std::string("the middleware refused a writer of ") + Topic::kName);
       }
     }
   }
@@ -147,7 +147,7 @@ struct Reader<T>::Impl : dds::DataReaderListener {
         topic_of<T>(*participant), bus::reader_qos(bus::Topic<T>::kIntent), this,
         dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
     if (reader == nullptr)
-      throw Refusal(std::string("the middleware refused a reader of ") + bus::Topic<T>::kName);
+      throw StartupError(std::string("the middleware refused a reader of ") + bus::Topic<T>::kName);
   }
   ~Impl() override {
     reader->set_listener(nullptr);

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "common/bus/bus.h"
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf {
 

@@ -10,7 +10,7 @@
 
 #include "common/bus/qos.h"
 #include "common/bus/wire.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -22,12 +22,12 @@ constexpr int kHighestDomain = 232;  // ports above would pass 65535
 
 BusSettings validated(BusSettings settings) {
   if (settings.domain < 0 || settings.domain > kHighestDomain) {
-    throw Refusal(fmt::format("domain {} is outside [0, {}]", settings.domain, kHighestDomain));
+    throw StartupError(fmt::format("domain {} is outside [0, {}]", settings.domain, kHighestDomain));
   }
-  if (settings.cell.empty()) throw Refusal("the cell has no name; give one with --cell");
+  if (settings.cell.empty()) throw StartupError("the cell has no name; give one with --cell");
   // DDS takes a partition with one of these for a pattern: it would be every cell at once.
   if (settings.cell.find_first_of("*?[]") != std::string::npos) {
-    throw Refusal(fmt::format("cell = '{}': a cell's name must hold none of * ? [ ]", settings.cell));
+    throw StartupError(fmt::format("cell = '{}': a cell's name must hold none of * ? [ ]", settings.cell));
   }
   if (settings.name.empty()) settings.name = settings.role;
   return settings;
@@ -51,7 +51,8 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
                     .joined = false,
                     .version = kVersion};
   const auto announced = bus::presence_bytes(self_.presence);
-  if (announced.empty()) throw Refusal("the names of cell, role and process may have 64, 32 and 64 letters");
+  if (announced.empty())
+    throw StartupError("the names of cell, role and process may have 64, 32 and 64 letters");
   if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
 
   auto transport = bus::udp_transport();
@@ -64,7 +65,7 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
   participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
   if (participant_ == nullptr) {
-    throw Refusal(
+    throw StartupError(
         fmt::format("no DDS participant in domain {}: is the network up, and are UDP ports from {} free?",
                     settings_.domain, 7400 + 250 * settings_.domain));
   }
@@ -98,7 +99,7 @@ void Bus::Participant::look_around() {
   // end.
   changed_.wait_until(lock, end, [&] { return (reason = objection(true)).has_value(); });
   if (!reason) reason = objection(false);
-  if (reason) throw Refusal(*reason);
+  if (reason) throw StartupError(*reason);
   self_.presence.joined = true;
 }
 
@@ -107,7 +108,7 @@ void Bus::Participant::join() {
   dds::DomainParticipantQos qos = participant_->get_qos();
   qos.user_data().data_vec(bus::presence_bytes(self_.presence));
   if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-    throw Refusal("the middleware did not take the announcement");
+    throw StartupError("the middleware did not take the announcement");
   }
 }
 
@@ -155,7 +156,7 @@ BusCounters Bus::Participant::counters() const {
 }
 
 void Bus::Participant::set_profile(const netem::Profile& profile) {
-  if (!link_) throw Refusal("this process runs without an emulated network; start it with --netem");
+  if (!link_) throw StartupError("this process runs without an emulated network; start it with --netem");
   link_->set_profile(profile);
 }
 

@@ -14,7 +14,7 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/presence.h"
-#include "netem/transport.h"
+#include "netem/drivers/transport.h"
 
 namespace telekerf {
 
@@ -50,7 +50,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
 
   BusSettings settings_;
   std::vector<std::string> notes_;
-  std::optional<netem::Link> link_;
+  std::optional<netem::ReceivePathEmulator> link_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;

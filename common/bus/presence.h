@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf {
 

@@ -16,7 +16,7 @@
 #include <mutex>
 #include <random>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::bus {
 namespace {
@@ -37,7 +37,8 @@ std::string resolved(const std::string& host) {
   hints.ai_family = AF_INET;
   addrinfo* list = nullptr;
   if (getaddrinfo(host.c_str(), nullptr, &hints, &list) != 0 || list == nullptr) {
-    throw Refusal(fmt::format("peer '{}' has no IPv4 address; check its name or give the address", host));
+    throw StartupError(
+        fmt::format("peer '{}' has no IPv4 address; check its name or give the address", host));
   }
   char text[NI_MAXHOST] = {};
   getnameinfo(list->ai_addr, list->ai_addrlen, text, sizeof text, nullptr, 0, NI_NUMERICHOST);
@@ -109,7 +110,8 @@ dds::DomainParticipantQos participant_qos(const BusSettings& settings,
       } catch (const std::exception&) {
         port = 1u << 16;
       }
-      if (port == 0 || port > 65535) throw Refusal(fmt::format("peer '{}' is not HOST or HOST:PORT", peer));
+      if (port == 0 || port > 65535)
+        throw StartupError(fmt::format("peer '{}' is not HOST or HOST:PORT", peer));
     }
     rtps::Locator_t locator;
     rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, resolved(peer.substr(0, colon)), port, locator);

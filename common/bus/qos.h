@@ -23,7 +23,8 @@ void settle_library();
 /// UDPv4 transport as all participants use it.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> udp_transport();
 
-/// `transport` is the only one; `user_data` is announced. Throws Refusal for a peer that does not resolve.
+/// `transport` is the only one; `user_data` is announced. Throws StartupError for a peer that does not
+/// resolve.
 eprosima::fastdds::dds::DomainParticipantQos participant_qos(
     const BusSettings& settings,
     std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> transport,

@@ -7,8 +7,8 @@
 
 #include <cstddef>
 
-#include "common/bus/messages.h"
-#include "common/bus/site.h"
+#include "common/protocol/messages.h"
+#include "common/protocol/site.h"
 
 namespace telekerf::bus {
 

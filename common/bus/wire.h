@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::bus {
 

@@ -5,7 +5,7 @@
 #include <bit>
 #include <numbers>
 
-#include "common/codec/lattice.h"
+#include "common/codec/baselines/time_domain_codecs.h"
 
 namespace telekerf::codec {
 namespace {
@@ -178,10 +178,10 @@ Analyser::Trial Analyser::try_adaptive(std::span<const double> residual, AxisCod
   return Trial::kTaken;
 }
 
-void Analyser::try_stairs(std::span<const double> samples, const Aim& aim, const AxisContext& context,
-                          const Grid& grid, Choice& best) const noexcept {
+void Analyser::try_stairs(std::span<const double> samples, const CodingTarget& aim,
+                          const AxisContext& context, const Grid& grid, Choice& best) const noexcept {
   AxisCode code;
-  code.mode = Mode::kStairs;
+  code.mode = Mode::kRunLength;
   code.step_offset = first_offset(samples, grid);
   if (code.step_offset > 0 && aim.max_rms == 0.0) return;
   const double step = grid.step(code.step_offset);
@@ -209,8 +209,8 @@ void Analyser::try_stairs(std::span<const double> samples, const Aim& aim, const
   }
 }
 
-AxisCode Analyser::analyse(std::span<const double> samples, const Aim& aim, const AxisContext& context,
-                           const Grid& grid) const noexcept {
+AxisCode Analyser::analyse(std::span<const double> samples, const CodingTarget& aim,
+                           const AxisContext& context, const Grid& grid) const noexcept {
   Coefficients shifted;
   Coefficients transformed;
   const auto size = samples.size();

@@ -9,7 +9,7 @@
 namespace telekerf::codec {
 
 /// What an axis may cost: `keep` coefficients, or (max_rms above 0) any number that keeps the RMS error.
-struct Aim {
+struct CodingTarget {
   int keep = 4;
   double max_rms = 0.0;
 };
@@ -24,7 +24,7 @@ class Analyser {
   /// The cheapest code that keeps `aim.max_rms` (bits decide), or the best with `aim.keep` coefficients
   /// (error energy decides, bits break near-ties). Samples are finite and within kMaxMagnitude. With
   /// `context.truncated` it is the predecessor: no prediction, the lowest coefficients.
-  AxisCode analyse(std::span<const double> samples, const Aim& aim, const AxisContext& context,
+  AxisCode analyse(std::span<const double> samples, const CodingTarget& aim, const AxisContext& context,
                    const Grid& grid) const noexcept;
 
  private:
@@ -51,7 +51,7 @@ class Analyser {
                  const Grid& grid, Choice& best) const noexcept;
   Trial try_adaptive(std::span<const double> residual, AxisCode& code, int offset, double max_rms,
                      bool prefix, const AxisContext& context, const Grid& grid, Choice& best) const noexcept;
-  void try_stairs(std::span<const double> samples, const Aim& aim, const AxisContext& context,
+  void try_stairs(std::span<const double> samples, const CodingTarget& aim, const AxisContext& context,
                   const Grid& grid, Choice& best) const noexcept;
 
   int block_;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "common/codec/lattice.h"
+#include "common/codec/baselines/time_domain_codecs.h"
 
 namespace telekerf::codec {
 namespace {
@@ -17,9 +17,10 @@ constexpr int kCorrectionOrder = 2;
 
 // Modes by frequency: with a trend the curve is the usual one, without it nothing is.
 using Modes = std::array<Mode, 6>;
-constexpr Modes kAnchoredModes{Mode::kCurve, Mode::kLine,   Mode::kHold,
-                               Mode::kIntra, Mode::kStairs, Mode::kRaw};
-constexpr Modes kFreeModes{Mode::kIntra, Mode::kCurve, Mode::kLine, Mode::kStairs, Mode::kRaw, Mode::kHold};
+constexpr Modes kAnchoredModes{Mode::kCurve, Mode::kLine,      Mode::kHold,
+                               Mode::kIntra, Mode::kRunLength, Mode::kRaw};
+constexpr Modes kFreeModes{Mode::kIntra,     Mode::kCurve, Mode::kLine,
+                           Mode::kRunLength, Mode::kRaw,   Mode::kHold};
 constexpr Modes kTruncatedModes{Mode::kIntra, Mode::kRaw, Mode::kRaw, Mode::kRaw, Mode::kRaw, Mode::kRaw};
 
 const Modes& modes(const AxisContext& context) {
@@ -133,7 +134,7 @@ void write_mode(Sink& out, Mode mode, bool prefix, const AxisContext& context) n
   out.bits(1, 1);
   for (int i = 0; i < at; ++i) out.bits(1, 1);
   if (at < kLastMode) out.bits(0, 1);
-  if (at > 0 && mode != Mode::kStairs && mode != Mode::kRaw) out.bits(prefix ? 0 : 1, 1);
+  if (at > 0 && mode != Mode::kRunLength && mode != Mode::kRaw) out.bits(prefix ? 0 : 1, 1);
 }
 
 Mode read_mode(BitReader& in, bool& prefix, const AxisContext& context) noexcept {
@@ -146,7 +147,7 @@ Mode read_mode(BitReader& in, bool& prefix, const AxisContext& context) noexcept
   const Mode mode = order[static_cast<std::size_t>(at)];
   if (at == 0) {
     prefix = false;
-  } else if (mode != Mode::kStairs && mode != Mode::kRaw) {
+  } else if (mode != Mode::kRunLength && mode != Mode::kRaw) {
     prefix = !in.bit();
   }
   return mode;
@@ -163,7 +164,7 @@ void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const Axi
     return;
   }
   if (context.adaptive) out.signed_golomb(code.step_offset - context.habits.step_offset, 0);
-  if (code.mode == Mode::kStairs) {
+  if (code.mode == Mode::kRunLength) {
     write_runs(out, code);
     out.signed_golomb(code.values[0] - stairs_guess(code, context, grid, block), stairs_order(context));
     return;
@@ -245,7 +246,7 @@ bool read_axis(BitReader& in, AxisCode& code, const AxisContext& context, const 
   const auto offset = context.adaptive ? context.habits.step_offset + in.signed_golomb(0) : 0;
   if (in.failed() || offset < 0 || offset > kMaxStepOffset) return false;
   code.step_offset = static_cast<int>(offset);
-  if (code.mode == Mode::kStairs) {
+  if (code.mode == Mode::kRunLength) {
     if (!read_stairs(in, code, context, grid, block)) return false;
     reconstruct(code, grid, {}, samples);
     return true;

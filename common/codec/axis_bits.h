@@ -8,7 +8,7 @@
 namespace telekerf::codec {
 
 /// What the stream has lately been like, announced in each packet's head so that the usual costs one bit.
-struct Habits {
+struct ContextModel {
   int count = 4;        ///< coefficients an axis
   int step_offset = 0;  ///< half octaves above the finest step
   int level_order = 8;  ///< Exp-Golomb order of a level told whole
@@ -21,7 +21,7 @@ struct AxisContext {
   bool newest = true;
   bool adaptive = false;   ///< the step may differ from the stream's finest
   bool truncated = false;  ///< the predecessor: prefixes only, nothing predicted
-  Habits habits;
+  ContextModel habits;
   std::int64_t trend_level = 0;  ///< newest and anchored: the trend on the grid
   std::int64_t trend_slope = 0;
   Successor next;  ///< not newest: the block that follows

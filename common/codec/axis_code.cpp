@@ -64,7 +64,7 @@ void reconstruct(const AxisCode& code, const Grid& grid, std::span<const double>
     std::copy_n(code.raw.begin(), samples.size(), samples.begin());
     return;
   }
-  if (code.mode == Mode::kStairs) {
+  if (code.mode == Mode::kRunLength) {
     const double step = grid.step(code.step_offset);
     for (std::size_t n = 0; n < samples.size(); ++n) samples[n] = step * static_cast<double>(code.values[n]);
     return;

@@ -15,12 +15,12 @@ namespace telekerf::codec {
 /// What the transform's residual stands on. The polynomial is given by integers that travel with the block,
 /// so a redundant copy decodes to the same bits whatever packet it rides in.
 enum class Mode : std::uint8_t {
-  kIntra,   ///< nothing
-  kHold,    ///< level
-  kLine,    ///< level + slope n
-  kCurve,   ///< level + slope n + bend n^2 / 2
-  kStairs,  ///< no transform: values held from sample to sample, told by run length (jumps, held signals)
-  kRaw,     ///< float32 samples, when that is smaller or nothing else keeps the promised error
+  kIntra,      ///< nothing
+  kHold,       ///< level
+  kLine,       ///< level + slope n
+  kCurve,      ///< level + slope n + bend n^2 / 2
+  kRunLength,  ///< no transform: values held from sample to sample, told by run length (jumps, held signals)
+  kRaw,        ///< float32 samples, when that is smaller or nothing else keeps the promised error
 };
 
 /// Steps of the integers. Slope and bend are as coarse as four quanta at the block's end: what they miss is
@@ -62,7 +62,7 @@ struct AxisCode {
   bool has_level() const noexcept { return mode == Mode::kHold || has_slope(); }
   bool has_slope() const noexcept { return mode == Mode::kLine || mode == Mode::kCurve; }
   bool has_bend() const noexcept { return mode == Mode::kCurve; }
-  bool is_transformed() const noexcept { return mode != Mode::kStairs && mode != Mode::kRaw; }
+  bool is_transformed() const noexcept { return mode != Mode::kRunLength && mode != Mode::kRaw; }
 };
 
 /// The block without its level, slope and coefficient 0: bend and coefficients from 1 up.

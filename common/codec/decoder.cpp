@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/codec/axis_bits.h"
-#include "common/codec/lattice.h"
+#include "common/codec/baselines/time_domain_codecs.h"
 
 namespace telekerf::codec {
 namespace {

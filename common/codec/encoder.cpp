@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "common/codec/analysis.h"
-#include "common/codec/lattice.h"
+#include "common/codec/baselines/time_domain_codecs.h"
 
 namespace telekerf::codec {
 namespace {
@@ -56,12 +56,12 @@ struct BlockEncoder::State {
   std::size_t newest = 0;
   int held = 0;  // blocks in the ring, the newest included
   std::uint16_t sequence = 0;
-  Habits habits;
+  ContextModel habits;
   std::size_t newest_bits = 0;
   CodecCounters counters;
 
-  Habits first_habits() const noexcept {
-    Habits first;
+  ContextModel first_habits() const noexcept {
+    ContextModel first;
     if (settings.max_rms == 0.0) first.count = std::min(settings.keep, kMaxBlock - 1);
     return first;
   }
@@ -159,7 +159,7 @@ void BlockEncoder::State::learn_habits(const Block& block) noexcept {
     const auto width = [&](std::size_t k) {
       return static_cast<int>(std::bit_width(zigzag(code.values[k])));
     };
-    if (code.mode == Mode::kStairs) level_order = std::max(level_order, width(0) - 2);
+    if (code.mode == Mode::kRunLength) level_order = std::max(level_order, width(0) - 2);
     if (!code.is_transformed()) continue;
     count += std::popcount(code.set);
     offset += code.step_offset;

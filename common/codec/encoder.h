@@ -18,7 +18,7 @@ namespace telekerf::codec {
 /// same bits.
 class BlockEncoder {
  public:
-  /// Throws Refusal when the settings are out of bounds.
+  /// Throws StartupError when the settings are out of bounds.
   explicit BlockEncoder(const StreamSettings& settings);
   ~BlockEncoder();
   BlockEncoder(BlockEncoder&&) noexcept;
@@ -38,7 +38,7 @@ class BlockEncoder {
   const StreamSettings& settings() const noexcept;
   const CodecCounters& counters() const noexcept;
   /// Other settings from the next block on. The sequence goes on; copies of blocks coded under the old ones
-  /// are not sent any more. Allocates nothing when the settings are in bounds; throws Refusal otherwise.
+  /// are not sent any more. Allocates nothing when the settings are in bounds; throws StartupError otherwise.
   void change(const StreamSettings& settings);
   /// Forgets previous blocks (a gap in the stream); the sequence goes on.
   void restart() noexcept;

@@ -2,19 +2,17 @@
 // The head of every packet: all that a receiver must know of the stream, so that it needs no configuration.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 
 #include "common/codec/axis_bits.h"
 #include "common/codec/errors.h"
 #include "common/codec/settings.h"
+#include "common/runtime/vectors.h"
 
 #include <tl/expected.hpp>
 
 namespace telekerf::codec {
-
-using Vec3 = Eigen::Vector3d;
 
 inline constexpr int kAxes = 3;
 inline constexpr std::uint8_t kPacketVersion = 2;
@@ -38,7 +36,7 @@ struct PacketHead {
   int axes = 3;
   int quantum_exponent = 0;  ///< finest step = 2^(this / 4)
   std::uint16_t sequence = 0;
-  Habits habits;
+  ContextModel habits;
   std::uint32_t sample_period_ns = 0;
 };
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/codec/dct.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::codec {
 namespace {
@@ -26,7 +26,7 @@ constexpr const char* kRawName = "raw";
 template <typename Number>
 void require(const char* name, Number value, Number min, Number max) {
   if (value >= min && value <= max) return;
-  throw Refusal(fmt::format("codec: {} = {}: must lie within [{}, {}]", name, value, min, max));
+  throw StartupError(fmt::format("codec: {} = {}: must lie within [{}, {}]", name, value, min, max));
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ StreamSettings with_codec(StreamSettings settings, const std::string& name) {
     settings.kind = kind;
     return settings;
   }
-  throw Refusal(fmt::format("codec = {}: must be one of {}", name, known));
+  throw StartupError(fmt::format("codec = {}: must be one of {}", name, known));
 }
 
 std::string codec_name(const StreamSettings& settings) {

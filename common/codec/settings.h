@@ -37,7 +37,7 @@ struct StreamSettings {
   int axes = 3;          ///< coded components of each Vec3; the others decode to zero
   bool anchored = true;  ///< each packet comes with the trend of its newest block (position streams)
 
-  /// The settings, or a Refusal that names the setting, its value and its bound.
+  /// The settings, or a StartupError that names the setting, its value and its bound.
   StreamSettings validated() const;
 };
 
@@ -46,7 +46,7 @@ int smallest_block(CodecKind kind) noexcept;
 
 /// `settings` with the codec of that name: "sdct", "raw" (one float32 sample a packet: block 1, redundancy
 /// 0), "batched" (float32 in blocks), "truncated", "deadband", "weber", "dpcm". The same words everywhere.
-/// Throws Refusal.
+/// Throws StartupError.
 StreamSettings with_codec(StreamSettings settings, const std::string& name);
 /// The word of settings.kind, as with_codec() knows it.
 std::string codec_name(const StreamSettings& settings);

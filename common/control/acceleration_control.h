@@ -59,7 +59,7 @@ class AccelerationControl {
 /// Force of the world on the tool, in base, N: what is left of the estimated disturbance when the modelled
 /// part (Coriolis, gravity, friction) is taken out, mapped by J^-T. Valid for A_n = A(q)
 /// (robot::joint_inertia). `friction_n`: of the joints by the model; while it changes, as late as the
-/// observer sees it (FrictionLead::seen_n).
+/// observer sees it (FrictionFeedforward::seen_n).
 Vec3 reaction_force(const robot::RobotModel& nominal, const robot::DeltaKinematics& kinematics,
                     const robot::DeltaState& state, const Vec3& disturbance_n,
                     const Vec3& friction_n) noexcept;

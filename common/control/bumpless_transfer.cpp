@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/control/joiner.h"
+#include "common/control/bumpless_transfer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,31 +7,31 @@
 
 namespace telekerf::control {
 
-void ReferenceJoiner::rejoin(const Motion& from, const Motion& source) noexcept {
+void BumplessTransfer::rejoin(const KinematicState& from, const KinematicState& source) noexcept {
   offset_ = from.position_m - source.position_m;
   offset_rate_ = from.velocity_m_per_s - source.velocity_m_per_s;
   rate_ = rate_for(offset_.norm(), offset_rate_.norm());
 }
 
-double ReferenceJoiner::rate_for(double size_m, double speed_m_per_s) const noexcept {
+double BumplessTransfer::rate_for(double size_m, double speed_m_per_s) const noexcept {
   // The fade asks for -2 w o' - w^2 o: neither part is more than the acceleration allowed.
   const double most = settings_.max_acceleration_m_per_s2;
   return std::min({settings_.rate_rad_s, std::sqrt(most / std::max(size_m, 1e-9)),
                    0.5 * most / std::max(speed_m_per_s, 1e-9)});
 }
 
-double ReferenceJoiner::way_to_rest_m(double speed_m_per_s) const noexcept {
+double BumplessTransfer::way_to_rest_m(double speed_m_per_s) const noexcept {
   // o' t e^(-w t) is largest at t = 1 / w.
   return speed_m_per_s / (std::numbers::e * rate_for(0.0, speed_m_per_s));
 }
 
-Motion ReferenceJoiner::join(const Motion& source, double dt_s) noexcept {
+KinematicState BumplessTransfer::join(const KinematicState& source, double dt_s) noexcept {
   // Exact solution of the critically damped fade over one step: (o + (o' + w o) t) e^(-w t).
   const double fade = std::exp(-rate_ * dt_s);
   const Eigen::Vector3d slope = offset_rate_ + rate_ * offset_;
   offset_ = fade * (offset_ + slope * dt_s);
   offset_rate_ = fade * slope - rate_ * offset_;
-  Motion out = source;
+  KinematicState out = source;
   out.position_m += offset_;
   out.velocity_m_per_s += offset_rate_;
   out.acceleration_m_per_s2 -= 2.0 * rate_ * offset_rate_ + rate_ * rate_ * offset_;

@@ -3,26 +3,26 @@
 // out.
 #pragma once
 
-#include "common/control/motion.h"
+#include "common/control/kinematic_state.h"
 
 namespace telekerf::control {
 
-struct JoinerSettings {
+struct BumplessTransferSettings {
   double rate_rad_s = 100.0;               ///< of the critically damped fade
   double max_acceleration_m_per_s2 = 1.0;  ///< what is far or fast fades more slowly
 };
 
 /// Adds to the source an offset o with o'' + 2 w o' + w^2 o = 0, seated at each change of source so that
 /// position and velocity of the output go on unbroken.
-class ReferenceJoiner {
+class BumplessTransfer {
  public:
-  explicit ReferenceJoiner(const JoinerSettings& settings) noexcept : settings_(settings) {}
+  explicit BumplessTransfer(const BumplessTransferSettings& settings) noexcept : settings_(settings) {}
 
   /// The output goes on from `from` (position and velocity) although the source now says `source`; both
   /// belong to the same instant.
-  void rejoin(const Motion& from, const Motion& source) noexcept;
+  void rejoin(const KinematicState& from, const KinematicState& source) noexcept;
   /// One step of `dt_s` (0: the instant of a rejoin): the source's motion plus what is left of the offset.
-  Motion join(const Motion& source, double dt_s) noexcept;
+  KinematicState join(const KinematicState& source, double dt_s) noexcept;
   /// How far a motion of this speed still goes when it is joined to a source at rest where it is.
   double way_to_rest_m(double speed_m_per_s) const noexcept;
   /// What is left of the offset.
@@ -31,7 +31,7 @@ class ReferenceJoiner {
  private:
   double rate_for(double size_m, double speed_m_per_s) const noexcept;
 
-  JoinerSettings settings_;
+  BumplessTransferSettings settings_;
   double rate_ = 0.0;
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d offset_rate_ = Eigen::Vector3d::Zero();

@@ -14,9 +14,10 @@
 
 #include <Eigen/Core>
 
+#include "common/runtime/vectors.h"
+
 namespace telekerf::control {
 
-using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
 class DisturbanceObserver {

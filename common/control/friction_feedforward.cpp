@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/control/friction_lead.h"
+#include "common/control/friction_feedforward.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,8 @@
 
 namespace telekerf::control {
 
-FrictionLead::FrictionLead(const robot::Friction& nominal, const DisturbanceObserver::Gains& gains) noexcept
+FrictionFeedforward::FrictionFeedforward(const robot::Friction& nominal,
+                                         const DisturbanceObserver::Gains& gains) noexcept
     : ahead_(nominal), nominal_(nominal) {
   // Given ahead through a softer step than the model's: a friction that is cancelled too steeply is a
   // negative damping at rest.
@@ -21,10 +22,10 @@ FrictionLead::FrictionLead(const robot::Friction& nominal, const DisturbanceObse
   }
 }
 
-void FrictionLead::update(const robot::Vec3& joint_velocity_m_per_s) noexcept {
+void FrictionFeedforward::update(const Vec3& joint_velocity_m_per_s) noexcept {
   // What the observer sees now acted over the last period.
-  const auto pass = [&](robot::Vec3(&stages)[3], const robot::Vec3& in) {
-    const robot::Vec3* source = &in;
+  const auto pass = [&](Vec3(&stages)[3], const Vec3& in) {
+    const Vec3* source = &in;
     for (int i = 0; i < 3; ++i) {
       stages[i] += rate_[i] * (*source - stages[i]);
       source = &stages[i];

@@ -9,27 +9,27 @@
 
 namespace telekerf::control {
 
-class FrictionLead {
+class FrictionFeedforward {
  public:
   /// `gains` of the observer beside which it works: H(s) is rebuilt from them.
-  FrictionLead(const robot::Friction& nominal, const DisturbanceObserver::Gains& gains) noexcept;
+  FrictionFeedforward(const robot::Friction& nominal, const DisturbanceObserver::Gains& gains) noexcept;
 
   /// One control step at this estimated joint velocity.
-  void update(const robot::Vec3& joint_velocity_m_per_s) noexcept;
+  void update(const Vec3& joint_velocity_m_per_s) noexcept;
   /// Friction that the observer has not seen yet, N; to be put back beside its estimate.
-  const robot::Vec3& missing_n() const noexcept { return missing_n_; }
+  const Vec3& missing_n() const noexcept { return missing_n_; }
   /// The modelled friction as the observer sees it, N; to be taken out of its estimate.
-  const robot::Vec3& seen_n() const noexcept { return stages_[2]; }
+  const Vec3& seen_n() const noexcept { return stages_[2]; }
 
  private:
   robot::Friction ahead_;
   robot::Friction nominal_;
   double rate_[3];
-  robot::Vec3 friction_n_ = robot::Vec3::Zero();
-  robot::Vec3 given_n_ = robot::Vec3::Zero();
-  robot::Vec3 stages_[3];
-  robot::Vec3 given_stages_[3];
-  robot::Vec3 missing_n_ = robot::Vec3::Zero();
+  Vec3 friction_n_ = Vec3::Zero();
+  Vec3 given_n_ = Vec3::Zero();
+  Vec3 stages_[3];
+  Vec3 given_stages_[3];
+  Vec3 missing_n_ = Vec3::Zero();
 };
 
 }  // namespace telekerf::control

@@ -8,7 +8,7 @@
 namespace telekerf::control {
 
 /// Position, velocity, acceleration of the tool, workpiece frame.
-struct Motion {
+struct KinematicState {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d acceleration_m_per_s2 = Eigen::Vector3d::Zero();
@@ -16,7 +16,7 @@ struct Motion {
 
 /// x' = Phi x + Gamma a, Phi = [1 h; 0 1], Gamma = [h^2/2; h]: exact for an acceleration held over `h_s`,
 /// which may be negative. The acceleration stays.
-inline Motion advanced(Motion motion, double h_s) noexcept {
+inline KinematicState advanced(KinematicState motion, double h_s) noexcept {
   motion.position_m += h_s * motion.velocity_m_per_s + (0.5 * h_s * h_s) * motion.acceleration_m_per_s2;
   motion.velocity_m_per_s += h_s * motion.acceleration_m_per_s2;
   return motion;
@@ -24,9 +24,9 @@ inline Motion advanced(Motion motion, double h_s) noexcept {
 
 /// The state before: from where `acceleration_m_per_s2`, held over `h_s`, led to `after`. The inverse of
 /// advanced(), up to rounding.
-inline Motion preceding(const Motion& after, const Eigen::Vector3d& acceleration_m_per_s2,
-                        double h_s) noexcept {
-  Motion before;
+inline KinematicState preceding(const KinematicState& after, const Eigen::Vector3d& acceleration_m_per_s2,
+                                double h_s) noexcept {
+  KinematicState before;
   before.acceleration_m_per_s2 = acceleration_m_per_s2;
   before.velocity_m_per_s = after.velocity_m_per_s - h_s * acceleration_m_per_s2;
   before.position_m =

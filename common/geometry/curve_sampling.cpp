@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/geometry/stepping.h"
+#include "common/geometry/curve_sampling.h"
 
 #include <fmt/format.h>
 

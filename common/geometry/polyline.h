@@ -2,14 +2,13 @@
 // Polylines: the ordered points that everything else in geometry is made from (thesis 3.1).
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <vector>
 
-namespace telekerf::geometry {
+#include "common/runtime/vectors.h"
 
-using Vec2 = Eigen::Vector2d;
+namespace telekerf::geometry {
 
 /// z component of a x b: positive when b lies to the left of a.
 inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }

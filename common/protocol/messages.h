@@ -3,7 +3,6 @@
 // Positions are metres in the workpiece frame (x right, y up in the picture, z along the beam).
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -11,10 +10,9 @@
 #include <utility>
 #include <vector>
 
-namespace telekerf {
+#include "common/runtime/vectors.h"
 
-using Vec3 = Eigen::Vector3d;
-using Vec2 = Eigen::Vector2d;
+namespace telekerf {
 
 /// Count of control steps of the side that made it (contract.md, "Time").
 using Tick = std::uint64_t;

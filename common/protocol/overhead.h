@@ -2,7 +2,7 @@
 // What a block costs on the wire, every head counted.
 #pragma once
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf {
 

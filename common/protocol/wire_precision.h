@@ -3,7 +3,7 @@
 // itself, so that its codec and its model hold exactly what the receiver will see.
 #pragma once
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf {
 

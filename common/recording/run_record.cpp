@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/runtime/run_record.h"
+#include "common/recording/run_record.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "common/runtime/refusal.h"
 #include "common/runtime/results.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace fs = std::filesystem;
@@ -28,11 +28,12 @@ constexpr const char* kContourColumns = "x_m,y_m";
 std::vector<std::vector<double>> read_table(const fs::path& path, std::string_view columns) {
   std::ifstream in(path);
   if (!in)
-    throw Refusal(fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
+    throw StartupError(
+        fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
   const auto width = static_cast<std::size_t>(std::count(columns.begin(), columns.end(), ',') + 1);
   std::string line;
   if (!std::getline(in, line) || line != columns) {
-    throw Refusal(fmt::format("{}: line 1 must be '{}'", path.string(), columns));
+    throw StartupError(fmt::format("{}: line 1 must be '{}'", path.string(), columns));
   }
   std::vector<std::vector<double>> rows;
   for (int number = 2; std::getline(in, line); ++number) {
@@ -47,7 +48,7 @@ std::vector<std::vector<double>> read_table(const fs::path& path, std::string_vi
       at = next < end && *next == ',' ? next + 1 : end;
     }
     if (row.size() != width) {
-      throw Refusal(fmt::format("{}: line {} must hold {} numbers", path.string(), number, width));
+      throw StartupError(fmt::format("{}: line {} must hold {} numbers", path.string(), number, width));
     }
     rows.push_back(std::move(row));
   }
@@ -63,7 +64,7 @@ void append(std::string& text, std::initializer_list<double> values) {
   text += '\n';
 }
 
-nlohmann::json as_json(const Figures& figures) {
+nlohmann::json as_json(const Metrics& figures) {
   nlohmann::json json = nlohmann::json::object();
   for (const auto& [name, value] : figures) json[name] = value;
   return json;
@@ -77,13 +78,14 @@ DriveRecord read_drive(const nlohmann::json& json) {
 nlohmann::json read_json(const fs::path& path) {
   std::ifstream in(path);
   if (!in)
-    throw Refusal(fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
+    throw StartupError(
+        fmt::format("{}: cannot be read; is this the folder of a finished run?", path.string()));
   auto json = nlohmann::json::parse(in, nullptr, false);
-  if (!json.is_object()) throw Refusal(fmt::format("{}: is not a JSON object", path.string()));
+  if (!json.is_object()) throw StartupError(fmt::format("{}: is not a JSON object", path.string()));
   return json;
 }
 
-void read_figures(const nlohmann::json& json, Figures& figures) {
+void read_figures(const nlohmann::json& json, Metrics& figures) {
   const nlohmann::json named = json.value("figures", nlohmann::json::object());
   for (const auto& [name, value] : named.items()) {
     if (value.is_number()) figures[name] = value.get<double>();
@@ -92,11 +94,11 @@ void read_figures(const nlohmann::json& json, Figures& figures) {
 
 }  // namespace
 
-Words words_of(const DriveRecord& drive) {
+Metadata words_of(const DriveRecord& drive) {
   return {{"name", drive.name}, {"tool", drive.true_tool ? "true" : "measured"}};
 }
 
-void add_figures(const LoopStatistics& loop, Figures& figures) {
+void add_figures(const LoopStatistics& loop, Metrics& figures) {
   figures["rate_hz"] = loop.rate_hz;
   figures["slack_p50_us"] = loop.slack_p50_us;
   figures["slack_p99_us"] = loop.slack_p99_us;
@@ -111,7 +113,7 @@ void add_figures(const LoopStatistics& loop, Figures& figures) {
 void write_contour(const fs::path& folder, const RunRecord& record) {
   std::string text = std::string(kContourColumns) + "\n";
   for (const auto& point : record.contour_m) append(text, {point[0], point[1]});
-  write_whole(folder / "contour.csv", text);
+  write_atomically(folder / "contour.csv", text);
   write_json(folder / "contour.json", nlohmann::json{{"closed", record.contour_closed}});
 }
 
@@ -140,7 +142,7 @@ void write_master(const fs::path& folder, const RunRecord& record) {
                   r.slave_force_n[2],
                   r.beta});
   }
-  write_whole(folder / "master.csv", text);
+  write_atomically(folder / "master.csv", text);
   write_json(folder / "master.json", nlohmann::json{{"figures", as_json(record.master_figures)},
                                                     {"drive", words_of(record.master_drive)},
                                                     {"words", record.words}});
@@ -153,7 +155,7 @@ void write_slave(const fs::path& folder, const RunRecord& record) {
                   r.tool_m[0], r.tool_m[1], r.tool_m[2], r.laser_w, double(r.interlock), double(r.settled),
                   r.force_n[0], r.force_n[1], r.force_n[2]});
   }
-  write_whole(folder / "slave.csv", text);
+  write_atomically(folder / "slave.csv", text);
   write_json(folder / "slave.json", nlohmann::json{{"figures", as_json(record.slave_figures)},
                                                    {"drive", words_of(record.slave_drive)}});
 }

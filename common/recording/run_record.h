@@ -65,11 +65,11 @@ class Recorder {
 };
 
 /// Named figures of a process ("rtt_p50_ms" -> 100.2), kept in order of their names.
-using Figures = std::map<std::string, double>;
+using Metrics = std::map<std::string, double>;
 /// What the control loop measured of itself, as figures.
-void add_figures(const LoopStatistics& loop, Figures& figures);
+void add_figures(const LoopStatistics& loop, Metrics& figures);
 
-using Words = std::map<std::string, std::string>;
+using Metadata = std::map<std::string, std::string>;
 
 /// What moved a robot, and with it what its rows can tell.
 struct DriveRecord {
@@ -77,23 +77,23 @@ struct DriveRecord {
   bool true_tool = true;           ///< false: nobody knows it, the rows hold the measured one
 };
 /// As results say it: `name`, and `tool`: "true" or "measured".
-Words words_of(const DriveRecord& drive);
+Metadata words_of(const DriveRecord& drive);
 
 struct RunRecord {
   std::vector<std::array<double, 2>> contour_m;  ///< as extracted, true size
   bool contour_closed = true;
   std::vector<MasterRow> master;
   std::vector<SlaveRow> slave;
-  Figures master_figures, slave_figures;
+  Metrics master_figures, slave_figures;
   DriveRecord master_drive, slave_drive;
-  Words words;  ///< netem, law, codec, image ...
+  Metadata words;  ///< netem, law, codec, image ...
 };
 
-/// CSV and JSON files in `folder` (created if need be); each site writes its own part. Throws Refusal.
+/// CSV and JSON files in `folder` (created if need be); each site writes its own part. Throws StartupError.
 void write_contour(const std::filesystem::path& folder, const RunRecord& record);
 void write_master(const std::filesystem::path& folder, const RunRecord& record);
 void write_slave(const std::filesystem::path& folder, const RunRecord& record);
-/// Everything again; throws Refusal that names the file and line.
+/// Everything again; throws StartupError that names the file and line.
 RunRecord read_run(const std::filesystem::path& folder);
 
 }  // namespace telekerf

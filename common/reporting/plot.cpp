@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/experiments/plot.h"
+#include "common/reporting/plot.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -276,7 +276,7 @@ void draw_figure(const Figure& figure, const std::filesystem::path& png) {
                                 figure.panel_width_px, figure.panel_height_px)),
                figure.panels[i]);
   }
-  if (!cv::imwrite(png.string(), picture)) throw Refusal("cannot write the picture " + png.string());
+  if (!cv::imwrite(png.string(), picture)) throw StartupError("cannot write the picture " + png.string());
 }
 
 }  // namespace telekerf::experiments

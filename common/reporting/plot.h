@@ -39,7 +39,7 @@ struct Figure {
   int panel_height_px = 320;
 };
 
-/// Writes the figure; the folder must exist. Throws Refusal if the file cannot be written.
+/// Writes the figure; the folder must exist. Throws StartupError if the file cannot be written.
 void draw_figure(const Figure& figure, const std::filesystem::path& png);
 
 }  // namespace telekerf::experiments

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/inspect/run_report.h"
+#include "common/reporting/run_report.h"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 #include <optional>
 
 #include "common/geometry/nearest.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/error_statistics.h"
 #include "common/runtime/results.h"
-#include "common/runtime/spread.h"
+#include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
 #include "slave/laser/mark_picture.h"
 #include "slave/laser/workpiece.h"
@@ -23,7 +23,7 @@ namespace {
 
 using geometry::Polyline;
 
-nlohmann::ordered_json um(const Spread& spread, const char* rms_um = "rms_um") {
+nlohmann::ordered_json um(const ErrorStatistics& spread, const char* rms_um = "rms_um") {
   if (spread.count == 0) return {{rms_um, nullptr}, {"max_um", nullptr}, {"samples", 0}};
   return {{rms_um, spread.rms() * 1e6}, {"max_um", spread.max * 1e6}, {"samples", spread.count}};
 }
@@ -37,13 +37,13 @@ Polyline contour_of(const RunRecord& record) {
   return line;
 }
 
-double figure(const Figures& figures, const std::string& name, double fallback = 0.0) {
+double figure(const Metrics& figures, const std::string& name, double fallback = 0.0) {
   const auto found = figures.find(name);
   return found == figures.end() ? fallback : found->second;
 }
 
 /// The sum of figures; null if one of them was never measured.
-nlohmann::ordered_json known(std::initializer_list<std::pair<const Figures*, const char*>> parts) {
+nlohmann::ordered_json known(std::initializer_list<std::pair<const Metrics*, const char*>> parts) {
   double sum = 0.0;
   for (const auto& [figures, name] : parts) {
     if (!figures->contains(name)) return nullptr;
@@ -71,8 +71,8 @@ std::optional<Vec3> master_at(const RunRecord& record, double tick, Triple Maste
 
 /// The force that reached the master, and how far it was off what the slave estimated at the same tick.
 nlohmann::ordered_json force_json(const RunRecord& record) {
-  Spread force;
-  Spread coding;
+  ErrorStatistics force;
+  ErrorStatistics coding;
   std::size_t samples = 0;
   for (const MasterRow& row : record.master) {
     if (row.force_tick < 0.0 || record.slave.empty()) continue;
@@ -137,7 +137,7 @@ class Coverage {
   std::vector<bool> bins_;
 };
 
-nlohmann::ordered_json loop_json(const Figures& figures) {
+nlohmann::ordered_json loop_json(const Metrics& figures) {
   return {{"rate_hz", figure(figures, "rate_hz")},
           {"slack_us", {{"p50", figure(figures, "slack_p50_us")}, {"p99", figure(figures, "slack_p99_us")}}},
           {"overruns", static_cast<std::int64_t>(figure(figures, "overruns"))},
@@ -151,19 +151,19 @@ double tick_s(const std::vector<SlaveRow>& rows) {
 }  // namespace
 
 nlohmann::ordered_json make_report(const RunRecord& record) {
-  if (record.contour_m.size() < 2) throw Refusal("the run has no contour: nothing to report");
+  if (record.contour_m.size() < 2) throw StartupError("the run has no contour: nothing to report");
   const geometry::NearestIndex contour(contour_of(record));
   const double dt_s = figure(record.slave_figures, "control_period_s", tick_s(record.slave));
 
-  Spread constraint;
+  ErrorStatistics constraint;
   for (const auto& row : record.master) {
     // In the master's size: to contour / beta.
     if (row.guided) constraint.add(contour.find(row.beta * plane(row.tool_m)).distance_m / row.beta);
   }
 
-  Spread tracking;
-  Spread prediction;
-  Spread cut;
+  ErrorStatistics tracking;
+  ErrorStatistics prediction;
+  ErrorStatistics cut;
   Coverage coverage(contour);
   double laser_on_s = 0.0;
   double inside_j = 0.0;
@@ -198,8 +198,8 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   cut_json["energy_inside_j"] = inside_j;
   cut_json["energy_outside_corridor_j"] = outside_j;
 
-  const Figures& m = record.master_figures;
-  const Figures& s = record.slave_figures;
+  const Metrics& m = record.master_figures;
+  const Metrics& s = record.slave_figures;
   nlohmann::ordered_json report;
   report["contour"] = {{"points", record.contour_m.size()},
                        {"length_m", contour.length_m()},
@@ -257,7 +257,7 @@ void write_trace(const std::filesystem::path& file, const RunRecord& record) {
         row.tool_m[0], row.tool_m[1], row.tool_m[2], row.laser_w, row.force_n[0], row.force_n[1],
         row.force_n[2]);
   }
-  write_whole(file, out);
+  write_atomically(file, out);
 }
 
 /// Wood, burned where energy went; the contour as a thin blue line, the slave's path without laser as a grey
@@ -317,7 +317,7 @@ void write_report(const std::filesystem::path& folder, const RunRecord& record) 
   const auto report = make_report(record);
   write_trace(folder / "trace.csv", record);
   if (!cv::imwrite((folder / "cut.png").string(), draw_cut(record))) {
-    throw Refusal(fmt::format("{}: cannot be written", (folder / "cut.png").string()));
+    throw StartupError(fmt::format("{}: cannot be written", (folder / "cut.png").string()));
   }
   write_json(folder / "report.json", report);
 }

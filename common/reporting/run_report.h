@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "common/runtime/run_record.h"
+#include "common/recording/run_record.h"
 
 namespace telekerf::inspect {
 

@@ -14,10 +14,10 @@
 #include <tl/expected.hpp>
 
 #include "common/robot/kinematics_error.h"
+#include "common/runtime/vectors.h"
 
 namespace telekerf::robot {
 
-using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
 /// The tool stands above (eq. 131) or below (as in most printers) the plane of the carriages.

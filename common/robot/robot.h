@@ -2,13 +2,12 @@
 // The hardware seam: what a vendor's drive must offer. See docs/attach-a-drive.md.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <string>
 
-namespace telekerf::robot {
+#include "common/runtime/vectors.h"
 
-using Vec3 = Eigen::Vector3d;
+namespace telekerf::robot {
 
 /// One reading of the three joint sensors.
 struct JointReading {

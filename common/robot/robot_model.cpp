@@ -9,8 +9,8 @@
 #include <random>
 
 #include "common/runtime/config.h"
-#include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
 namespace {

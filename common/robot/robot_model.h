@@ -66,7 +66,7 @@ struct RobotModel {
 
 /// Loads a shipped robot by name or a robot file by path. Only [geometry] is mandatory; without [workspace]
 /// the largest upright cylinder is computed; a geometry that has none is refused, but not if only kinematics
-/// are wanted (`with_workspace` false). Throws Refusal that names file, key, value and bound.
+/// are wanted (`with_workspace` false). Throws StartupError that names file, key, value and bound.
 RobotModel load_robot(const std::string& name_or_path, bool with_workspace = true);
 
 /// The same from text; `name` stands in messages.

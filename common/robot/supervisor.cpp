@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/robot/machine.h"
+#include "common/robot/supervisor.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <thread>
 #include <utility>
 
-#include "common/runtime/refusal.h"
 #include "common/runtime/settings.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
 namespace {
@@ -19,14 +19,15 @@ constexpr std::chrono::seconds kPatience{5};
 
 }  // namespace
 
-void MachineSettings::declare(Settings& settings) {
+void RobotSupervisorSettings::declare(Settings& settings) {
   settings.add("drive", drive, fmt::format("what moves the robot ({})", drive_forms()),
                complaint_about_drive);
   settings.add("drive_stale_s", drive_stale_s, {.min = 0.002, .max = 10},
                "no reading of the drive for this long: laser off, currents zero, end");
 }
 
-Machine::Machine(const RobotModel& nominal, const MachineSettings& settings, double control_hz, Drive drive)
+RobotSupervisor::RobotSupervisor(const RobotModel& nominal, const RobotSupervisorSettings& settings,
+                                 double control_hz, Drive drive)
     : settings_(settings),
       nominal_(nominal),
       period_s_(1.0 / control_hz),
@@ -35,7 +36,7 @@ Machine::Machine(const RobotModel& nominal, const MachineSettings& settings, dou
   if (drive_.plant != nullptr) return;  // it is there, and its readings are counted
   const double most_hz = drive_.robot->capabilities().max_rate_hz;
   if (control_hz > most_hz) {
-    throw Refusal(
+    throw StartupError(
         fmt::format("drive = {}: takes at most {:g} steps a second, the controller makes {:g}; "
                     "lower its rate",
                     settings_.drive, most_hz, control_hz));
@@ -43,20 +44,21 @@ Machine::Machine(const RobotModel& nominal, const MachineSettings& settings, dou
   (void)stand();
 }
 
-JointReading Machine::newest() noexcept {
+JointReading RobotSupervisor::newest() noexcept {
   JointReading reading = drive_.robot->read();
   reading.valid = reading.valid && reading.tick != newest_tick_ && reading.joints_m.allFinite();
   if (reading.valid) newest_tick_ = reading.tick;
   return reading;
 }
 
-Machine::Stand Machine::stand() {
+RobotSupervisor::InitialPose RobotSupervisor::stand() {
   const auto until = std::chrono::steady_clock::now() + kPatience;
   JointReading reading = newest();
   while (!reading.valid) {
     if (std::chrono::steady_clock::now() > until) {
-      throw Refusal(fmt::format("drive = {}: no reading for {} s; is it switched on, homed and connected?",
-                                settings_.drive, kPatience.count()));
+      throw StartupError(
+          fmt::format("drive = {}: no reading for {} s; is it switched on, homed and connected?",
+                      settings_.drive, kPatience.count()));
     }
     drive_.robot->write(Vec3::Zero());
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -64,7 +66,7 @@ Machine::Stand Machine::stand() {
   }
   const auto tool_m = DeltaKinematics(nominal_.geometry).forward(reading.joints_m);
   if (!tool_m) {
-    throw Refusal(
+    throw StartupError(
         fmt::format("drive = {}: the robot stands where {} has no pose: {}; move it into its workspace, or "
                     "correct its file",
                     settings_.drive, nominal_.name, describe(tool_m.error())));
@@ -72,7 +74,7 @@ Machine::Stand Machine::stand() {
   return {reading.joints_m, nominal_.in_workpiece(*tool_m)};
 }
 
-JointReading Machine::read() noexcept {
+JointReading RobotSupervisor::read() noexcept {
   JointReading reading = newest();
   reading.valid = reading.valid && !lost();
   if (reading.valid) {
@@ -85,15 +87,15 @@ JointReading Machine::read() noexcept {
   return reading;
 }
 
-void Machine::write(const Vec3& currents_a) noexcept {
+void RobotSupervisor::write(const Vec3& currents_a) noexcept {
   drive_.robot->write(started_ && !lost() ? currents_a : Vec3(Vec3::Zero()));
 }
 
-void Machine::advance() noexcept {
+void RobotSupervisor::advance() noexcept {
   if (drive_.plant != nullptr) drive_.plant->advance(period_s_);
 }
 
-std::string Machine::loss() const {
+std::string RobotSupervisor::loss() const {
   if (drive_.plant != nullptr) {
     return fmt::format(
         "drive = {}: the robot left the poses that it can take, so the laser is off and the currents "
@@ -106,12 +108,12 @@ std::string Machine::loss() const {
       settings_.drive, settings_.drive_stale_s);
 }
 
-std::optional<Vec3> Machine::true_tool_m() const noexcept {
+std::optional<Vec3> RobotSupervisor::true_tool_m() const noexcept {
   if (drive_.plant == nullptr) return std::nullopt;
   return nominal_.in_workpiece(drive_.plant->true_tool_in_base_m());
 }
 
-std::optional<Vec3> Machine::true_tool_velocity_m_per_s() const noexcept {
+std::optional<Vec3> RobotSupervisor::true_tool_velocity_m_per_s() const noexcept {
   if (drive_.plant == nullptr) return std::nullopt;
   return drive_.plant->true_tool_velocity_m_per_s();
 }

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "common/robot/drives.h"
+#include "common/robot/drivers/drives.h"
 
 namespace telekerf {
 class Settings;
@@ -15,8 +15,9 @@ class Settings;
 
 namespace telekerf::robot {
 
-struct MachineSettings {
-  MachineSettings() = default;      // no aggregate: g++ 12 warns of its text within temporaries of settings
+struct RobotSupervisorSettings {
+  RobotSupervisorSettings() =
+      default;                      // no aggregate: g++ 12 warns of its text within temporaries of settings
   std::string drive = "simulated";  ///< see drives.h
   double drive_stale_s = 0.02;      ///< steps of so much time without a new reading: lost
   void declare(Settings& settings);
@@ -24,22 +25,23 @@ struct MachineSettings {
 
 /// Order within a control step: read(), decide, write(), advance(). None of them allocates, waits or throws
 /// beyond what the drive itself does.
-class Machine {
+class RobotSupervisor {
  public:
   /// A robot that is not simulated must tell where it stands, see stand(), and keep up with the rate. Throws
-  /// Refusal.
-  Machine(const RobotModel& nominal, const MachineSettings& settings, double control_hz, Drive drive);
-  ~Machine() { release(); }
-  Machine(const Machine&) = delete;
-  Machine& operator=(const Machine&) = delete;
+  /// StartupError.
+  RobotSupervisor(const RobotModel& nominal, const RobotSupervisorSettings& settings, double control_hz,
+                  Drive drive);
+  ~RobotSupervisor() { release(); }
+  RobotSupervisor(const RobotSupervisor&) = delete;
+  RobotSupervisor& operator=(const RobotSupervisor&) = delete;
 
-  struct Stand {
+  struct InitialPose {
     Vec3 joints_m;
     Vec3 tool_m;  ///< workpiece frame
   };
-  /// Where the robot stands before the loop starts; there is no current meanwhile. Waits. Throws Refusal if
-  /// it does not tell, or if its file knows no such pose.
-  Stand stand();
+  /// Where the robot stands before the loop starts; there is no current meanwhile. Waits. Throws StartupError
+  /// if it does not tell, or if its file knows no such pose.
+  InitialPose stand();
 
   /// Valid only if it is new and finite.
   JointReading read() noexcept;
@@ -69,7 +71,7 @@ class Machine {
  private:
   JointReading newest() noexcept;
 
-  MachineSettings settings_;
+  RobotSupervisorSettings settings_;
   RobotModel nominal_;
   double period_s_;
   std::uint64_t patience_;  ///< steps

@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -71,13 +71,14 @@ ConfigFile::ConfigFile(const std::filesystem::path& file)
     : document_(std::make_unique<Document>()), name_(file.string()) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
-    throw Refusal(fmt::format("{}: is a folder, not a file", name_));
+    throw StartupError(fmt::format("{}: is a folder, not a file", name_));
   try {
     document_->root = toml::parse_file(name_);
   } catch (const toml::parse_error& error) {
     if (error.source().begin.line == 0)
-      throw Refusal(fmt::format("{}: cannot be read; is the name right?", name_));
-    throw Refusal(fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
+      throw StartupError(fmt::format("{}: cannot be read; is the name right?", name_));
+    throw StartupError(
+        fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
   }
 }
 
@@ -86,7 +87,8 @@ ConfigFile::ConfigFile(const std::string& text, const std::string& name)
   try {
     document_->root = toml::parse(text);
   } catch (const toml::parse_error& error) {
-    throw Refusal(fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
+    throw StartupError(
+        fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
   }
 }
 
@@ -96,8 +98,9 @@ ConfigFile& ConfigFile::operator=(ConfigFile&&) noexcept = default;
 
 void ConfigFile::refuse(const std::string& key, const std::string& complaint) const {
   const toml::node* node = document_->find(key);
-  if (node == nullptr || node->is_table()) throw Refusal(fmt::format("{}: {}: {}", name_, key, complaint));
-  throw Refusal(fmt::format("{}: {} = {}: {}", name_, key, shown(*node), complaint));
+  if (node == nullptr || node->is_table())
+    throw StartupError(fmt::format("{}: {}: {}", name_, key, complaint));
+  throw StartupError(fmt::format("{}: {} = {}: {}", name_, key, shown(*node), complaint));
 }
 
 bool ConfigFile::has(const std::string& key) const {
@@ -217,7 +220,8 @@ void ConfigFile::refuse_unknown() const {
     if (here.empty()) {
       for (const auto& key : document_->known) here.insert(key.substr(0, key.find('.')));
     }
-    throw Refusal(fmt::format("{}: unknown key '{}'; known here: {}", name_, leaf, fmt::join(here, ", ")));
+    throw StartupError(
+        fmt::format("{}: unknown key '{}'; known here: {}", name_, leaf, fmt::join(here, ", ")));
   }
 }
 

@@ -46,7 +46,7 @@ class ConfigFile {
   /// Length of an array of tables ("stage" for [[stage]]); its members are read as "stage.0.key".
   std::size_t array_size(const std::string& key) const;
 
-  /// A Refusal about a key's value, for checks across keys.
+  /// A StartupError about a key's value, for checks across keys.
   [[noreturn]] void refuse(const std::string& key, const std::string& complaint) const;
   void refuse_unknown() const;
   const std::string& name() const { return name_; }

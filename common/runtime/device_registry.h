@@ -8,13 +8,13 @@
 #include <string>
 #include <string_view>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 
 /// The kinds that a setting may name. A kind makes a `Device` of the text's rest and of `Needs`.
 template <typename Device, typename... Needs>
-class DeviceTable {
+class DeviceRegistry {
  public:
   /// `rest`: what stands after the first colon.
   struct Kind {
@@ -26,7 +26,7 @@ class DeviceTable {
   };
 
   /// `key`: of the setting.
-  constexpr DeviceTable(std::string_view key, std::span<const Kind> kinds) : key_(key), kinds_(kinds) {}
+  constexpr DeviceRegistry(std::string_view key, std::span<const Kind> kinds) : key_(key), kinds_(kinds) {}
 
   /// How a device may be written, one form after the other.
   std::string forms() const {
@@ -41,10 +41,10 @@ class DeviceTable {
     return fmt::format("must be one of {}; docs/attach-a-drive.md says how to add another", forms());
   }
 
-  /// Throws Refusal.
+  /// Throws StartupError.
   Device attach(std::string_view device, Needs... needs) const {
     if (const std::string wrong = complaint(device); !wrong.empty())
-      throw Refusal(fmt::format("{} = {}: {}", key_, device, wrong));
+      throw StartupError(fmt::format("{} = {}: {}", key_, device, wrong));
     return kind_of(device)->attach(rest_of(device), needs...);
   }
 

@@ -8,7 +8,7 @@
 
 namespace telekerf {
 
-struct Spread {
+struct ErrorStatistics {
   double squares = 0.0;
   double max = 0.0;  ///< magnitude
   std::size_t count = 0;

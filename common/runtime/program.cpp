@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
 
 namespace telekerf {
@@ -62,7 +62,7 @@ int run_program(CLI::App& app, int argc, char** argv, Action& action) {
   }
   try {
     return action();
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     fmt::print(stderr, "{}: {}\n", app.get_name(), refusal.what());
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: unexpected: {}\n", app.get_name(), error.what());

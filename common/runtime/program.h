@@ -10,7 +10,7 @@ namespace telekerf {
 /// What the command line asked for; returns the exit code (0 good, 1 a bad verdict).
 using Action = std::function<int()>;
 
-/// Parses, runs `action` (set before, or by the callback of a chosen subcommand), reports a Refusal.
+/// Parses, runs `action` (set before, or by the callback of a chosen subcommand), reports a StartupError.
 /// Exit codes: `contract.md`; usage errors are 2 as well.
 int run_program(CLI::App& app, int argc, char** argv, Action& action);
 

@@ -12,8 +12,9 @@ namespace telekerf {
 std::filesystem::path data_folder();
 
 /// A path that exists is taken as it is; otherwise `name` + `extension` is looked up in the shipped `kind`
-/// ("robots", "profiles", "pictures", "config"). Throws Refusal that lists the shipped names.
-std::filesystem::path find_resource(const std::string& kind, const std::string& name, const std::string& extension);
+/// ("robots", "profiles", "pictures", "config"). Throws StartupError that lists the shipped names.
+std::filesystem::path find_resource(const std::string& kind, const std::string& name,
+                                    const std::string& extension);
 
 /// Names (without extension) of everything shipped of one kind, sorted.
 std::vector<std::string> shipped_names(const std::string& kind, const std::string& extension);

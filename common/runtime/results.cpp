@@ -7,18 +7,18 @@
 #include <fstream>
 #include <system_error>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace fs = std::filesystem;
 
 void refuse_unwritable(const std::string& option, const fs::path& folder) {
-  if (folder.empty()) throw Refusal(fmt::format("{} is empty: name a folder for the results", option));
+  if (folder.empty()) throw StartupError(fmt::format("{} is empty: name a folder for the results", option));
   std::error_code ignored;
   fs::path there = fs::absolute(folder);
   while (!fs::exists(there, ignored) && there.has_relative_path()) there = there.parent_path();
   const auto refuse = [&](const char* complaint) {
-    throw Refusal(
+    throw StartupError(
         fmt::format("{} {}: {} {}; name another folder", option, folder.string(), there.string(), complaint));
   };
   if (!fs::is_directory(there, ignored)) refuse("is no folder");
@@ -30,10 +30,11 @@ void make_folder(const std::string& option, const fs::path& folder) {
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed)
-    throw Refusal(fmt::format("{} {}: {}; name another folder", option, folder.string(), failed.message()));
+    throw StartupError(
+        fmt::format("{} {}: {}; name another folder", option, folder.string(), failed.message()));
 }
 
-void write_whole(const fs::path& file, const std::string& text) {
+void write_atomically(const fs::path& file, const std::string& text) {
   std::error_code failed;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), failed);
   const fs::path draft = file.string() + ".part";
@@ -41,13 +42,13 @@ void write_whole(const fs::path& file, const std::string& text) {
     std::ofstream out(draft, std::ios::binary);
     out << text;
     if (!out.flush())
-      throw Refusal(fmt::format("{}: cannot be written; is the folder writable?", file.string()));
+      throw StartupError(fmt::format("{}: cannot be written; is the folder writable?", file.string()));
   }
   fs::rename(draft, file, failed);
   if (!failed) return;
   std::error_code ignored;
   fs::remove(draft, ignored);
-  throw Refusal(fmt::format("{}: {}", file.string(), failed.message()));
+  throw StartupError(fmt::format("{}: {}", file.string(), failed.message()));
 }
 
 }  // namespace telekerf

@@ -15,7 +15,7 @@ void refuse_unwritable(const std::string& option, const std::filesystem::path& f
 void make_folder(const std::string& option, const std::filesystem::path& folder);
 
 /// Written beside and renamed, so that nothing half-written is ever found under the final name.
-void write_whole(const std::filesystem::path& file, const std::string& text);
+void write_atomically(const std::filesystem::path& file, const std::string& text);
 
 /// Bytes that are no UTF-8, as a file's name may hold, are replaced.
 template <typename Json>
@@ -25,7 +25,7 @@ std::string json_text(const Json& json) {
 
 template <typename Json>
 void write_json(const std::filesystem::path& file, const Json& json) {
-  write_whole(file, json_text(json) + "\n");
+  write_atomically(file, json_text(json) + "\n");
 }
 
 }  // namespace telekerf

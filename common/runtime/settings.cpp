@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -120,10 +120,10 @@ void Settings::fill() {
     const std::string text = entry.quoted ? quoted_toml(*entry.given) : *entry.given;
     try {
       apply(ConfigFile(fmt::format("{} = {}\n", entry.name, text), "command line"));
-    } catch (const Refusal& refusal) {
+    } catch (const StartupError& refusal) {
       const std::string what = refusal.what();
       if (what.find(entry.name) != std::string::npos) throw;
-      throw Refusal(
+      throw StartupError(
           fmt::format("command line: {} {}: not a value of its kind", flag_of(entry.name), *entry.given));
     }
   }

@@ -8,9 +8,9 @@
 namespace telekerf {
 
 /// "Cannot do it": usage, configuration, input or environment. Never thrown inside a control loop.
-class Refusal : public std::runtime_error {
+class StartupError : public std::runtime_error {
  public:
-  explicit Refusal(const std::string& sentence) : std::runtime_error(sentence) {}
+  explicit StartupError(const std::string& sentence) : std::runtime_error(sentence) {}
 };
 
 }  // namespace telekerf

@@ -5,7 +5,7 @@
 
 #include <charconv>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 
@@ -29,7 +29,7 @@ std::string complaint_about_udp(std::string_view text) {
 
 void refuse_udp(const UdpAddress& address, std::string_view key, std::string_view wrong,
                 std::string_view remedy) {
-  throw Refusal(fmt::format("{} = udp:{}:{}: {}; {}", key, address.host, address.port, wrong, remedy));
+  throw StartupError(fmt::format("{} = udp:{}:{}: {}; {}", key, address.host, address.port, wrong, remedy));
 }
 
 udp::endpoint open_udp(udp::socket& socket, const UdpAddress& address, std::string_view key) {

@@ -19,7 +19,7 @@ UdpAddress udp_address(std::string_view text);
 std::string complaint_about_udp(std::string_view text);
 
 /// Opens `socket` so that it never waits, and finds the address (IPv4). `key`: the setting that names the
-/// device. Throws Refusal.
+/// device. Throws StartupError.
 boost::asio::ip::udp::endpoint open_udp(boost::asio::ip::udp::socket& socket, const UdpAddress& address,
                                         std::string_view key);
 

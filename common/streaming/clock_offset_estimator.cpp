@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/clock_comparison.h"
+#include "common/streaming/clock_offset_estimator.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace telekerf::master {
 
-void ClockComparison::add(const FourStamps& s) noexcept {
+void ClockOffsetEstimator::add(const FourStamps& s) noexcept {
   Exchange& exchange = exchanges_[static_cast<std::size_t>(next_)];
   exchange.at_ns = s.t1_ns + (s.t4_ns - s.t1_ns) / 2;
   exchange.offset_ns = ((s.t2_ns - s.t1_ns) + (s.t3_ns - s.t4_ns)) / 2;
@@ -15,7 +15,7 @@ void ClockComparison::add(const FourStamps& s) noexcept {
   count_ = std::min(count_ + 1, kWindow);
 }
 
-ClockEstimate ClockComparison::estimate(std::int64_t now_ns) const noexcept {
+ClockEstimate ClockOffsetEstimator::estimate(std::int64_t now_ns) const noexcept {
   ClockEstimate estimate;
   if (count_ < 2) return estimate;
   const auto begin = exchanges_.begin();

@@ -24,7 +24,7 @@ struct ClockEstimate {
 
 /// Delay-weighted least squares over the last 200 exchanges: offset = ((t2-t1)+(t3-t4))/2,
 /// delay = (t4-t1)-(t3-t2), weight 1/(delay - shortest + 100 us)^2, because a queue delays one way only.
-class ClockComparison {
+class ClockOffsetEstimator {
  public:
   void add(const FourStamps& stamps) noexcept;
   /// At `now_ns` of the master's clock; zero before the second exchange.

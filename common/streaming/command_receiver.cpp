@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/command_intake.h"
+#include "common/streaming/command_receiver.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "slave/reference.h"
+#include "common/streaming/reference.h"
 
 namespace telekerf::slave {
 namespace {
@@ -36,11 +36,11 @@ std::int64_t first_index(const CommandBlock& block) noexcept {
 
 }  // namespace
 
-CommandIntake::CommandIntake(const IntakeSettings& settings)
-    : settings_(settings), ring_(std::make_unique<SampleRing>()), clock_(settings.playout) {}
+CommandReceiver::CommandReceiver(const CommandReceiverSettings& settings)
+    : settings_(settings), ring_(std::make_unique<JitterBuffer>()), clock_(settings.playout) {}
 
-void CommandIntake::receive(const Received<CommandBlock>& received,
-                            std::optional<std::uint32_t> contour_id) noexcept {
+void CommandReceiver::receive(const Received<CommandBlock>& received,
+                              std::optional<std::uint32_t> contour_id) noexcept {
   const CommandBlock& block = received.value;
   const bool silent = static_cast<double>(received.received_ns - last_arrival_ns_) * 1e-9 > settings_.stale_s;
   if (heard_ && block.epoch != *master_epoch_) {
@@ -97,7 +97,7 @@ void CommandIntake::receive(const Received<CommandBlock>& received,
                  block.sample_period_ns, missing > 0);
 }
 
-void CommandIntake::begin_afresh(const CommandBlock& block) noexcept {
+void CommandReceiver::begin_afresh(const CommandBlock& block) noexcept {
   first_number_ = block.sequence;
   master_epoch_ = block.epoch;
   ring_->clear();
@@ -109,7 +109,7 @@ void CommandIntake::begin_afresh(const CommandBlock& block) noexcept {
   ++generation_;
 }
 
-bool CommandIntake::catch_up(const Received<CommandBlock>& received) noexcept {
+bool CommandReceiver::catch_up(const Received<CommandBlock>& received) noexcept {
   const CommandBlock& block = received.value;
   // What was sent before the stream was joined was never counted as lost.
   if (block.sequence < first_number_ || !same_count(block, header_) || !same_source(block, header_))
@@ -127,7 +127,7 @@ bool CommandIntake::catch_up(const Received<CommandBlock>& received) noexcept {
   return true;
 }
 
-void CommandIntake::store(const codec::DecodedPacket& packet, const CommandBlock& block) noexcept {
+void CommandReceiver::store(const codec::DecodedPacket& packet, const CommandBlock& block) noexcept {
   const std::int64_t newest = first_index(block);
   const double period_s = block.sample_period_ns * 1e-9;
   const auto sample_of = [&](int age, int n) {
@@ -146,14 +146,14 @@ void CommandIntake::store(const codec::DecodedPacket& packet, const CommandBlock
     const StreamSample* known = ring_->find(index);
     if (known == nullptr || known->bridged) ring_->store(index, sample);
   };
-  const auto at_state = [](StreamSample sample, const Motion& state) {
+  const auto at_state = [](StreamSample sample, const KinematicState& state) {
     sample.value = state.position_m;
     sample.velocity_m_per_s = state.velocity_m_per_s;
     return sample;
   };
   // The newest block: the accelerations integrated from the anchor are the master's model, bit for bit.
-  const Motion anchor{block.anchor.position_m, block.anchor.velocity_m_per_s, Vec3::Zero()};
-  Motion state = anchor;
+  const KinematicState anchor{block.anchor.position_m, block.anchor.velocity_m_per_s, Vec3::Zero()};
+  KinematicState state = anchor;
   for (int n = 0; n < packet.block_size; ++n) {
     StreamSample sample = sample_of(0, n);
     if (block.law == Law::kAnchored) {
@@ -178,7 +178,8 @@ void CommandIntake::store(const codec::DecodedPacket& packet, const CommandBlock
   }
 }
 
-std::optional<Motion> CommandIntake::motion_at(double cursor, const Motion& tool) const noexcept {
+std::optional<KinematicState> CommandReceiver::motion_at(double cursor,
+                                                         const KinematicState& tool) const noexcept {
   const double period_s = header_.sample_period_ns * 1e-9;
   if (header_.law == Law::kLocal) return reference_at(*ring_, cursor, period_s);
   // Commands are held from their sample to the next.
@@ -186,13 +187,13 @@ std::optional<Motion> CommandIntake::motion_at(double cursor, const Motion& tool
   const StreamSample* sample = ring_->find(static_cast<std::int64_t>(whole));
   if (sample == nullptr || sample->law != header_.law) return std::nullopt;
   if (header_.law == Law::kRemoteAcceleration) {
-    return Motion{tool.position_m, tool.velocity_m_per_s, sample->acceleration_m_per_s2};
+    return KinematicState{tool.position_m, tool.velocity_m_per_s, sample->acceleration_m_per_s2};
   }
-  const Motion state{sample->value, sample->velocity_m_per_s, sample->acceleration_m_per_s2};
+  const KinematicState state{sample->value, sample->velocity_m_per_s, sample->acceleration_m_per_s2};
   return advanced(state, (cursor - whole) * period_s);
 }
 
-Played CommandIntake::play(std::int64_t now_ns, const Motion& tool) noexcept {
+Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) noexcept {
   Played out;
   // What the play-out waits for stragglers is not silence yet.
   const double silent_s = static_cast<double>(now_ns - last_arrival_ns_) * 1e-9 - clock_.wait_s();
@@ -219,7 +220,7 @@ Played CommandIntake::play(std::int64_t now_ns, const Motion& tool) noexcept {
   return out;
 }
 
-void CommandIntake::acknowledge(std::int64_t index) noexcept {
+void CommandReceiver::acknowledge(std::int64_t index) noexcept {
   applied_age_ = 0;
   if (index <= applied_index_) return;  // the clock waited: the same sample twice
   const auto shift = index - applied_index_;
@@ -227,7 +228,7 @@ void CommandIntake::acknowledge(std::int64_t index) noexcept {
   applied_index_ = index;
 }
 
-void CommandIntake::describe(StateBlock& block) const noexcept {
+void CommandReceiver::describe(StateBlock& block) const noexcept {
   block.master_epoch = master_epoch_.value_or(0);
   block.beta = header_.beta;
   block.applied_tick = applied_index_ < 0 ? 0 : static_cast<Tick>(applied_index_) * header_.ticks_per_sample;

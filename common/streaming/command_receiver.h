@@ -6,21 +6,21 @@
 #include <memory>
 #include <optional>
 
-#include "common/bus/messages.h"
 #include "common/codec/decoder.h"
+#include "common/protocol/messages.h"
+#include "common/streaming/playout.h"
 #include "slave/joiner.h"
-#include "slave/playout.h"
 
 namespace telekerf::slave {
 
-struct IntakeSettings {
+struct CommandReceiverSettings {
   PlayoutSettings playout;
   double stale_s = 0.15;                    ///< silence after which a stream is no longer fresh
   double max_acceleration_m_per_s2 = 10.0;  ///< of what bridges a gap
   std::int64_t control_period_ns = 1'000'000;
 };
 
-struct IntakeCounters {
+struct CommandReceiverCounters {
   std::uint64_t blocks = 0;
   std::uint64_t lost = 0;     ///< blocks whose number never came
   std::uint64_t stale = 0;    ///< late, reordered or repeated blocks
@@ -34,17 +34,17 @@ struct Played {
   bool seam = true;              ///< the stream's time did not go on by one step, as it should
   std::int64_t index = -1;
   const StreamSample* sample = nullptr;  ///< null: not there; valid until the next receive()
-  Motion motion;                         ///< of `sample` at the cursor
+  KinematicState motion;                 ///< of `sample` at the cursor
 };
 
-class CommandIntake {
+class CommandReceiver {
  public:
-  explicit CommandIntake(const IntakeSettings& settings);
+  explicit CommandReceiver(const CommandReceiverSettings& settings);
 
   /// `contour_id`: of the contour that is known here; blocks for another one are refused.
   void receive(const Received<CommandBlock>& received, std::optional<std::uint32_t> contour_id) noexcept;
   /// Every control step, once. `tool`: as measured; bare accelerations start from it.
-  Played play(std::int64_t now_ns, const Motion& tool) noexcept;
+  Played play(std::int64_t now_ns, const KinematicState& tool) noexcept;
   /// Sample `index` was followed at this step; otherwise pass().
   void acknowledge(std::int64_t index) noexcept;
   void pass() noexcept { ++applied_age_; }
@@ -55,7 +55,7 @@ class CommandIntake {
   /// Control steps since a sample was followed.
   std::uint32_t applied_age() const noexcept { return applied_age_; }
   const PlayoutClock& clock() const noexcept { return clock_; }
-  const IntakeCounters& counters() const noexcept { return counters_; }
+  const CommandReceiverCounters& counters() const noexcept { return counters_; }
   /// What a state block says about the command stream.
   void describe(StateBlock& block) const noexcept;
 
@@ -64,11 +64,11 @@ class CommandIntake {
   bool catch_up(const Received<CommandBlock>& received) noexcept;
   void begin_afresh(const CommandBlock& block) noexcept;
   void store(const codec::DecodedPacket& packet, const CommandBlock& block) noexcept;
-  std::optional<Motion> motion_at(double cursor, const Motion& tool) const noexcept;
+  std::optional<KinematicState> motion_at(double cursor, const KinematicState& tool) const noexcept;
 
-  IntakeSettings settings_;
+  CommandReceiverSettings settings_;
   codec::BlockDecoder decoder_;
-  std::unique_ptr<SampleRing> ring_;
+  std::unique_ptr<JitterBuffer> ring_;
   PlayoutClock clock_;
   std::optional<std::uint32_t> master_epoch_;
   std::uint32_t number_ = 0;        ///< newest block's
@@ -83,7 +83,7 @@ class CommandIntake {
   std::uint64_t applied_bitmap_ = 0;
   std::int64_t applied_index_ = -1;  ///< newest index that was followed
   std::uint32_t applied_age_ = 0;
-  IntakeCounters counters_;
+  CommandReceiverCounters counters_;
 };
 
 }  // namespace telekerf::slave

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/link_meter.h"
+#include "common/streaming/link_statistics.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace telekerf::master {
 
-LinkMeter::LinkMeter() : histogram_(kBins, 0) {}
+LinkStatistics::LinkStatistics() : histogram_(kBins, 0) {}
 
-void LinkMeter::sent(const CommandBlock& block) noexcept {
+void LinkStatistics::sent(const CommandBlock& block) noexcept {
   ++packets_;
   payload_bytes_ += block.payload.size;
 }
 
-void LinkMeter::received(const StateBlock& state, std::int64_t received_ns) noexcept {
+void LinkStatistics::received(const StateBlock& state, std::int64_t received_ns) noexcept {
   if (last_number_ != 0 && state.sequence > last_number_ + 1) lost_ += state.sequence - last_number_ - 1;
   last_number_ = std::max(last_number_, state.sequence);
   ++states_;
@@ -29,7 +29,7 @@ void LinkMeter::received(const StateBlock& state, std::int64_t received_ns) noex
   ++round_trips_;
 }
 
-double LinkMeter::rtt_quantile_ms(double share) const {
+double LinkStatistics::rtt_quantile_ms(double share) const {
   if (round_trips_ == 0) return 0.0;
   const auto rank = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(round_trips_)));
   std::uint64_t seen = 0;

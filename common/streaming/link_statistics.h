@@ -7,14 +7,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/bus/messages.h"
-#include "master/clock_comparison.h"
+#include "common/protocol/messages.h"
+#include "common/streaming/clock_offset_estimator.h"
 
 namespace telekerf::master {
 
-class LinkMeter {
+class LinkStatistics {
  public:
-  LinkMeter();
+  LinkStatistics();
 
   void sent(const CommandBlock& block) noexcept;
   /// Round trip of the network only: handing a command to the bus until taking the state that acknowledges
@@ -35,7 +35,7 @@ class LinkMeter {
   static constexpr std::size_t kBins = 150'000;  ///< 3 s; longer ones fall into the last
   std::vector<std::uint32_t> histogram_;
   std::uint64_t round_trips_ = 0;
-  ClockComparison clocks_;
+  ClockOffsetEstimator clocks_;
   std::int64_t last_received_ns_ = 0;
   std::uint32_t last_echo_ = 0;
   std::uint32_t last_number_ = 0;

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/playout.h"
+#include "common/streaming/playout.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace telekerf::slave {
 
-void SampleRing::clear() noexcept {
+void JitterBuffer::clear() noexcept {
   for (auto& slot : slots_) slot.index = -1;
 }
 
-void SampleRing::store(std::int64_t index, const StreamSample& sample) noexcept {
+void JitterBuffer::store(std::int64_t index, const StreamSample& sample) noexcept {
   if (index < 0) return;
   slots_[static_cast<std::size_t>(index) % kSize] = {index, sample};
 }
 
-const StreamSample* SampleRing::find(std::int64_t index) const noexcept {
+const StreamSample* JitterBuffer::find(std::int64_t index) const noexcept {
   if (index < 0) return nullptr;
   const Slot& slot = slots_[static_cast<std::size_t>(index) % kSize];
   return slot.index == index ? &slot.sample : nullptr;

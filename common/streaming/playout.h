@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::slave {
 
@@ -26,7 +26,7 @@ struct StreamSample {
 };
 
 /// The newest stream samples by their index (master tick / ticks per sample); older ones are overwritten.
-class SampleRing {
+class JitterBuffer {
  public:
   static constexpr std::size_t kSize = 8192;
 

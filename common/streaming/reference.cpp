@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/reference.h"
+#include "common/streaming/reference.h"
 
 #include <Eigen/LU>
 #include <cmath>
 
 namespace telekerf::slave {
 
-std::optional<Motion> reference_at(const SampleRing& ring, double cursor, double period_s) noexcept {
+std::optional<KinematicState> reference_at(const JitterBuffer& ring, double cursor,
+                                           double period_s) noexcept {
   const auto centre = static_cast<std::int64_t>(std::llround(cursor));
   const StreamSample* middle = ring.find(centre);
   if (middle == nullptr) return std::nullopt;
@@ -31,7 +32,7 @@ std::optional<Motion> reference_at(const SampleRing& ring, double cursor, double
   for (int k = 1; k <= kHalfWindow && include(centre + k); ++k) {
   }
 
-  Motion motion;
+  KinematicState motion;
   motion.position_m = middle->value;
   if (used < 4) return motion;
   const Eigen::Matrix3d fit = normal.inverse() * moments;  // rows: value, slope, half curvature
@@ -42,7 +43,7 @@ std::optional<Motion> reference_at(const SampleRing& ring, double cursor, double
   return motion;
 }
 
-void bridge_gap(SampleRing& ring, std::int64_t index, double period_s, int reach,
+void bridge_gap(JitterBuffer& ring, std::int64_t index, double period_s, int reach,
                 double most_m_per_s2) noexcept {
   const auto known = [&](std::int64_t at) {
     const StreamSample* sample = ring.find(at);

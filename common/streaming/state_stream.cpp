@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/state_stream.h"
+#include "common/streaming/state_stream.h"
 
 #include <tuple>
 
-#include "common/bus/rounded.h"
+#include "common/protocol/wire_precision.h"
 
 namespace telekerf::slave {
 

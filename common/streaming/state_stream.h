@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/bus/messages.h"
 #include "common/codec/encoder.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::slave {
 
@@ -41,7 +41,7 @@ class StateStream {
   std::optional<StateBlock> step(std::int64_t now_ns, Tick tick, const StateSample& sample) noexcept;
 
   /// Another codec, block length or redundancy, from where the next block begins; the rate stays. Throws
-  /// Refusal.
+  /// StartupError.
   void change(const codec::StreamSettings& positions, const codec::StreamSettings& forces);
 
   const StateStreamCounters& counters() const noexcept { return counters_; }

@@ -9,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/geometry/cutting_order.h"
-#include "common/vision/number.h"
-#include "common/vision/picture.h"
+#include "common/vision/raster/picture.h"
+#include "common/vision/vector/number.h"
 
 namespace telekerf::vision {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/vision/vector_drawing.h"
+#include "common/vision/vector/vector_drawing.h"
 
 namespace telekerf::vision {
 namespace {

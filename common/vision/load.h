@@ -8,7 +8,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/vision/extract.h"
+#include "common/vision/extraction/extract.h"
 #include "common/vision/scaling.h"
 
 namespace telekerf::vision {

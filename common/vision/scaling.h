@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "common/vision/extract.h"
+#include "common/vision/extraction/extract.h"
 
 namespace telekerf::vision {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/lap/virtual_lap.h"
+#include "experiments/simulation/simulation.h"
 
 #include <cmath>
 #include <vector>
 
 #include "common/robot/robot_model.h"
-#include "tests/lap/virtual_link.h"
+#include "experiments/simulation/virtual_link.h"
 
 namespace telekerf::lap {
 ContourMessage find_contour(const LapSettings& settings) {

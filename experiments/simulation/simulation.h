@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "common/runtime/run_record.h"
+#include "common/recording/run_record.h"
 #include "master/station.h"
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 #include "slave/station.h"
 #include "slave/vision/contour_source.h"
 
@@ -23,7 +23,7 @@ struct LapSettings {
   slave::StationSettings slave;
 };
 
-/// The contour that vision would publish. Throws Refusal.
+/// The contour that vision would publish. Throws StartupError.
 ContourMessage find_contour(const LapSettings& settings);
 
 /// Runs the lap; the record is what the two processes would have written together.

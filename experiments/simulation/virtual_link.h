@@ -5,8 +5,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "common/bus/wire_cost.h"
-#include "netem/emulator.h"
+#include "common/protocol/overhead.h"
+#include "netem/core/emulator.h"
 
 namespace telekerf::lap {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/constraint.h"
+#include "master/constraint/constraint.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "master/soft_wall.h"
+#include "master/constraint/virtual_wall.h"
 
 namespace telekerf::master {
 namespace {
@@ -67,7 +67,7 @@ double along_the_curve(const ActiveConstraint& active, const ConstraintSettings&
 
 }  // namespace
 
-ActiveConstraint ConstraintGenerator::at(const Guide& guide, const Vec2& tool_m, double dt_s) noexcept {
+ActiveConstraint ConstraintGenerator::at(const GuidePath& guide, const Vec2& tool_m, double dt_s) noexcept {
   ActiveConstraint active;
   if (!last_) {
     active.piece = guide.at(guide.find(tool_m));
@@ -124,7 +124,7 @@ Vec3 guided_acceleration(const ActiveConstraint& active, const ConstraintSetting
 }
 
 Vec3 region_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
-                         const ConstraintForm& form, const ToolState& tool) noexcept {
+                         const ConstraintMode& form, const ToolState& tool) noexcept {
   const Vec2 x = tool.position_m.head<2>();
   const Vec2 v = tool.velocity_m_per_s.head<2>();
   const Vec2 across = active.piece.shape.gradient(x);
@@ -151,7 +151,7 @@ void ConstraintController::enter() noexcept {
   generator_.reset();
 }
 
-void ConstraintController::choose(const ConstraintForm& form) noexcept {
+void ConstraintController::choose(const ConstraintMode& form) noexcept {
   const bool was_free = form_.corridor_m > 0.0;
   const bool is_free = form.corridor_m > 0.0;
   if (was_free && !is_free) entering_ = true;
@@ -216,7 +216,7 @@ Vec2 ConstraintController::parked(const ToolState& tool) noexcept {
   return (-kHold * kHold * along.dot(x - *parked_m_) - 2.0 * kHold * speed) * along;
 }
 
-Vec3 ConstraintController::step(const Guide& guide, const ToolState& tool, double dt_s) noexcept {
+Vec3 ConstraintController::step(const GuidePath& guide, const ToolState& tool, double dt_s) noexcept {
   active_ = generator_.at(guide, tool.position_m.head<2>(), dt_s);
   if (entering_) {
     entering_ = false;

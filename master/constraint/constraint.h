@@ -6,8 +6,8 @@
 
 #include <optional>
 
-#include "master/constraint_guide.h"
-#include "master/constraint_settings.h"
+#include "master/constraint/constraint_settings.h"
+#include "master/constraint/guide_path.h"
 
 namespace telekerf::master {
 
@@ -17,7 +17,7 @@ struct ActiveConstraint {
   double phi_m = 0.0;          ///< signed distance of the tool, positive to the left of travel
   double drift_m_per_s = 0.0;  ///< partial time derivative of phi: the circle is not the last tick's
   double beyond_end_m = 0.0;   ///< how far the tool is past an end of an open curve (signed)
-  Guide::SpeedLimit limit{1.0, 0.0};
+  GuidePath::SpeedLimit limit{1.0, 0.0};
 };
 
 /// Algorithm 1 with a local search from the last foot point, so that a tool at a crossing stays on its
@@ -25,7 +25,7 @@ struct ActiveConstraint {
 class ConstraintGenerator {
  public:
   void reset() noexcept { last_.reset(); }
-  ActiveConstraint at(const Guide& guide, const Vec2& tool_m, double dt_s) noexcept;
+  ActiveConstraint at(const GuidePath& guide, const Vec2& tool_m, double dt_s) noexcept;
 
  private:
   std::optional<GuidePiece> last_;
@@ -39,7 +39,7 @@ struct ConstraintReference {
 };
 
 /// Inside a corridor of this half width the hand is free but for a spring towards the curve; 0: guidance.
-struct ConstraintForm {
+struct ConstraintMode {
   double corridor_m = 0.0;
   double stiffness_n_per_m = 0.0;
 };
@@ -58,7 +58,7 @@ Vec3 guided_acceleration(const ActiveConstraint& active, const ConstraintSetting
 /// The same in the forbidden-region form: the hand moves the virtual mass in the plane, a spring draws it to
 /// the curve, and at the corridor's edge stands a wall that pushes but never holds back.
 Vec3 region_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
-                         const ConstraintForm& form, const ToolState& tool) noexcept;
+                         const ConstraintMode& form, const ToolState& tool) noexcept;
 
 /// Generator and law together, with entries and changes of form that fade instead of jumping.
 class ConstraintController {
@@ -68,12 +68,12 @@ class ConstraintController {
 
   /// The next step starts on the curve nearest to the tool, wherever that is.
   void enter() noexcept;
-  void choose(const ConstraintForm& form) noexcept;
+  void choose(const ConstraintMode& form) noexcept;
   /// Desired tool acceleration, m/s^2.
-  Vec3 step(const Guide& guide, const ToolState& tool, double dt_s) noexcept;
+  Vec3 step(const GuidePath& guide, const ToolState& tool, double dt_s) noexcept;
 
   const ActiveConstraint& active() const noexcept { return active_; }
-  const ConstraintForm& form() const noexcept { return form_; }
+  const ConstraintMode& form() const noexcept { return form_; }
 
  private:
   void begin_entry(const ToolState& tool) noexcept;
@@ -81,7 +81,7 @@ class ConstraintController {
   Vec2 parked(const ToolState& tool) noexcept;
 
   ConstraintSettings settings_;
-  ConstraintForm form_;
+  ConstraintMode form_;
   ConstraintGenerator generator_;
   ActiveConstraint active_;
   bool entering_ = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/constraint_guide.h"
+#include "master/constraint/guide_path.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::master {
 namespace {
@@ -133,7 +133,7 @@ CircleOrLine fit_line(std::span<const Vec2> points, std::span<const double> weig
 
 }  // namespace
 
-Guide::Guide(const ContourMessage& contour, double scale, const ConstraintSettings& settings)
+GuidePath::GuidePath(const ContourMessage& contour, double scale, const ConstraintSettings& settings)
     : contour_id(contour.id),
       beta(scale),
       curve(opened(
@@ -145,9 +145,9 @@ Guide::Guide(const ContourMessage& contour, double scale, const ConstraintSettin
   length_m_ = curve.length_m();
   spacing_m_ = length_m_ / segments;
   if (kind_ == CurveKind::kDescriptor) {
-    if (!closed()) throw Refusal("a descriptor needs a closed contour; use --curve circles");
+    if (!closed()) throw StartupError("a descriptor needs a closed contour; use --curve circles");
     const auto chosen = geometry::choose_harmonics(curve.line(), settings.descriptor_error_m);
-    if (!chosen) throw Refusal("no descriptor of this contour: " + chosen.error());
+    if (!chosen) throw StartupError("no descriptor of this contour: " + chosen.error());
     descriptor_.emplace(chosen->curve);
     length_m_ = descriptor_->length_m();
   }
@@ -155,7 +155,7 @@ Guide::Guide(const ContourMessage& contour, double scale, const ConstraintSettin
   limit_speed();
 }
 
-void Guide::fit_windows() {
+void GuidePath::fit_windows() {
   const geometry::Polyline& line = curve.line();
   const auto n = static_cast<long>(line.size());
   const auto tangent = [&](long i) -> Vec2 {
@@ -184,21 +184,21 @@ void Guide::fit_windows() {
   for (long i = steps; i > 0; --i) soften(i, i - 1);
 }
 
-double Guide::wrapped(double arc_m) const noexcept {
+double GuidePath::wrapped(double arc_m) const noexcept {
   if (!closed()) return std::clamp(arc_m, 0.0, length_m_);
   const double arc = std::fmod(arc_m, length_m_);
   return arc < 0.0 ? arc + length_m_ : arc;
 }
 
-double Guide::find(const Vec2& tool_m) const noexcept { return refined(tool_m, curve.find(tool_m)); }
+double GuidePath::find(const Vec2& tool_m) const noexcept { return refined(tool_m, curve.find(tool_m)); }
 
-double Guide::find_near(const Vec2& tool_m, double arc_m) const noexcept {
+double GuidePath::find_near(const Vec2& tool_m, double arc_m) const noexcept {
   const double share = wrapped(arc_m) / length_m_;
   const auto segment = static_cast<std::size_t>(share * static_cast<double>(curve.line().segments()));
   return refined(tool_m, curve.find_near(tool_m, segment));
 }
 
-double Guide::refined(const Vec2& tool_m, const geometry::Nearest& nearest) const noexcept {
+double GuidePath::refined(const Vec2& tool_m, const geometry::Nearest& nearest) const noexcept {
   const auto segments = static_cast<double>(curve.line().segments());
   double arc = length_m_ * (static_cast<double>(nearest.segment) + nearest.along) / segments;
   for (int i = 0; i < 4; ++i) {
@@ -209,12 +209,12 @@ double Guide::refined(const Vec2& tool_m, const geometry::Nearest& nearest) cons
   return arc;
 }
 
-GuidePiece Guide::at(double arc_m) const noexcept {
+GuidePiece GuidePath::at(double arc_m) const noexcept {
   const double arc = wrapped(arc_m);
   return descriptor_ ? described(arc) : fitted(arc);
 }
 
-GuidePiece Guide::fitted(double arc_m) const noexcept {
+GuidePiece GuidePath::fitted(double arc_m) const noexcept {
   const geometry::Polyline& line = curve.line();
   const double place = arc_m / spacing_m_;
   const long middle = std::lround(place);
@@ -254,14 +254,14 @@ GuidePiece Guide::fitted(double arc_m) const noexcept {
   return piece;
 }
 
-GuidePiece Guide::described(double arc_m) const noexcept {
+GuidePiece GuidePath::described(double arc_m) const noexcept {
   const geometry::CurveState state = descriptor_->at(arc_m);
   const Vec2 tangent = state.first.normalized();
   return {arc_m, state.position,
           geometry::osculating(state.position, tangent, geometry::cross(tangent, state.second))};
 }
 
-void Guide::limit_speed() {
+void GuidePath::limit_speed() {
   const geometry::Polyline& line = curve.line();
   const auto n = static_cast<long>(line.size());
   std::vector<double> bends(static_cast<std::size_t>(n));  // signed curvature, of the larger of two
@@ -296,7 +296,7 @@ void Guide::limit_speed() {
   for (long i = steps; i > 0; --i) soften(i, i - 1);
 }
 
-Guide::SpeedLimit Guide::speed_limit(double arc_m) const noexcept {
+GuidePath::SpeedLimit GuidePath::speed_limit(double arc_m) const noexcept {
   const std::size_t n = limit_m_per_s_.size();
   const auto segments = curve.line().segments();
   const double place = wrapped(arc_m) / length_m_ * static_cast<double>(segments);

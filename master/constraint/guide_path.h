@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "common/bus/messages.h"
 #include "common/geometry/circle_fit.h"
 #include "common/geometry/elliptic_fourier.h"
 #include "common/geometry/nearest.h"
-#include "master/constraint_settings.h"
+#include "common/protocol/messages.h"
+#include "master/constraint/constraint_settings.h"
 
 namespace telekerf::master {
 
@@ -24,10 +24,10 @@ struct GuidePiece {
   geometry::CircleOrLine shape;
 };
 
-struct Guide {
-  /// Contour (true size) for a master whose motion is scaled by `beta`. Allocates. Throws Refusal: a
+struct GuidePath {
+  /// Contour (true size) for a master whose motion is scaled by `beta`. Allocates. Throws StartupError: a
   /// descriptor of an open contour, or one that the most harmonics do not bring within the tolerance.
-  Guide(const ContourMessage& contour, double beta, const ConstraintSettings& settings);
+  GuidePath(const ContourMessage& contour, double beta, const ConstraintSettings& settings);
 
   std::uint32_t contour_id;
   double beta;
@@ -69,8 +69,8 @@ struct Guide {
   std::vector<double> limit_m_per_s_;  ///< at the points
 };
 
-inline Guide make_guide(const ContourMessage& contour, double beta, const ConstraintSettings& settings) {
-  return Guide(contour, beta, settings);
+inline GuidePath make_guide(const ContourMessage& contour, double beta, const ConstraintSettings& settings) {
+  return GuidePath(contour, beta, settings);
 }
 
 }  // namespace telekerf::master

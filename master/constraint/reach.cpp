@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/reach.h"
+#include "master/constraint/reach.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <string>
 
 #include "common/robot/workspace.h"
-#include "common/runtime/refusal.h"
-#include "master/soft_wall.h"
+#include "common/runtime/startup_error.h"
+#include "master/constraint/virtual_wall.h"
 
 namespace telekerf::master {
 namespace {
@@ -48,7 +48,7 @@ double reach_of(std::span<const Vec2> points_m) {
 
 void require_within(const robot::RobotModel& model, double reach_m, double beta) {
   if (reach_m <= model.workspace.radius_m) return;
-  throw Refusal(
+  throw StartupError(
       fmt::format("the contour reaches {:.1f} mm from the centre of the master's workspace at beta = {:g}, "
                   "but {} reaches {:.1f} mm; use a larger --beta or a smaller --width-mm",
                   reach_m * 1e3, beta, model.name, model.workspace.radius_m * 1e3));
@@ -60,12 +60,12 @@ void require_room(const robot::RobotModel& model, std::span<const Vec2> points_m
   require_within(model, reach_of(points_m) / beta, beta);
 }
 
-void require_reach(const robot::RobotModel& model, const Guide& guide, double corridor_m) {
+void require_reach(const robot::RobotModel& model, const GuidePath& guide, double corridor_m) {
   const robot::DeltaKinematics kinematics(model.geometry);
   const auto require = [&](const std::string& what, const Vec2& at, double above_m) {
     const std::string why = objection(model, kinematics, Vec3(at.x(), at.y(), above_m));
     if (why.empty()) return;
-    throw Refusal(
+    throw StartupError(
         fmt::format("{} at ({:.2f}, {:.2f}) mm is no place for {} at beta = {:g}: {}; use a larger --beta, a "
                     "smaller --width-mm or another --anchor",
                     what, 1e3 * at.x(), 1e3 * at.y(), model.name, guide.beta, why));
@@ -87,14 +87,13 @@ void require_reach(const robot::RobotModel& model, const Guide& guide, double co
   for (int i = 0; i <= 20; ++i) require("the way to the contour", i / 20.0 * goal, 0.0);
 }
 
-robot::Vec3 within_strokes(const robot::DeltaGeometry& geometry, const robot::Vec3& joints_m,
-                           const robot::Vec3& joint_velocity_m_per_s,
-                           const robot::Vec3& wanted_m_per_s2) noexcept {
+Vec3 within_strokes(const robot::DeltaGeometry& geometry, const Vec3& joints_m,
+                    const Vec3& joint_velocity_m_per_s, const Vec3& wanted_m_per_s2) noexcept {
   constexpr double kSkin_m = 0.2e-3;
   constexpr double kWall_rad_s = 150.0;
   const double middle = 0.5 * (geometry.stroke_min_m + geometry.stroke_max_m);
   const double half = 0.5 * (geometry.stroke_max_m - geometry.stroke_min_m) - kStrokeRoom_m;
-  robot::Vec3 out = wanted_m_per_s2;
+  Vec3 out = wanted_m_per_s2;
   for (int leg = 0; leg < 3; ++leg) {
     const double side = std::copysign(1.0, joints_m[leg] - middle);
     out[leg] = side * walled(side * out[leg], side * (joints_m[leg] - middle) - half,

@@ -7,7 +7,7 @@
 
 #include "common/robot/delta_kinematics.h"
 #include "common/robot/robot_model.h"
-#include "master/constraint_guide.h"
+#include "master/constraint/guide_path.h"
 
 namespace telekerf::master {
 
@@ -15,18 +15,18 @@ namespace telekerf::master {
 inline constexpr double kStrokeRoom_m = 2e-3;
 
 /// Points of a contour (true size) for a master whose motion is scaled by `beta`: none of contour / beta may
-/// leave the workspace. Quick, for what is far too large. Throws Refusal.
+/// leave the workspace. Quick, for what is far too large. Throws StartupError.
 void require_room(const robot::RobotModel& model, std::span<const Vec2> points_m, double beta);
 
 /// Every point of the guide, to either side as far as the corridor and above and below as far as the
-/// constraint gives way, and the straight way to the guide from the workspace's centre. Throws Refusal that
-/// names the first point that leaves the workspace, comes nearer than kStrokeRoom_m to the end of a rail, or
-/// is worse conditioned than robot::kWorstCondition. Allocates nothing, but is no matter of one control step.
-void require_reach(const robot::RobotModel& model, const Guide& guide, double corridor_m);
+/// constraint gives way, and the straight way to the guide from the workspace's centre. Throws StartupError
+/// that names the first point that leaves the workspace, comes nearer than kStrokeRoom_m to the end of a
+/// rail, or is worse conditioned than robot::kWorstCondition. Allocates nothing, but is no matter of one
+/// control step.
+void require_reach(const robot::RobotModel& model, const GuidePath& guide, double corridor_m);
 
 /// Wanted joint accelerations, m/s^2, kept from running into the ends of the rails.
-robot::Vec3 within_strokes(const robot::DeltaGeometry& geometry, const robot::Vec3& joints_m,
-                           const robot::Vec3& joint_velocity_m_per_s,
-                           const robot::Vec3& wanted_m_per_s2) noexcept;
+Vec3 within_strokes(const robot::DeltaGeometry& geometry, const Vec3& joints_m,
+                    const Vec3& joint_velocity_m_per_s, const Vec3& wanted_m_per_s2) noexcept;
 
 }  // namespace telekerf::master

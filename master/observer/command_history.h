@@ -7,27 +7,27 @@
 #include <cstdint>
 #include <memory>
 
-#include "common/bus/messages.h"
-#include "common/control/motion.h"
+#include "common/control/kinematic_state.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::master {
 
 using control::advanced;
-using control::Motion;
+using control::KinematicState;
 
 /// One stream sample's command. `model`: the state at this index on which `model.acceleration` acts next.
 struct SentCommand {
   std::int64_t index = -1;
-  Motion model;
+  KinematicState model;
 };
 
 /// Stream index = master tick / ticks per sample. Fixed memory; older commands are overwritten.
-class CommandRing {
+class CommandHistory {
  public:
   static constexpr std::size_t kSize = 8192;  ///< 8 s at 1 kHz
 
-  CommandRing() : slots_(std::make_unique<std::array<SentCommand, kSize>>()) {}
-  void store(std::int64_t index, const Motion& model) noexcept { slot(index) = {index, model}; }
+  CommandHistory() : slots_(std::make_unique<std::array<SentCommand, kSize>>()) {}
+  void store(std::int64_t index, const KinematicState& model) noexcept { slot(index) = {index, model}; }
   const SentCommand* find(std::int64_t index) const noexcept {
     const SentCommand& found = slot(index);
     return index >= 0 && found.index == index ? &found : nullptr;

@@ -8,21 +8,21 @@
 #include <array>
 #include <cmath>
 
-#include "master/observer/command_ring.h"
+#include "master/observer/command_history.h"
 
 namespace telekerf::master {
 
-class ThesisEstimator {
+class CommunicationDisturbanceObserver {
  public:
-  ThesisEstimator(double cutoff_rad_s, double period_s) noexcept
+  CommunicationDisturbanceObserver(double cutoff_rad_s, double period_s) noexcept
       : period_s_(period_s), keep_(std::exp(-cutoff_rad_s * period_s)) {}
 
-  void begin(std::int64_t /*index*/, const Motion& state) noexcept {
+  void begin(std::int64_t /*index*/, const KinematicState& state) noexcept {
     state_ = state;
     integral_ = low_command_ = low_measured_ = measured_ = state.velocity_m_per_s;
     waiting_ = 0;
   }
-  void sent(const CommandRing& ring, std::int64_t index) noexcept {
+  void sent(const CommandHistory& ring, std::int64_t index) noexcept {
     // A block's measurements are taken one a tick, as they were made.
     if (waiting_ > 0) measured_ = queue_[(next_ + kQueue - static_cast<std::size_t>(waiting_--)) % kQueue];
     integral_ += period_s_ * ring.acceleration(index);
@@ -32,18 +32,21 @@ class ThesisEstimator {
     state_.position_m += 0.5 * period_s_ * (state_.velocity_m_per_s + velocity);
     state_.velocity_m_per_s = velocity;
   }
-  void replaced(const CommandRing& /*ring*/, std::int64_t /*next*/, const Motion& change) noexcept {
+  void replaced(const CommandHistory& /*ring*/, std::int64_t /*next*/,
+                const KinematicState& change) noexcept {
     integral_ += change.velocity_m_per_s;
     state_.position_m += change.position_m;
   }
-  void measured(const CommandRing& ring, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
+  void measured(const CommandHistory& ring, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
     queue_[next_] = sample.velocity_m_per_s;
     next_ = (next_ + 1) % kQueue;
     waiting_ = std::min(waiting_ + 1, static_cast<int>(kQueue));
     if (const SentCommand* then = ring.find(sample.index))
       innovation_ = sample.position_m - then->model.position_m;
   }
-  Motion prediction(const CommandRing& /*ring*/, std::int64_t /*next*/) const noexcept { return state_; }
+  KinematicState prediction(const CommandHistory& /*ring*/, std::int64_t /*next*/) const noexcept {
+    return state_;
+  }
   Vec3 disturbance() const noexcept { return Vec3::Zero(); }
   Vec3 innovation() const noexcept { return innovation_; }
   Vec3 take_correction() noexcept { return Vec3::Zero(); }
@@ -52,7 +55,7 @@ class ThesisEstimator {
   static constexpr std::size_t kQueue = 64;
   double period_s_;
   double keep_;
-  Motion state_;
+  KinematicState state_;
   Vec3 integral_ = Vec3::Zero();      ///< of the command, m/s
   Vec3 low_command_ = Vec3::Zero();   ///< g/(s+g) of it
   Vec3 low_measured_ = Vec3::Zero();  ///< g/(s+g) of the delayed velocity

@@ -9,7 +9,7 @@
 #include <memory>
 #include <numbers>
 
-#include "master/observer/command_ring.h"
+#include "master/observer/command_history.h"
 
 namespace telekerf::master {
 
@@ -19,22 +19,23 @@ class DelayedInnovation {
   DelayedInnovation(double gain_per_s, double period_s)
       : gain_per_s_(gain_per_s), period_s_(period_s), past_(std::make_unique<Past>()) {}
 
-  void begin(std::int64_t index, const Motion& state) noexcept {
+  void begin(std::int64_t index, const KinematicState& state) noexcept {
     state_ = state;
     begun_ = index;
   }
-  void sent(const CommandRing& ring, std::int64_t index) noexcept {
-    (*past_)[static_cast<std::size_t>(index) % CommandRing::kSize] = state_;
+  void sent(const CommandHistory& ring, std::int64_t index) noexcept {
+    (*past_)[static_cast<std::size_t>(index) % CommandHistory::kSize] = state_;
     state_.acceleration_m_per_s2 = ring.acceleration(index);
     state_ = advanced(state_, period_s_);
   }
-  void replaced(const CommandRing& /*ring*/, std::int64_t /*next*/, const Motion& change) noexcept {
+  void replaced(const CommandHistory& /*ring*/, std::int64_t /*next*/,
+                const KinematicState& change) noexcept {
     state_.position_m += change.position_m;
     state_.velocity_m_per_s += change.velocity_m_per_s;
   }
-  void measured(const CommandRing& ring, const SlaveSample& sample, std::int64_t next) noexcept {
+  void measured(const CommandHistory& ring, const SlaveSample& sample, std::int64_t next) noexcept {
     if (!sample.applied || sample.index < begun_ || ring.find(sample.index) == nullptr) return;
-    const Motion& then = (*past_)[static_cast<std::size_t>(sample.index) % CommandRing::kSize];
+    const KinematicState& then = (*past_)[static_cast<std::size_t>(sample.index) % CommandHistory::kSize];
     innovation_ = sample.position_m - then.position_m;
     const double delay_s = static_cast<double>(next - sample.index) * period_s_;
     const double gain =
@@ -42,17 +43,19 @@ class DelayedInnovation {
     state_.position_m += gain * period_s_ * innovation_;
     state_.velocity_m_per_s += gain * period_s_ * (sample.velocity_m_per_s - then.velocity_m_per_s);
   }
-  Motion prediction(const CommandRing& /*ring*/, std::int64_t /*next*/) const noexcept { return state_; }
+  KinematicState prediction(const CommandHistory& /*ring*/, std::int64_t /*next*/) const noexcept {
+    return state_;
+  }
   Vec3 disturbance() const noexcept { return Vec3::Zero(); }
   Vec3 innovation() const noexcept { return innovation_; }
   Vec3 take_correction() noexcept { return Vec3::Zero(); }
 
  private:
-  using Past = std::array<Motion, CommandRing::kSize>;
+  using Past = std::array<KinematicState, CommandHistory::kSize>;
   static constexpr double kShortestS = 0.02;
   double gain_per_s_;
   double period_s_;
-  Motion state_;
+  KinematicState state_;
   Vec3 innovation_ = Vec3::Zero();
   std::int64_t begun_ = 0;
   std::unique_ptr<Past> past_;  ///< what was thought at each index

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::master {
 
@@ -38,7 +38,7 @@ Estimator estimator_named(const std::string& name) {
        {Estimator::kNone, Estimator::kThesis, Estimator::kDelayedInnovation, Estimator::kPredictor}) {
     if (name == to_string(estimator)) return estimator;
   }
-  throw Refusal(
+  throw StartupError(
       fmt::format("estimator = '{}' must be one of none, thesis, delayed-innovation, predictor", name));
 }
 
@@ -46,18 +46,18 @@ Law law_named(const std::string& name) {
   for (const auto law : {Law::kLocal, Law::kAnchored, Law::kRemoteAcceleration}) {
     if (name == to_string(law)) return law;
   }
-  throw Refusal(fmt::format("law = '{}' must be one of local, anchored, remote-acceleration", name));
+  throw StartupError(fmt::format("law = '{}' must be one of local, anchored, remote-acceleration", name));
 }
 
 NetworkObserver::AnyEstimator NetworkObserver::make(Law law, const ObserverSettings& settings) {
   switch (settings.estimator) {
     case Estimator::kThesis:
-      return ThesisEstimator(settings.thesis_cutoff_rad_s, settings.period_s);
+      return CommunicationDisturbanceObserver(settings.thesis_cutoff_rad_s, settings.period_s);
     case Estimator::kDelayedInnovation:
       return DelayedInnovation(settings.innovation_gain_per_s, settings.period_s);
     case Estimator::kPredictor:
       // A slave that follows a reference is no open integrator: it is where the reference is.
-      if (law != Law::kRemoteAcceleration) return FollowedModel(settings.followed_gain);
+      if (law != Law::kRemoteAcceleration) return ReferenceModelEstimator(settings.followed_gain);
       return PropagatedPredictor(settings.predictor_rad_s, settings.disturbance_rad_s, settings.period_s);
     case Estimator::kNone:
       break;
@@ -68,23 +68,23 @@ NetworkObserver::AnyEstimator NetworkObserver::make(Law law, const ObserverSetti
 NetworkObserver::NetworkObserver(Law law, const ObserverSettings& settings)
     : period_s_(settings.period_s), estimator_(make(law, settings)) {}
 
-void NetworkObserver::begin(std::int64_t index, const Motion& state) noexcept {
+void NetworkObserver::begin(std::int64_t index, const KinematicState& state) noexcept {
   next_ = index;
   std::visit([&](auto& estimator) { estimator.begin(index, state); }, estimator_);
 }
 
-void NetworkObserver::sent(std::int64_t index, const Motion& model, const Vec3& command) noexcept {
-  Motion commanded = model;
+void NetworkObserver::sent(std::int64_t index, const KinematicState& model, const Vec3& command) noexcept {
+  KinematicState commanded = model;
   commanded.acceleration_m_per_s2 = command;
   ring_.store(index, commanded);
   std::visit([&](auto& estimator) { estimator.sent(ring_, index); }, estimator_);
   next_ = index + 1;
 }
 
-Motion NetworkObserver::coded(std::int64_t first, const Motion& anchor,
-                              std::span<const Vec3> decoded) noexcept {
-  Motion before = anchor;  // with the commands as they were made
-  Motion after = anchor;   // as every receiver decodes them
+KinematicState NetworkObserver::coded(std::int64_t first, const KinematicState& anchor,
+                                      std::span<const Vec3> decoded) noexcept {
+  KinematicState before = anchor;  // with the commands as they were made
+  KinematicState after = anchor;   // as every receiver decodes them
   std::int64_t index = first;
   for (const Vec3& command : decoded) {
     before.acceleration_m_per_s2 = ring_.acceleration(index);
@@ -94,8 +94,8 @@ Motion NetworkObserver::coded(std::int64_t first, const Motion& anchor,
     after = advanced(after, period_s_);
   }
   next_ = index;
-  const Motion change{.position_m = after.position_m - before.position_m,
-                      .velocity_m_per_s = after.velocity_m_per_s - before.velocity_m_per_s};
+  const KinematicState change{.position_m = after.position_m - before.position_m,
+                              .velocity_m_per_s = after.velocity_m_per_s - before.velocity_m_per_s};
   std::visit([&](auto& estimator) { estimator.replaced(ring_, next_, change); }, estimator_);
   return after;
 }
@@ -105,13 +105,13 @@ void NetworkObserver::measured(std::span<const SlaveSample> samples) noexcept {
   std::visit(
       [&](auto& estimator) {
         for (const SlaveSample& sample : samples) estimator.measured(ring_, sample, next_);
-        estimator.replaced(ring_, next_, Motion{});
+        estimator.replaced(ring_, next_, KinematicState{});
       },
       estimator_);
   if (samples.back().applied) delay_s_ = static_cast<double>(next_ - samples.back().index) * period_s_;
 }
 
-Motion NetworkObserver::prediction(const Motion& model) noexcept {
+KinematicState NetworkObserver::prediction(const KinematicState& model) noexcept {
   ring_.store(next_, model);
   return std::visit([&](const auto& estimator) { return estimator.prediction(ring_, next_); }, estimator_);
 }

@@ -8,12 +8,12 @@
 #include <string>
 #include <variant>
 
-#include "master/observer/command_ring.h"
+#include "master/observer/command_history.h"
+#include "master/observer/communication_disturbance_observer.h"
 #include "master/observer/delayed_innovation.h"
-#include "master/observer/followed_model.h"
 #include "master/observer/no_prediction.h"
 #include "master/observer/propagated_predictor.h"
-#include "master/observer/thesis_estimator.h"
+#include "master/observer/reference_model_estimator.h"
 
 namespace telekerf::master {
 
@@ -22,7 +22,7 @@ enum class Estimator : std::uint8_t { kNone, kThesis, kDelayedInnovation, kPredi
 /// The words of command lines and reports.
 const char* to_string(Estimator estimator) noexcept;
 const char* to_string(Law law) noexcept;
-/// Throw Refusal.
+/// Throw StartupError.
 Estimator estimator_named(const std::string& name);
 Law law_named(const std::string& name);
 
@@ -41,18 +41,19 @@ class NetworkObserver {
   NetworkObserver(Law law, const ObserverSettings& settings);
 
   /// The slave rests in `state`, and the command of `index` is the next that it will apply.
-  void begin(std::int64_t index, const Motion& state) noexcept;
+  void begin(std::int64_t index, const KinematicState& state) noexcept;
   /// `command` acts at `index` on the model's state; m/s^2, after clipping. Indices follow each other.
-  void sent(std::int64_t index, const Motion& model, const Vec3& command) noexcept;
+  void sent(std::int64_t index, const KinematicState& model, const Vec3& command) noexcept;
   /// The codec made `decoded` of the commands from `first` on, the last ones sent; `anchor` is the block's
   /// (as the wire holds it) and the result the model after the block: what the slave's integration will
   /// reach, bit for bit.
-  Motion coded(std::int64_t first, const Motion& anchor, std::span<const Vec3> decoded) noexcept;
+  KinematicState coded(std::int64_t first, const KinematicState& anchor,
+                       std::span<const Vec3> decoded) noexcept;
   /// What the slave measured, in the order of its clock.
   void measured(std::span<const SlaveSample> samples) noexcept;
 
   /// Position and velocity at which the next command will act. `model`: the commands' own integral there.
-  Motion prediction(const Motion& model) noexcept;
+  KinematicState prediction(const KinematicState& model) noexcept;
   /// What the predictor believes to act on the slave beside its commands, m/s^2.
   Vec3 disturbance_m_per_s2() const noexcept;
   /// Newest measurement minus what had been predicted for it, m.
@@ -63,12 +64,12 @@ class NetworkObserver {
   Vec3 take_correction() noexcept;
 
  private:
-  using AnyEstimator =
-      std::variant<NoPrediction, ThesisEstimator, DelayedInnovation, PropagatedPredictor, FollowedModel>;
+  using AnyEstimator = std::variant<NoPrediction, CommunicationDisturbanceObserver, DelayedInnovation,
+                                    PropagatedPredictor, ReferenceModelEstimator>;
   static AnyEstimator make(Law law, const ObserverSettings& settings);
 
   double period_s_;
-  CommandRing ring_;
+  CommandHistory ring_;
   AnyEstimator estimator_;
   std::int64_t next_ = 0;
   double delay_s_ = 0.0;

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "master/observer/command_ring.h"
+#include "master/observer/command_history.h"
 
 namespace telekerf::master {
 
@@ -31,20 +31,20 @@ class PropagatedPredictor {
     gamma_ = c3 / (period_s * period_s);
   }
 
-  void begin(std::int64_t index, const Motion& state) noexcept {
+  void begin(std::int64_t index, const KinematicState& state) noexcept {
     observed_ = predicted_ = state;
     begun_ = at_ = index;
     started_ = false;
   }
-  void sent(const CommandRing& ring, std::int64_t index) noexcept {
+  void sent(const CommandHistory& ring, std::int64_t index) noexcept {
     predicted_.acceleration_m_per_s2 = ring.acceleration(index) + disturbance_;
     predicted_ = advanced(predicted_, period_s_);
   }
-  void replaced(const CommandRing& ring, std::int64_t next, const Motion& /*change*/) noexcept {
+  void replaced(const CommandHistory& ring, std::int64_t next, const KinematicState& /*change*/) noexcept {
     replay(ring, next);
   }
   /// In the order of the slave's clock; call replay() (or replaced()) after the last of a batch.
-  void measured(const CommandRing& ring, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
+  void measured(const CommandHistory& ring, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
     if (sample.index < begun_) return;
     unapplied_ = sample.applied ? 0 : unapplied_ + 1;
     const std::int64_t commands = sample.index - at_;
@@ -71,15 +71,17 @@ class PropagatedPredictor {
     at_ = sample.index;
     time_ = sample.time;
   }
-  void replay(const CommandRing& ring, std::int64_t next) noexcept {
+  void replay(const CommandHistory& ring, std::int64_t next) noexcept {
     predicted_ = observed_;
-    const auto from = std::max(at_, next - static_cast<std::int64_t>(CommandRing::kSize));
+    const auto from = std::max(at_, next - static_cast<std::int64_t>(CommandHistory::kSize));
     for (std::int64_t i = from; i < next; ++i) {
       predicted_.acceleration_m_per_s2 = ring.acceleration(i) + disturbance_;
       predicted_ = advanced(predicted_, period_s_);
     }
   }
-  Motion prediction(const CommandRing& /*ring*/, std::int64_t /*next*/) const noexcept { return predicted_; }
+  KinematicState prediction(const CommandHistory& /*ring*/, std::int64_t /*next*/) const noexcept {
+    return predicted_;
+  }
   Vec3 disturbance() const noexcept { return disturbance_; }
   Vec3 innovation() const noexcept { return innovation_; }
   Vec3 take_correction() noexcept { return Vec3::Zero(); }
@@ -92,8 +94,8 @@ class PropagatedPredictor {
   double alpha_ = 0.0;
   double beta_ = 0.0;
   double gamma_ = 0.0;
-  Motion observed_;   ///< z, at index at_ of the slave's time
-  Motion predicted_;  ///< x, where the next command will act
+  KinematicState observed_;   ///< z, at index at_ of the slave's time
+  KinematicState predicted_;  ///< x, where the next command will act
   Vec3 disturbance_ = Vec3::Zero();
   Vec3 innovation_ = Vec3::Zero();
   std::int64_t begun_ = 0;

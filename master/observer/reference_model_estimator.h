@@ -5,21 +5,22 @@
 
 #include <algorithm>
 
-#include "master/observer/command_ring.h"
+#include "master/observer/command_history.h"
 
 namespace telekerf::master {
 
-class FollowedModel {
+class ReferenceModelEstimator {
  public:
-  explicit FollowedModel(double gain) noexcept : gain_(gain) {}
+  explicit ReferenceModelEstimator(double gain) noexcept : gain_(gain) {}
 
-  void begin(std::int64_t index, const Motion& /*state*/) noexcept {
+  void begin(std::int64_t index, const KinematicState& /*state*/) noexcept {
     begun_ = index;
     correction_.setZero();
   }
-  void sent(const CommandRing& /*ring*/, std::int64_t /*index*/) noexcept {}
-  void replaced(const CommandRing& /*ring*/, std::int64_t /*next*/, const Motion& /*change*/) noexcept {}
-  void measured(const CommandRing& ring, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
+  void sent(const CommandHistory& /*ring*/, std::int64_t /*index*/) noexcept {}
+  void replaced(const CommandHistory& /*ring*/, std::int64_t /*next*/,
+                const KinematicState& /*change*/) noexcept {}
+  void measured(const CommandHistory& ring, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
     const SentCommand* then = ring.find(sample.index);
     if (!sample.applied || sample.index < begun_ || then == nullptr) return;
     innovation_ = sample.position_m - then->model.position_m;
@@ -27,9 +28,9 @@ class FollowedModel {
     const double size_m = innovation_.norm();
     correction_ += gain_ * (size_m > kLargestM ? kLargestM / size_m : 1.0) * innovation_;
   }
-  Motion prediction(const CommandRing& ring, std::int64_t next) const noexcept {
+  KinematicState prediction(const CommandHistory& ring, std::int64_t next) const noexcept {
     const SentCommand* now = ring.find(next);
-    return now == nullptr ? Motion{} : now->model;
+    return now == nullptr ? KinematicState{} : now->model;
   }
   Vec3 disturbance() const noexcept { return Vec3::Zero(); }
   Vec3 innovation() const noexcept { return innovation_; }

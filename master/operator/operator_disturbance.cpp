@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/operator/hand_acts.h"
+#include "master/operator/operator_disturbance.h"
 
 #include <cmath>
 #include <numbers>
 
 namespace telekerf::master {
 
-Vec3 acted(std::span<const HandAct> acts, double since_s, const Vec2& tangent, const Vec3& work_n) noexcept {
+Vec3 acted(std::span<const OperatorDisturbance> acts, double since_s, const Vec2& tangent,
+           const Vec3& work_n) noexcept {
   Vec3 force = work_n;
-  for (const HandAct& act : acts) {
+  for (const OperatorDisturbance& act : acts) {
     const double u = (since_s - act.at_s) / act.for_s;
     if (!(u >= 0.0 && u < 1.0)) continue;
     Vec3 own;
     own.head<2>() = act.force_n * Vec2(-tangent.y(), tangent.x()) + act.along_n * tangent;
     own.z() = act.upwards_n;
     switch (act.kind) {
-      case HandAct::Kind::kPush:
+      case OperatorDisturbance::Kind::kPush:
         force += std::sin(std::numbers::pi * u) * own;
         break;
-      case HandAct::Kind::kSlip:
+      case OperatorDisturbance::Kind::kSlip:
         force += (1.0 - u) * own;
         break;
-      case HandAct::Kind::kLetGo:
+      case OperatorDisturbance::Kind::kLetGo:
         force.setZero();
         break;
-      case HandAct::Kind::kFight:
+      case OperatorDisturbance::Kind::kFight:
         force = own;
         break;
     }

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <span>
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::master {
 
-struct HandAct {
+struct OperatorDisturbance {
   enum class Kind : std::uint8_t {
     kPush,   ///< a knock: half a sine of force, `force_n` at its top, on top of the work
     kSlip,   ///< the wrist gives way: `force_n` at once, fading over the act, on top of the work
@@ -25,6 +25,7 @@ struct HandAct {
 };
 
 /// The work's force, changed by what happens at `since_s`. `tangent`: unit, of the curve at the pen.
-Vec3 acted(std::span<const HandAct> acts, double since_s, const Vec2& tangent, const Vec3& work_n) noexcept;
+Vec3 acted(std::span<const OperatorDisturbance> acts, double since_s, const Vec2& tangent,
+           const Vec3& work_n) noexcept;
 
 }  // namespace telekerf::master

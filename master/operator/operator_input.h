@@ -10,9 +10,9 @@
 namespace telekerf::master {
 
 /// What a vendor implements (docs/attach-a-drive.md). It is entered in hand_input.cpp, and nowhere else.
-class HandInput {
+class OperatorInput {
  public:
-  virtual ~HandInput() = default;
+  virtual ~OperatorInput() = default;
   /// Once every control step. Neither allocates nor waits. Whoever is in doubt says no.
   virtual bool pressed(std::int64_t now_ns) noexcept = 0;
 };
@@ -21,7 +21,7 @@ class HandInput {
 std::string button_forms();
 /// What is wrong with a `button` as a user wrote it, and the remedy; empty: nothing.
 std::string complaint_about_button(const std::string& button);
-/// Null: the simulated hand's. Throws Refusal.
-std::unique_ptr<HandInput> attach_button(const std::string& button);
+/// Null: the simulated hand's. Throws StartupError.
+std::unique_ptr<OperatorInput> attach_button(const std::string& button);
 
 }  // namespace telekerf::master

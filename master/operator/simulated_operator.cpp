@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/operator/hand.h"
+#include "master/operator/simulated_operator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 
 namespace telekerf::master {
 
-SimulatedHand::SimulatedHand(const geometry::Polyline& curve_m, const HandSettings& settings,
-                             std::uint64_t seed)
+SimulatedOperator::SimulatedOperator(const geometry::Polyline& curve_m,
+                                     const SimulatedOperatorSettings& settings, std::uint64_t seed)
     : settings_(settings), curve_(curve_m), random_(seed * 0x9e3779b97f4a7c15ULL + 1) {}
 
-double SimulatedHand::uniform() noexcept {
+double SimulatedOperator::uniform() noexcept {
   // splitmix64 (Steele, Lea, Flood 2014): the same numbers with every library.
   random_ += 0x9e3779b97f4a7c15ULL;
   std::uint64_t z = random_;
@@ -20,12 +20,12 @@ double SimulatedHand::uniform() noexcept {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
 }
 
-double SimulatedHand::normal() noexcept {
+double SimulatedOperator::normal() noexcept {
   const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
   return radius * std::cos(2.0 * std::numbers::pi * uniform());
 }
 
-void SimulatedHand::choose_button(double now_s) noexcept {
+void SimulatedOperator::choose_button(double now_s) noexcept {
   if (now_s < button_until_s_) return;
   // Alternate presses of 1 to 3 s and pauses that make up the rest of the share.
   button_ = !button_;
@@ -34,8 +34,8 @@ void SimulatedHand::choose_button(double now_s) noexcept {
   button_until_s_ = now_s + (button_ ? press_s : press_s * pause_share);
 }
 
-HandSample SimulatedHand::sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s,
-                                 bool guided) noexcept {
+OperatorSample SimulatedOperator::sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s,
+                                         bool guided) noexcept {
   const double dt_s = last_s_ ? now_s - *last_s_ : 0.0;
   last_s_ = now_s;
   if (!guided) {
@@ -89,7 +89,7 @@ HandSample SimulatedHand::sample(double now_s, const Vec3& tool_m, const Vec3& v
   const Vec2 left(-ahead.y(), ahead.x());
   const double push = std::clamp(sideways_n_ + settings_.tremor_n * std::sin(tremor_phase_rad_),
                                  -settings_.max_sideways_n, settings_.max_sideways_n);
-  HandSample hand;
+  OperatorSample hand;
   hand.force_n.head<2>() = pull + push * left;
   hand.force_n.z() = 0.2 * push;  // a hand never pushes quite level
   hand.force_n = acted(settings_.acts, now_s - guided_since_s_, place_.tangent, hand.force_n);

@@ -6,46 +6,47 @@
 #include <optional>
 #include <vector>
 
-#include "common/bus/messages.h"
 #include "common/geometry/nearest.h"
-#include "master/operator/hand_acts.h"
+#include "common/protocol/messages.h"
+#include "master/operator/operator_disturbance.h"
 
 namespace telekerf::master {
 
 /// What the hand does to the pen.
-struct HandSample {
+struct OperatorSample {
   Vec3 force_n = Vec3::Zero();  ///< on the tool, master workpiece frame
   bool button = false;          ///< laser button
 };
 
-struct HandSettings {
+struct SimulatedOperatorSettings {
   double speed_m_per_s = 0.02;       ///< mean along the curve
   double stiffness_n_per_m = 250.0;  ///< of the arm
   double damping_ns_per_m = 8.0;
-  double lead_m = 3e-3;         ///< the hand aims at most this far ahead of the pen
-  double max_sideways_n = 3.0;  ///< how hard it pushes off the curve at most
-  double wander_n = 2.0;        ///< rms of the sideways push
-  double tremor_n = 0.05;       ///< amplitude, 9 Hz
-  double press_share = 0.8;     ///< of the time that the button is held, in stretches
-  std::vector<HandAct> acts;    ///< beside the work
+  double lead_m = 3e-3;                   ///< the hand aims at most this far ahead of the pen
+  double max_sideways_n = 3.0;            ///< how hard it pushes off the curve at most
+  double wander_n = 2.0;                  ///< rms of the sideways push
+  double tremor_n = 0.05;                 ///< amplitude, 9 Hz
+  double press_share = 0.8;               ///< of the time that the button is held, in stretches
+  std::vector<OperatorDisturbance> acts;  ///< beside the work
 };
 
 /// An arm that wants to go round and round the curve (to and fro on an open one) but wanders off it:
 /// impedance to a point that runs along the curve, a slowly varying sideways push (bounded), tremor, and a
 /// button pressed in stretches. Same seed, same hand.
-class SimulatedHand {
+class SimulatedOperator {
  public:
-  SimulatedHand(const geometry::Polyline& curve_m, const HandSettings& settings, std::uint64_t seed);
+  SimulatedOperator(const geometry::Polyline& curve_m, const SimulatedOperatorSettings& settings,
+                    std::uint64_t seed);
   /// `tool_m`, `velocity_m_per_s`: the pen's true state, master workpiece frame. `guided`: the constraint
   /// holds the pen.
-  HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s, bool guided) noexcept;
+  OperatorSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s, bool guided) noexcept;
 
  private:
   double uniform() noexcept;
   double normal() noexcept;
   void choose_button(double now_s) noexcept;
 
-  HandSettings settings_;
+  SimulatedOperatorSettings settings_;
   geometry::NearestIndex curve_;
   std::uint64_t random_;
   std::optional<double> goal_arc_m_;  ///< where on the curve the arm aims, once it is guided

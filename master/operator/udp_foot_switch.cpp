@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "master/operator/udp_pedal.h"
+#include "master/operator/udp_foot_switch.h"
 
 #include <bit>
 #include <boost/asio/buffer.hpp>
@@ -14,7 +14,7 @@ static_assert(sizeof(UdpButton) == 24, "datagrams hold no padding");
 
 }  // namespace
 
-UdpPedal::UdpPedal(const UdpAddress& address) : socket_(context_) {
+UdpFootSwitch::UdpFootSwitch(const UdpAddress& address) : socket_(context_) {
   const udp::endpoint here = open_udp(socket_, address, "button");
   boost::system::error_code error;
   socket_.bind(here, error);
@@ -23,7 +23,7 @@ UdpPedal::UdpPedal(const UdpAddress& address) : socket_(context_) {
   }
 }
 
-bool UdpPedal::pressed(std::int64_t now_ns) noexcept {
+bool UdpFootSwitch::pressed(std::int64_t now_ns) noexcept {
   constexpr int kMostAtOnce = 64;  // bounds the step, whatever is in the queue
   for (int i = 0; i < kMostAtOnce; ++i) {
     UdpButton told;
@@ -39,7 +39,7 @@ bool UdpPedal::pressed(std::int64_t now_ns) noexcept {
   return held_ && let_go_ && now_ns - heard_ns_ < kSilence_ns;
 }
 
-void UdpPedal::hear(const UdpButton& told, const udp::endpoint& from, std::int64_t now_ns) noexcept {
+void UdpFootSwitch::hear(const UdpButton& told, const udp::endpoint& from, std::int64_t now_ns) noexcept {
   if (now_ns - heard_ns_ >= kSilence_ns) {
     pedal_ = from;
     newest_ = 0;

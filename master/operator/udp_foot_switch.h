@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pedal that sends datagrams: the smallest HandInput, to copy from. For one host or a wire of its own;
+// A pedal that sends datagrams: the smallest OperatorInput, to copy from. For one host or a wire of its own;
 // there is no protection against a stranger's datagrams.
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "common/runtime/udp.h"
-#include "master/operator/hand_input.h"
+#include "master/operator/operator_input.h"
 
 namespace telekerf::master {
 
@@ -26,12 +26,12 @@ struct UdpButton {
 
 /// Released when it is silent, and after a silence until it has been released once: who holds it down while
 /// the line comes back must press it anew.
-class UdpPedal final : public HandInput {
+class UdpFootSwitch final : public OperatorInput {
  public:
   static constexpr std::int64_t kSilence_ns = 100'000'000;
 
-  /// `address`: of this host, where the pedal's datagrams arrive; port 0: any free one. Throws Refusal.
-  explicit UdpPedal(const UdpAddress& address);
+  /// `address`: of this host, where the pedal's datagrams arrive; port 0: any free one. Throws StartupError.
+  explicit UdpFootSwitch(const UdpAddress& address);
   bool pressed(std::int64_t now_ns) noexcept override;
 
   std::uint16_t port() const { return socket_.local_endpoint().port(); }

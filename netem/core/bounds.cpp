@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/bounds.h"
+#include "netem/core/bounds.h"
 
 #include <algorithm>
 #include <array>

@@ -2,8 +2,8 @@
 // Confidence bounds for averages over packets that depend on one another.
 #pragma once
 
-#include "netem/law.h"
-#include "netem/loss.h"
+#include "netem/core/law.h"
+#include "netem/core/loss.h"
 
 namespace telekerf::netem {
 

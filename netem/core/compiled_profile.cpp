@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/plan.h"
+#include "netem/core/compiled_profile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,19 +10,19 @@ namespace {
 
 std::int64_t to_ns(double s) { return std::llround(s * 1e9); }
 
-std::array<Chance, kMostLossStates - 1> cumulative(const std::array<double, kMostLossStates>& shares) {
-  std::array<Chance, kMostLossStates - 1> up_to;
+std::array<Probability, kMostLossStates - 1> cumulative(const std::array<double, kMostLossStates>& shares) {
+  std::array<Probability, kMostLossStates - 1> up_to;
   double sum = 0.0;
   for (int i = 0; i < kMostLossStates - 1; ++i) {
     sum += shares[i];
-    up_to[i] = Chance(std::min(sum, 1.0));
+    up_to[i] = Probability(std::min(sum, 1.0));
   }
   return up_to;
 }
 
 }  // namespace
 
-Plan::Stage::Stage(const netem::Stage& stage)
+CompiledProfile::Stage::Stage(const netem::Stage& stage)
     : from_ns(to_ns(stage.from_s)),
       delay(stage.conditions.delay),
       constant(stage.conditions.delay.law == Law::kConstant),
@@ -47,16 +47,16 @@ Plan::Stage::Stage(const netem::Stage& stage)
   lossy = mean_loss(chain) > 0;
   has_states = chain.states > 1;
   loss_from_trace = now.loss.model == LossModel::kTrace;
-  retransmission_lost = Chance(mean_loss(chain));
+  retransmission_lost = Probability(mean_loss(chain));
   first_state = cumulative(chain.share);
-  for (int i = 0; i < kMostLossStates; ++i) loss[i] = {cumulative(chain.to[i]), Chance(chain.lost[i])};
+  for (int i = 0; i < kMostLossStates; ++i) loss[i] = {cumulative(chain.to[i]), Probability(chain.lost[i])};
   if (now.rate_bit_per_s > 0) {
     ns_per_byte = 8e9 / now.rate_bit_per_s;
     queue_ns = std::llround(static_cast<double>(now.queue_bytes) * ns_per_byte);
   }
 }
 
-Plan::Event::Event(const netem::Event& event)
+CompiledProfile::Event::Event(const netem::Event& event)
     : first_ns(to_ns(event.first_s)),
       every_ns(to_ns(event.every_s)),
       duration_ns(to_ns(event.duration_s)),
@@ -64,7 +64,7 @@ Plan::Event::Event(const netem::Event& event)
       add_range_ns(to_ns(event.add_delay_max_s) - add_min_ns),
       lost(event.loss) {}
 
-Plan::Window Plan::Event::window(std::int64_t since_ns) const noexcept {
+CompiledProfile::Window CompiledProfile::Event::window(std::int64_t since_ns) const noexcept {
   constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   const std::int64_t after_ns = since_ns - first_ns;
   if (after_ns < 0) return {std::numeric_limits<std::int64_t>::min(), first_ns, -1};
@@ -74,7 +74,8 @@ Plan::Window Plan::Event::window(std::int64_t since_ns) const noexcept {
   return {begin_ns + duration_ns, every_ns == 0 ? kNever : begin_ns + every_ns, -1};
 }
 
-Plan::Plan(const DirectionProfile& profile) : recording(profile.recording), loss_only(profile.loss_only) {
+CompiledProfile::CompiledProfile(const DirectionProfile& profile)
+    : recording(profile.recording), loss_only(profile.loss_only) {
   for (const auto& stage : profile.stages) stages.emplace_back(stage);
   for (const auto& event : profile.events) events.emplace_back(event);
 }

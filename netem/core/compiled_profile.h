@@ -7,18 +7,18 @@
 #include <memory>
 #include <vector>
 
-#include "netem/law.h"
-#include "netem/loss.h"
-#include "netem/profile.h"
-#include "netem/random.h"
+#include "netem/core/law.h"
+#include "netem/core/loss.h"
+#include "netem/core/profile.h"
+#include "netem/core/random.h"
 
 namespace telekerf::netem {
 
 /// Built outside the packet path (it allocates), then swapped into an emulator as a whole.
-struct Plan {
+struct CompiledProfile {
   struct State {
-    std::array<Chance, kMostLossStates - 1> up_to;  ///< cumulative: the next state is at most 0, 1, 2
-    Chance lost;
+    std::array<Probability, kMostLossStates - 1> up_to;  ///< cumulative: the next state is at most 0, 1, 2
+    Probability lost;
   };
   struct Stage {
     explicit Stage(const netem::Stage& stage);
@@ -28,15 +28,15 @@ struct Plan {
     std::int64_t constant_ns;
     double correlation, innovation;
     std::array<State, kMostLossStates> loss;
-    std::array<Chance, kMostLossStates - 1> first_state;
+    std::array<Probability, kMostLossStates - 1> first_state;
     bool lossy, has_states, loss_from_trace;
-    Chance retransmission_lost;
+    Probability retransmission_lost;
     Order order;
-    Chance reorder;
+    Probability reorder;
     std::uint32_t reorder_gap;
     bool tcp_like;
     std::int64_t rto_ns;
-    Chance duplicate, corrupt;
+    Probability duplicate, corrupt;
     double ns_per_byte;     ///< 0: no bottleneck
     std::int64_t queue_ns;  ///< waiting time that fills the queue
     std::int64_t slot_ns, slot_jitter_ns, slot_packets, slot_bytes;
@@ -50,11 +50,11 @@ struct Plan {
   struct Event {
     explicit Event(const netem::Event& event);
     std::int64_t first_ns, every_ns, duration_ns, add_min_ns, add_range_ns;
-    Chance lost;
+    Probability lost;
     Window window(std::int64_t since_ns) const noexcept;
   };
 
-  explicit Plan(const DirectionProfile& profile);
+  explicit CompiledProfile(const DirectionProfile& profile);
 
   std::vector<Stage> stages;
   std::vector<Event> events;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/conditions.h"
+#include "netem/core/conditions.h"
 
 #include <algorithm>
 #include <initializer_list>

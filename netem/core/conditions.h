@@ -2,8 +2,8 @@
 // What a stage does to packets, read from its keys.
 #pragma once
 
-#include "netem/profile.h"
-#include "netem/section.h"
+#include "netem/core/profile.h"
+#include "netem/core/section.h"
 
 namespace telekerf::netem {
 

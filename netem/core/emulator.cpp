@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/emulator.h"
+#include "netem/core/emulator.h"
 
 #include <algorithm>
 #include <limits>
@@ -39,27 +39,28 @@ Emulator::Emulator(const DirectionProfile& profile, const StreamKey& key, Capaci
       bottleneck_free_ns_(kLongAgo),
       last_due_ns_(kLongAgo) {}
 
-Fate Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint64_t tag) noexcept {
+PacketOutcome Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet,
+                             std::uint64_t tag) noexcept {
   return push(now_ns, packet, static_cast<std::uint32_t>(packet.size()), tag);
 }
 
-Fate Emulator::push(std::int64_t now_ns, std::uint32_t size_bytes, std::uint64_t tag) noexcept {
+PacketOutcome Emulator::push(std::int64_t now_ns, std::uint32_t size_bytes, std::uint64_t tag) noexcept {
   return push(now_ns, {}, size_bytes, tag);
 }
 
-Fate Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
-                    std::uint64_t tag) noexcept {
+PacketOutcome Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
+                             std::uint64_t tag) noexcept {
   now_ns = now_ns_ = std::max(now_ns, now_ns_);
   const std::uint64_t index = index_++;
   ++counters_.pushed;
   if (plan_.recording && !plan_.loss_only) {
-    Fate fate = replay(index, now_ns);
+    PacketOutcome fate = replay(index, now_ns);
     keep(fate, now_ns, packet, size, tag, index);
     return fate;
   }
 
-  const Plan::Stage& stage = stage_at(now_ns - origin_ns_);
-  Fate fate;
+  const CompiledProfile::Stage& stage = stage_at(now_ns - origin_ns_);
+  PacketOutcome fate;
   // The states of loss and delay advance with every packet, whatever else befalls it.
   fate.lost_by_model = lose(stage, index);
   fate.drawn_ns = law_delay(stage, index);
@@ -99,12 +100,12 @@ Fate Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet, std:
   return fate;
 }
 
-const Plan::Stage& Emulator::stage_at(std::int64_t since_ns) noexcept {
+const CompiledProfile::Stage& Emulator::stage_at(std::int64_t since_ns) noexcept {
   while (stage_ + 1 < plan_.stages.size() && since_ns >= plan_.stages[stage_ + 1].from_ns) ++stage_;
   return plan_.stages[stage_];
 }
 
-bool Emulator::lose(const Plan::Stage& stage, std::uint64_t index) noexcept {
+bool Emulator::lose(const CompiledProfile::Stage& stage, std::uint64_t index) noexcept {
   if (stage.loss_from_trace) {
     const auto& recording = *plan_.recording;
     return recording[(index - plan_index_) % recording.size()].lost;
@@ -114,13 +115,13 @@ bool Emulator::lose(const Plan::Stage& stage, std::uint64_t index) noexcept {
   if (stage.has_states) {
     const auto& up_to = state_ < 0 ? stage.first_state : stage.loss[state_].up_to;
     const std::uint64_t word = loss_state_.draw(index);
-    for (const Chance& chance : up_to) next += chance.happens(word) ? 0 : 1;
+    for (const Probability& chance : up_to) next += chance.happens(word) ? 0 : 1;
   }
   state_ = next;
   return stage.loss[next].lost.happens(loss_.draw(index));
 }
 
-std::int64_t Emulator::law_delay(const Plan::Stage& stage, std::uint64_t index) noexcept {
+std::int64_t Emulator::law_delay(const CompiledProfile::Stage& stage, std::uint64_t index) noexcept {
   if (stage.constant) return stage.constant_ns;
   const double fresh = normal_.at(delay_.draw(index));
   score_ =
@@ -129,10 +130,10 @@ std::int64_t Emulator::law_delay(const Plan::Stage& stage, std::uint64_t index) 
   return stage.delay.at(score_);
 }
 
-void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, Fate& fate) noexcept {
+void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, PacketOutcome& fate) noexcept {
   for (std::size_t i = 0; i < plan_.events.size(); ++i) {
-    const Plan::Event& event = plan_.events[i];
-    Plan::Window& window = windows_[i];
+    const CompiledProfile::Event& event = plan_.events[i];
+    CompiledProfile::Window& window = windows_[i];
     if (since_ns < window.from_ns || since_ns >= window.until_ns) window = event.window(since_ns);
     const std::int64_t occurrence = window.occurrence;
     if (occurrence < 0) continue;
@@ -145,11 +146,11 @@ void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, Fate& fat
   }
 }
 
-bool Emulator::lost_again(const Plan::Stage& stage, std::int64_t since_ns,
+bool Emulator::lost_again(const CompiledProfile::Stage& stage, std::int64_t since_ns,
                           std::uint64_t counter) const noexcept {
   if (stage.retransmission_lost.happens(retransmission_.draw(counter * (kMostEvents + 1)))) return true;
   for (std::size_t i = 0; i < plan_.events.size(); ++i) {
-    const Plan::Event& event = plan_.events[i];
+    const CompiledProfile::Event& event = plan_.events[i];
     const std::uint64_t word = retransmission_.draw(counter * (kMostEvents + 1) + 1 + i);
     if (event.lost.possible() && event.window(since_ns).occurrence >= 0 && event.lost.happens(word))
       return true;
@@ -158,8 +159,8 @@ bool Emulator::lost_again(const Plan::Stage& stage, std::int64_t since_ns,
 }
 
 /// The wait that a loss becomes: rto, then twice as long for every further attempt that is lost.
-std::int64_t Emulator::retransmit(const Plan::Stage& stage, std::int64_t since_ns, std::uint64_t index,
-                                  Fate& fate) const noexcept {
+std::int64_t Emulator::retransmit(const CompiledProfile::Stage& stage, std::int64_t since_ns,
+                                  std::uint64_t index, PacketOutcome& fate) const noexcept {
   if (!fate.lost()) return 0;
   fate.lost_by_model = fate.lost_by_event = false;
   std::int64_t wait_ns = 0;
@@ -173,7 +174,8 @@ std::int64_t Emulator::retransmit(const Plan::Stage& stage, std::int64_t since_n
   return wait_ns;
 }
 
-std::int64_t Emulator::next_slot(const Plan::Stage& stage, std::int64_t due_ns, std::uint32_t size) noexcept {
+std::int64_t Emulator::next_slot(const CompiledProfile::Stage& stage, std::int64_t due_ns,
+                                 std::uint32_t size) noexcept {
   const auto start_ns = [&](std::int64_t number) {
     const std::uint64_t word = slot_.draw(static_cast<std::uint64_t>(number));
     return origin_ns_ + number * stage.slot_ns +
@@ -194,7 +196,8 @@ std::int64_t Emulator::next_slot(const Plan::Stage& stage, std::int64_t due_ns, 
   return std::max(due_ns, start_ns(number));
 }
 
-std::int64_t Emulator::overtake(const Plan::Stage& stage, std::int64_t now_ns, Fate& fate) const noexcept {
+std::int64_t Emulator::overtake(const CompiledProfile::Stage& stage, std::int64_t now_ns,
+                                PacketOutcome& fate) const noexcept {
   for (std::uint64_t gap = std::min<std::uint64_t>(stage.reorder_gap, in_order_); gap > 0; --gap) {
     const std::int64_t ahead_ns = recent_due_ns_[(in_order_ - gap) % kLargestGap];
     if (ahead_ns <= now_ns) continue;  // has arrived already
@@ -204,10 +207,10 @@ std::int64_t Emulator::overtake(const Plan::Stage& stage, std::int64_t now_ns, F
   return now_ns;
 }
 
-Fate Emulator::replay(std::uint64_t index, std::int64_t now_ns) const noexcept {
+PacketOutcome Emulator::replay(std::uint64_t index, std::int64_t now_ns) const noexcept {
   const Recording& recording = *plan_.recording;
   const RecordedFate& recorded = recording[(index - plan_index_) % recording.size()];
-  Fate fate;
+  PacketOutcome fate;
   fate.drawn_ns = recorded.delay_ns;
   fate.due_ns = now_ns + recorded.delay_ns;
   fate.lost_by_model = recorded.lost;
@@ -216,8 +219,8 @@ Fate Emulator::replay(std::uint64_t index, std::int64_t now_ns) const noexcept {
   return fate;
 }
 
-void Emulator::keep(Fate& fate, std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
-                    std::uint64_t tag, std::uint64_t index) noexcept {
+void Emulator::keep(PacketOutcome& fate, std::int64_t now_ns, std::span<const std::byte> packet,
+                    std::uint32_t size, std::uint64_t tag, std::uint64_t index) noexcept {
   if (fate.lost()) {
     ++counters_.lost;
     return;
@@ -249,7 +252,7 @@ void Emulator::keep(Fate& fate, std::int64_t now_ns, std::span<const std::byte> 
   }
 }
 
-void Emulator::switch_to(Plan& plan, std::int64_t now_ns) noexcept {
+void Emulator::switch_to(CompiledProfile& plan, std::int64_t now_ns) noexcept {
   std::swap(plan_, plan);
   origin_ns_ = now_ns;
   plan_index_ = index_;

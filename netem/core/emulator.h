@@ -9,18 +9,18 @@
 #include <optional>
 #include <span>
 
-#include "netem/in_flight.h"
-#include "netem/plan.h"
-#include "netem/profile.h"
-#include "netem/random.h"
+#include "netem/core/compiled_profile.h"
+#include "netem/core/in_flight.h"
+#include "netem/core/profile.h"
+#include "netem/core/random.h"
 
 namespace telekerf::netem {
 
 /// What was decided for one packet; everything is decided when it enters.
-struct Fate {
-  std::int64_t due_ns = 0;    ///< meaningless when lost
-  std::int64_t drawn_ns = 0;  ///< the delay that the law alone gave
-  std::int64_t event_ns = 0;  ///< added by events
+struct PacketOutcome {
+  std::int64_t due_ns = 0;     ///< meaningless when lost
+  std::int64_t drawn_ns = 0;   ///< the delay that the law alone gave
+  std::int64_t event_ns = 0;   ///< added by events
   std::int64_t queued_ns = 0;  ///< until it has left the bottleneck
   bool lost_by_model = false;
   bool lost_by_event = false;
@@ -56,9 +56,9 @@ class Emulator {
 
   /// Decides the packet's fate and keeps a copy of it. `now_ns` earlier than an earlier push counts as that
   /// one.
-  Fate push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint64_t tag) noexcept;
+  PacketOutcome push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint64_t tag) noexcept;
   /// The same for simulations that need no payload: only the size counts (rate, slots).
-  Fate push(std::int64_t now_ns, std::uint32_t size_bytes, std::uint64_t tag) noexcept;
+  PacketOutcome push(std::int64_t now_ns, std::uint32_t size_bytes, std::uint64_t tag) noexcept;
 
   /// When the next pop will succeed.
   std::optional<std::int64_t> next_deadline() const noexcept {
@@ -78,28 +78,31 @@ class Emulator {
   /// Puts another network in place, from the next push on; what is under way keeps its due time. `plan`
   /// receives the old one, to be destroyed by the caller where allocation is allowed. Stages and events count
   /// from `now_ns`.
-  void switch_to(Plan& plan, std::int64_t now_ns) noexcept;
+  void switch_to(CompiledProfile& plan, std::int64_t now_ns) noexcept;
 
   const Counters& counters() const noexcept { return counters_; }
   std::size_t memory_bytes() const noexcept { return flight_.memory_bytes(); }
 
  private:
-  Fate push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
-            std::uint64_t tag) noexcept;
-  const Plan::Stage& stage_at(std::int64_t since_ns) noexcept;
-  bool lose(const Plan::Stage& stage, std::uint64_t index) noexcept;
-  void meet_events(std::int64_t since_ns, std::uint64_t index, Fate& fate) noexcept;
-  std::int64_t law_delay(const Plan::Stage& stage, std::uint64_t index) noexcept;
-  bool lost_again(const Plan::Stage& stage, std::int64_t since_ns, std::uint64_t counter) const noexcept;
-  std::int64_t retransmit(const Plan::Stage& stage, std::int64_t since_ns, std::uint64_t index,
-                          Fate& fate) const noexcept;
-  std::int64_t next_slot(const Plan::Stage& stage, std::int64_t due_ns, std::uint32_t size) noexcept;
-  std::int64_t overtake(const Plan::Stage& stage, std::int64_t now_ns, Fate& fate) const noexcept;
-  Fate replay(std::uint64_t index, std::int64_t now_ns) const noexcept;
-  void keep(Fate& fate, std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
+  PacketOutcome push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
+                     std::uint64_t tag) noexcept;
+  const CompiledProfile::Stage& stage_at(std::int64_t since_ns) noexcept;
+  bool lose(const CompiledProfile::Stage& stage, std::uint64_t index) noexcept;
+  void meet_events(std::int64_t since_ns, std::uint64_t index, PacketOutcome& fate) noexcept;
+  std::int64_t law_delay(const CompiledProfile::Stage& stage, std::uint64_t index) noexcept;
+  bool lost_again(const CompiledProfile::Stage& stage, std::int64_t since_ns,
+                  std::uint64_t counter) const noexcept;
+  std::int64_t retransmit(const CompiledProfile::Stage& stage, std::int64_t since_ns, std::uint64_t index,
+                          PacketOutcome& fate) const noexcept;
+  std::int64_t next_slot(const CompiledProfile::Stage& stage, std::int64_t due_ns,
+                         std::uint32_t size) noexcept;
+  std::int64_t overtake(const CompiledProfile::Stage& stage, std::int64_t now_ns,
+                        PacketOutcome& fate) const noexcept;
+  PacketOutcome replay(std::uint64_t index, std::int64_t now_ns) const noexcept;
+  void keep(PacketOutcome& fate, std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
             std::uint64_t tag, std::uint64_t index) noexcept;
 
-  Plan plan_;
+  CompiledProfile plan_;
   const NormalTable& normal_;
   Stream delay_, loss_, loss_state_, retransmission_, duplicate_, corrupt_, corrupted_bit_, reorder_,
       event_delay_, event_loss_, slot_;
@@ -111,7 +114,7 @@ class Emulator {
   std::uint64_t index_ = 0;       // of the next packet: the counter of every stream
   std::uint64_t plan_index_ = 0;  // index of the first packet under this plan
   std::size_t stage_ = 0;
-  std::array<Plan::Window, kMostEvents>
+  std::array<CompiledProfile::Window, kMostEvents>
       windows_{};       // the stretch of time that each event was last looked up for
   int state_ = -1;      // of the loss chain; -1: not drawn yet
   double score_ = 0.0;  // normal score of the last delay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/in_flight.h"
+#include "netem/core/in_flight.h"
 
 #include <algorithm>
 #include <cstring>

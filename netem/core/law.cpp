@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/law.h"
+#include "netem/core/law.h"
 
 #include <algorithm>
 #include <bit>
@@ -107,7 +107,8 @@ Moments table_moments(const DelayLaw& law, double z_limit) {
     const double a = piece.from_s - moments.mean_s;
     const double b = piece.to_s - moments.mean_s;
     variance += piece.share * (a * a + a * b + b * b) / 3.0;
-    moments.fourth_s4 += piece.share * (a * a * a * a + a * b * (a * a + a * b + b * b) + b * b * b * b) / 5.0;
+    moments.fourth_s4 +=
+        piece.share * (a * a * a * a + a * b * (a * a + a * b + b * b) + b * b * b * b) / 5.0;
   }
   moments.mean_s += law.delay_s;
   moments.sd_s = std::sqrt(variance);

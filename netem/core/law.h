@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 
 namespace telekerf::netem {
 
@@ -48,8 +48,8 @@ struct Moments {
 /// the limits themselves: winsorised).
 Moments delay_moments(const DelayLaw& law, double z_limit = 8.0);
 
-/// z -> delay in whole nanoseconds, linear between 64 nodes per unit of z. A table may have steps that such nodes
-/// would round off: there they hold the share Phi(z), and the delay is looked up in the table itself.
+/// z -> delay in whole nanoseconds, linear between 64 nodes per unit of z. A table may have steps that such
+/// nodes would round off: there they hold the share Phi(z), and the delay is looked up in the table itself.
 class DelayTable {
  public:
   explicit DelayTable(const DelayLaw& law);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/loss.h"
+#include "netem/core/loss.h"
 
 namespace telekerf::netem {
 

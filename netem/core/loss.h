@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 
 namespace telekerf::netem {
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
 
 #include "common/runtime/config.h"
-#include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
-#include "netem/conditions.h"
-#include "netem/section.h"
-#include "netem/trace.h"
+#include "common/runtime/startup_error.h"
+#include "netem/core/conditions.h"
+#include "netem/core/section.h"
+#include "netem/core/trace.h"
 
 namespace telekerf::netem {
 namespace fs = std::filesystem;
@@ -20,7 +20,8 @@ constexpr std::size_t kMostStages = 64;
 
 void read_events(const ConfigFile& file, Profile& profile) {
   const std::size_t count = file.array_size("event");
-  if (count > kMostEvents) throw Refusal(fmt::format("{}: more than {} events", file.name(), kMostEvents));
+  if (count > kMostEvents)
+    throw StartupError(fmt::format("{}: more than {} events", file.name(), kMostEvents));
   for (std::size_t i = 0; i < count; ++i) {
     const std::string at = fmt::format("event.{}.", i);
     Event event;
@@ -94,11 +95,11 @@ Profile read_profile(const ConfigFile& file, const std::string& name, const std:
   profile.source = file.text_or("source", "");
   for (const char* direction : {"forward", "backward"}) {
     if (!file.has("both") && !file.has(direction)) {
-      throw Refusal(fmt::format("{}: has neither [{}] nor [both]", file.name(), direction));
+      throw StartupError(fmt::format("{}: has neither [{}] nor [both]", file.name(), direction));
     }
   }
   if (file.array_size("stage") > kMostStages) {
-    throw Refusal(fmt::format("{}: more than {} stages", file.name(), kMostStages));
+    throw StartupError(fmt::format("{}: more than {} stages", file.name(), kMostStages));
   }
   profile.forward = read_direction(file, "forward", folder);
   profile.backward = read_direction(file, "backward", folder);

@@ -110,15 +110,15 @@ struct Profile {
   DirectionProfile backward;  ///< slave -> operator
 };
 
-/// A shipped name, a TOML file, or a recorded trace (*.csv, both directions). Throws Refusal: missing file,
-/// unknown or misplaced key, value out of bounds, contradictory models.
+/// A shipped name, a TOML file, or a recorded trace (*.csv, both directions). Throws StartupError: missing
+/// file, unknown or misplaced key, value out of bounds, contradictory models.
 Profile load_profile(const std::string& name_or_path);
 
 /// The same from text; `name` stands in messages, relative trace files are sought in `folder`.
 Profile parse_profile(const std::string& text, const std::string& name, const std::string& folder = ".");
 
 /// Half of `rtt_s` each way, normal jitter (one way, standard deviation), independent losses, FIFO. Throws
-/// Refusal.
+/// StartupError.
 Profile simple_profile(double rtt_s, double jitter_s, double loss);
 
 }  // namespace telekerf::netem

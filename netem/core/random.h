@@ -70,11 +70,11 @@ class Stream {
 };
 
 /// A probability as an integer threshold, so that no rounding mode and no library can change a decision.
-class Chance {
+class Probability {
  public:
-  constexpr Chance() noexcept = default;
+  constexpr Probability() noexcept = default;
   /// `probability` in [0, 1]; 0 never happens, 1 always.
-  explicit constexpr Chance(double probability) noexcept
+  explicit constexpr Probability(double probability) noexcept
       : threshold_(static_cast<std::uint64_t>(probability * 9223372036854775808.0)) {}
   constexpr bool happens(std::uint64_t word) const noexcept { return (word >> 1) < threshold_; }
   constexpr bool possible() const noexcept { return threshold_ != 0; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/section.h"
+#include "netem/core/section.h"
 
 #include <fmt/format.h>
 

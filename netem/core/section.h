@@ -17,7 +17,8 @@ inline constexpr Bounds kDelay_ms{0.0, 60'000.0};
 inline constexpr Bounds kProbability{0.0, 1.0};
 
 /// A key is sought in several tables, the most special one first: stage.1.forward, stage.1.both,
-/// stage.0.forward, stage.0.both, forward, both. What is out of bounds or of another type throws Refusal.
+/// stage.0.forward, stage.0.both, forward, both. What is out of bounds or of another type throws
+/// StartupError.
 class Section {
  public:
   /// The file must outlive the section. `tables`: their names with a dot, the most special one first.

@@ -5,14 +5,14 @@
 
 #include <string>
 
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 
 namespace telekerf::netem {
 
 inline constexpr const char* kTraceHeader = "index,in_ns,out_ns,lost,duplicated,corrupted";
 
-/// Throws Refusal naming file and line: missing file, wrong header, field or order (in_ns ascends, out_ns >=
-/// in_ns).
+/// Throws StartupError naming file and line: missing file, wrong header, field or order (in_ns ascends,
+/// out_ns >= in_ns).
 Recording load_recording(const std::string& file);
 
 /// One CSV row, without the line's end.

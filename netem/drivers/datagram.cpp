@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/datagram.h"
+#include "netem/drivers/datagram.h"
 
 #include <cstring>
 

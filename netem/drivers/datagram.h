@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "common/bus/site.h"
+#include "common/protocol/site.h"
 
 namespace telekerf::netem {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/bus/netem_switch.h"
+#include "netem/drivers/netem_switch.h"
 
 #include <fmt/format.h>
 
 #include <cstdio>
 
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 
 namespace telekerf {
 
@@ -17,7 +17,7 @@ void NetemSwitch::run(const std::stop_token& stop) {
         bus_.set_profile(netem::load_profile(event->value.text));
         fmt::print("{}: the network is now '{}'\n", bus_.settings().role, event->value.text);
         std::fflush(stdout);
-      } catch (const Refusal& refusal) {
+      } catch (const StartupError& refusal) {
         fmt::print(stderr, "{}: the network stays as it is: {}\n", bus_.settings().role, refusal.what());
       }
     }

@@ -8,12 +8,13 @@
 #include <thread>
 
 #include "common/bus/endpoints.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 
-/// Listens for EventMessage::Kind::kSetNetem, whose text names a profile, and switches this process' receiving side. A
-/// name that cannot be loaded, or a process that runs without emulation, keeps what it has and says so.
+/// Listens for EventMessage::Kind::kSetNetem, whose text names a profile, and switches this process'
+/// receiving side. A name that cannot be loaded, or a process that runs without emulation, keeps what it has
+/// and says so.
 class NetemSwitch {
  public:
   explicit NetemSwitch(Bus& bus)

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/tc.h"
+#include "netem/drivers/tc.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "netem/law.h"
-#include "netem/loss.h"
+#include "netem/core/law.h"
+#include "netem/core/loss.h"
 
 namespace telekerf::netem {
 namespace {
@@ -86,7 +86,8 @@ TcExport export_to_tc(const DirectionProfile& profile, const std::string& device
   if (now.order == Order::kReorder) {
     words += " reorder " + per_cent(now.reorder);
     out.shortcomings.push_back(
-        "reorder: tc sends the chosen packets without any delay, past everything under way; reorder_gap has no "
+        "reorder: tc sends the chosen packets without any delay, past everything under way; reorder_gap has "
+        "no "
         "counterpart (tc's gap spaces the chosen packets)");
     if (now.delay.law == Law::kConstant && now.delay.delay_s == 0) words += " delay 1ms";
   } else if (now.order == Order::kFifo && now.delay.law != Law::kConstant) {
@@ -102,7 +103,8 @@ TcExport export_to_tc(const DirectionProfile& profile, const std::string& device
   if (now.duplicate > 0) {
     words += " duplicate " + per_cent(now.duplicate);
     if (now.delay.law != Law::kConstant) {
-      out.shortcomings.push_back("duplicate: tc draws another delay for the copy instead of sending it right behind");
+      out.shortcomings.push_back(
+          "duplicate: tc draws another delay for the copy instead of sending it right behind");
     }
   }
   if (now.corrupt > 0) words += " corrupt " + per_cent(now.corrupt);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 
 namespace telekerf::netem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/transport.h"
+#include "netem/drivers/transport.h"
 
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "common/runtime/clock.h"
-#include "netem/datagram.h"
-#include "netem/emulator.h"
+#include "netem/core/emulator.h"
+#include "netem/drivers/datagram.h"
 
 namespace telekerf::netem {
 namespace {
@@ -67,7 +67,7 @@ struct Tag {
 
 }  // namespace
 
-class Link::State {
+class ReceivePathEmulator::State {
  public:
   State(const Profile& profile, std::uint64_t seed, Site own)
       : own_(own),
@@ -79,7 +79,8 @@ class Link::State {
                   kCapacity, monotonic_ns()) {}
 
   void set_profile(const Profile& profile) {
-    Plan plan(into(own_, profile));  // takes the old one home: both are built and freed outside the lock
+    CompiledProfile plan(
+        into(own_, profile));  // takes the old one home: both are built and freed outside the lock
     const std::lock_guard lock(mutex_);
     emulator_.switch_to(plan, monotonic_ns());
   }
@@ -249,7 +250,8 @@ struct Descriptor;
 
 class Transport : public rtps::ChainingTransport {
  public:
-  Transport(const rtps::ChainingTransportDescriptor& descriptor, std::shared_ptr<Link::State> link)
+  Transport(const rtps::ChainingTransportDescriptor& descriptor,
+            std::shared_ptr<ReceivePathEmulator::State> link)
       : ChainingTransport(descriptor), descriptor_(descriptor.low_level_descriptor), link_(std::move(link)) {
     link_->start();
   }
@@ -275,26 +277,27 @@ class Transport : public rtps::ChainingTransport {
 
  private:
   std::shared_ptr<rtps::TransportDescriptorInterface> descriptor_;
-  std::shared_ptr<Link::State> link_;
+  std::shared_ptr<ReceivePathEmulator::State> link_;
 };
 
 struct Descriptor : rtps::ChainingTransportDescriptor {
-  Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> below, std::shared_ptr<Link::State> state)
+  Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> below,
+             std::shared_ptr<ReceivePathEmulator::State> state)
       : ChainingTransportDescriptor(std::move(below)), link(std::move(state)) {}
   rtps::TransportInterface* create_transport() const override { return new Transport(*this, link); }
 
-  std::shared_ptr<Link::State> link;
+  std::shared_ptr<ReceivePathEmulator::State> link;
 };
 
 }  // namespace
 
-Link::Link(const Profile& profile, std::uint64_t seed, Site own_site)
+ReceivePathEmulator::ReceivePathEmulator(const Profile& profile, std::uint64_t seed, Site own_site)
     : state_(std::make_shared<State>(profile, seed, own_site)) {}
-Link::~Link() = default;
-void Link::set_profile(const Profile& profile) { state_->set_profile(profile); }
-TransportCounters Link::counters() const { return state_->counters(); }
+ReceivePathEmulator::~ReceivePathEmulator() = default;
+void ReceivePathEmulator::set_profile(const Profile& profile) { state_->set_profile(profile); }
+TransportCounters ReceivePathEmulator::counters() const { return state_->counters(); }
 
-std::shared_ptr<rtps::TransportDescriptorInterface> Link::over(
+std::shared_ptr<rtps::TransportDescriptorInterface> ReceivePathEmulator::over(
     std::shared_ptr<rtps::TransportDescriptorInterface> below) const {
   return std::make_shared<Descriptor>(std::move(below), state_);
 }

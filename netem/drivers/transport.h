@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "common/bus/site.h"
-#include "netem/profile.h"
+#include "common/protocol/site.h"
+#include "netem/core/profile.h"
 
 namespace eprosima::fastdds::rtps {
 struct TransportDescriptorInterface;
@@ -32,12 +32,12 @@ struct TransportCounters {
 /// A damaged datagram reaches the participant only if the damage lies within a stream's payload, where the
 /// bus has a checksum of its own to meet; anywhere else UDP's checksum, which no single flipped bit escapes,
 /// has the word.
-class Link {
+class ReceivePathEmulator {
  public:
-  Link(const Profile& profile, std::uint64_t seed, Site own_site);
-  ~Link();
-  Link(const Link&) = delete;
-  Link& operator=(const Link&) = delete;
+  ReceivePathEmulator(const Profile& profile, std::uint64_t seed, Site own_site);
+  ~ReceivePathEmulator();
+  ReceivePathEmulator(const ReceivePathEmulator&) = delete;
+  ReceivePathEmulator& operator=(const ReceivePathEmulator&) = delete;
 
   /// From the next datagram on; what is under way keeps its due time.
   void set_profile(const Profile& profile);

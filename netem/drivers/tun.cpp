@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/tun.h"
+#include "netem/drivers/tun.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -16,7 +16,7 @@
 #include <charconv>
 #include <cstring>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::netem {
 namespace {
@@ -42,10 +42,10 @@ class Descriptor {
 
 [[noreturn]] void refuse(const std::string& what, int error) {
   if (error == EPERM || error == EACCES) {
-    throw Refusal(fmt::format(
+    throw StartupError(fmt::format(
         "{}: not permitted; run as root, or inside `unshare --user --map-root-user --net`", what));
   }
-  throw Refusal(fmt::format("{}: {}", what, std::strerror(error)));
+  throw StartupError(fmt::format("{}: {}", what, std::strerror(error)));
 }
 
 /// Moves the calling thread into a network namespace for as long as this lives.
@@ -57,7 +57,8 @@ class NamespaceVisit {
     const std::string path = netns.find('/') == std::string::npos ? "/run/netns/" + netns : netns;
     const Descriptor target(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     if (target.get() < 0 && errno == ENOENT && path != netns) {
-      throw Refusal(fmt::format("no network namespace '{}'; make it with `ip netns add {}`", netns, netns));
+      throw StartupError(
+          fmt::format("no network namespace '{}'; make it with `ip netns add {}`", netns, netns));
     }
     if (target.get() < 0) refuse(fmt::format("opening the network namespace '{}'", netns), errno);
     if (::setns(target.get(), CLONE_NEWNET) != 0)
@@ -88,7 +89,8 @@ Address parse_address(const std::string& text) {
   const bool good = slash != std::string::npos &&
                     ::inet_pton(AF_INET, text.substr(0, slash).c_str(), &address.host) == 1 &&
                     std::from_chars(text.data() + slash + 1, end, bits).ptr == end && bits >= 1 && bits <= 32;
-  if (!good) throw Refusal(fmt::format("'{}' is no address with prefix length, such as 10.77.0.1/24", text));
+  if (!good)
+    throw StartupError(fmt::format("'{}' is no address with prefix length, such as 10.77.0.1/24", text));
   address.mask.s_addr = htonl(0xFFFFFFFFU << (32 - bits));
   return address;
 }
@@ -138,12 +140,13 @@ void configure(const TunSettings& settings) {
 
 int open_tun(const TunSettings& settings) {
   if (settings.device.empty() || settings.device.size() >= IFNAMSIZ) {
-    throw Refusal(fmt::format("'{}' is no device name: 1 to {} characters", settings.device, IFNAMSIZ - 1));
+    throw StartupError(
+        fmt::format("'{}' is no device name: 1 to {} characters", settings.device, IFNAMSIZ - 1));
   }
   const NamespaceVisit visit(settings.netns);
   Descriptor tun(::open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (tun.get() < 0 && (errno == ENOENT || errno == ENODEV)) {
-    throw Refusal(
+    throw StartupError(
         "this kernel has no TUN devices (/dev/net/tun); load the module `tun`, or use --netem in the "
         "processes");
   }

@@ -16,7 +16,8 @@ struct TunSettings {
 
 /// Creates the device inside the namespace, gives it its address and brings it up; the namespace of the
 /// calling thread is unchanged afterwards. The device vanishes when the descriptor is closed. Returns a
-/// non-blocking descriptor. Throws Refusal: no TUN support, no permission, unknown namespace, bad address.
+/// non-blocking descriptor. Throws StartupError: no TUN support, no permission, unknown namespace, bad
+/// address.
 int open_tun(const TunSettings& settings);
 
 inline constexpr int kTunMtu = 1500;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/link.h"
+#include "netem/drivers/tun_link.h"
 
 #include <fmt/format.h>
 #include <sys/prctl.h>
@@ -18,10 +18,10 @@
 #include <memory>
 #include <system_error>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "netem/commands.h"
-#include "netem/emulator.h"
-#include "netem/trace.h"
+#include "netem/core/emulator.h"
+#include "netem/core/trace.h"
 
 namespace telekerf::netem {
 namespace {
@@ -43,10 +43,10 @@ class OneWay {
          const DirectionProfile& profile, const StreamKey& key)
       : from_(from), to_(to), timer_(io), emulator_(profile, key, kLinkCapacity, now_ns()) {}
 
-  /// Writes the fate of every packet from now on. Throws Refusal.
+  /// Writes the fate of every packet from now on. Throws StartupError.
   void record(const std::filesystem::path& file) {
     trace_.reset(std::fopen(file.c_str(), "w"));
-    if (!trace_) throw Refusal(fmt::format("cannot write {}", file.string()));
+    if (!trace_) throw StartupError(fmt::format("cannot write {}", file.string()));
     fmt::print(trace_.get(), "{}\n", kTraceHeader);
   }
 
@@ -60,7 +60,7 @@ class OneWay {
   }
   void stop() { timer_.cancel(); }
   void switch_to(const DirectionProfile& profile) {
-    Plan plan(profile);
+    CompiledProfile plan(profile);
     emulator_.switch_to(plan, now_ns());
   }
   const Counters& counters() const { return emulator_.counters(); }
@@ -73,13 +73,14 @@ class OneWay {
       const ssize_t size = ::read(from_.native_handle(), buffer_.data(), buffer_.size());
       if (size <= 0) break;  // empty, or the device is going away
       const std::int64_t now = now_ns();
-      const Fate fate = emulator_.push(now, std::span(buffer_).first(static_cast<std::size_t>(size)), 0);
+      const PacketOutcome fate =
+          emulator_.push(now, std::span(buffer_).first(static_cast<std::size_t>(size)), 0);
       if (trace_) write_down(now, fate);
     }
     let_out();
   }
 
-  void write_down(std::int64_t now, const Fate& fate) {
+  void write_down(std::int64_t now, const PacketOutcome& fate) {
     if (recorded_ == 0) recording_began_ns_ = now;
     const RecordedFate row{now - recording_began_ns_, fate.lost() ? 0 : fate.due_ns - now, fate.lost(),
                            fate.duplicated, fate.corrupted};
@@ -165,7 +166,7 @@ int run_link(const LinkOptions& options) {
           forward->switch_to(fresh.forward);
           backward->switch_to(fresh.backward);
           fmt::print("switched to {} as it is now\n", fresh.name);
-        } catch (const Refusal& refusal) {  // a running link stays up
+        } catch (const StartupError& refusal) {  // a running link stays up
           fmt::print(stderr, "telekerf-netem: {}; the old profile stays\n", refusal.what());
         }
         std::fflush(stdout);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/runtime/program.h"
-#include "netem/tun.h"
+#include "netem/drivers/tun.h"
 
 namespace telekerf::netem {
 
@@ -23,7 +23,7 @@ void add_link_options(CLI::App& command, LinkOptions& options);
 
 /// Forwards until it is told to stop, then prints what happened to the packets. SIGHUP reads the profile
 /// again and switches to it without a gap. Returns 1 if packets were lost otherwise than the profile says.
-/// Throws Refusal.
+/// Throws StartupError.
 int run_link(const LinkOptions& options);
 
 }  // namespace telekerf::netem

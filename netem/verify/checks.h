@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "netem/bounds.h"
+#include "netem/core/bounds.h"
 
 namespace telekerf::netem {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "netem/impairment_checks.h"
+#include "netem/verify/impairment_checks.h"
 
 namespace telekerf::netem {
 namespace {

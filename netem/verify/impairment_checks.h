@@ -2,9 +2,9 @@
 // What a run of many packets must show of delay and loss, held against their nominal law.
 #pragma once
 
-#include "netem/checks.h"
-#include "netem/profile.h"
-#include "netem/virtual_run.h"
+#include "netem/core/profile.h"
+#include "netem/verify/checks.h"
+#include "netem/verify/virtual_run.h"
 
 namespace telekerf::netem {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "netem/impairment_checks.h"
+#include "netem/verify/impairment_checks.h"
 
 namespace telekerf::netem {
 namespace {
@@ -58,7 +58,7 @@ void check_loss(const Conditions& nominal, const Run& run, bool event_losses, Ch
 void check_loss_trace(const Recording& recording, const Run& run, Checks& checks) {
   std::uint64_t differing = 0;
   for (std::size_t i = 0; i < run.sent.size(); ++i) {
-    const Fate& fate = run.sent[i].fate;
+    const PacketOutcome& fate = run.sent[i].fate;
     const bool lost = fate.lost_by_model || fate.retransmissions > 0;
     differing += lost != recording[i % recording.size()].lost;
   }

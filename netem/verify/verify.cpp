@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/verify.h"
+#include "netem/verify/verify.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "netem/impairment_checks.h"
+#include "netem/verify/impairment_checks.h"
 
 namespace telekerf::netem {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 constexpr double kNs = 1e-9;
 
 void check_events(const std::vector<Event>& events, const Run& run, Checks& checks) {
-  std::vector<Plan::Event> plans(events.begin(), events.end());
+  std::vector<CompiledProfile::Event> plans(events.begin(), events.end());
   for (std::size_t e = 0; e < events.size(); ++e) {
     std::uint64_t inside = 0;
     std::uint64_t lost = 0;
@@ -154,7 +154,7 @@ StageReport verify_recording(const DirectionProfile& nominal, const DirectionPro
   std::uint64_t differing = 0;
   for (std::size_t i = 0; i < measured.sent.size(); ++i) {
     const RecordedFate& recorded = (*nominal.recording)[i % nominal.recording->size()];
-    const Fate& fate = measured.sent[i].fate;
+    const PacketOutcome& fate = measured.sent[i].fate;
     const bool same =
         fate.lost() == recorded.lost &&
         (recorded.lost || (fate.due_ns - measured.sent[i].in_ns == recorded.delay_ns &&

@@ -5,10 +5,10 @@
 
 #include <vector>
 
-#include "netem/checks.h"
-#include "netem/profile.h"
-#include "netem/random.h"
-#include "netem/virtual_run.h"
+#include "netem/core/profile.h"
+#include "netem/core/random.h"
+#include "netem/verify/checks.h"
+#include "netem/verify/virtual_run.h"
 
 namespace telekerf::netem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/virtual_run.h"
+#include "netem/verify/virtual_run.h"
 
 #include <algorithm>
 #include <cmath>

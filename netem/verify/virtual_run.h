@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "netem/emulator.h"
-#include "netem/profile.h"
-#include "netem/random.h"
+#include "netem/core/emulator.h"
+#include "netem/core/profile.h"
+#include "netem/core/random.h"
 
 namespace telekerf::netem {
 
@@ -22,7 +22,7 @@ struct Traffic {
 /// A packet and what was decided for it.
 struct Sent {
   std::int64_t in_ns = 0;
-  Fate fate;
+  PacketOutcome fate;
 };
 
 /// Everything that one run leaves behind.

@@ -5,12 +5,11 @@
 #include <opencv2/core.hpp>
 
 #include "common/geometry/nearest.h"
+#include "common/runtime/vectors.h"
 #include "slave/laser/material.h"
 #include "slave/laser/pulsed_source.h"
 
 namespace telekerf::slave {
-
-using Vec2 = Eigen::Vector2d;
 
 struct HeightMapSettings {
   Vec2 centre_m = Vec2::Zero();
@@ -18,7 +17,7 @@ struct HeightMapSettings {
   double pixel_m = 10e-6;
 };
 
-struct EnergyBook {
+struct EnergyStatistics {
   double inside_j = 0.0;
   double outside_j = 0.0;  ///< beyond the corridor, or off the raster
   double absorbed_j = 0.0;
@@ -36,7 +35,7 @@ class HeightMap {
               const geometry::NearestIndex* corridor = nullptr, double corridor_m = 0.5e-3);
 
   const cv::Mat& depth_m() const noexcept { return depth_; }  ///< CV_32F, row 0 at the top (largest y)
-  const EnergyBook& energy() const noexcept { return energy_; }
+  const EnergyStatistics& energy() const noexcept { return energy_; }
   /// Depth at a point (bilinear), 0 off the raster.
   double depth_at(const Vec2& point_m) const noexcept;
   cv::Point2d pixel_of(const Vec2& point_m) const noexcept;
@@ -59,7 +58,7 @@ class HeightMap {
   Material material_;
   PulsedSource source_;
   cv::Mat depth_;
-  EnergyBook energy_;
+  EnergyStatistics energy_;
 };
 
 }  // namespace telekerf::slave

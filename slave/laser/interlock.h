@@ -2,7 +2,7 @@
 // May the beam be on? Laser off is the answer to every doubt; the first reason that forbids it is said aloud.
 #pragma once
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::slave {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/laser/beam.h"
+#include "slave/laser/laser_output.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "common/runtime/device_table.h"
+#include "common/runtime/device_registry.h"
 #include "common/runtime/settings.h"
 #include "slave/laser/udp_laser.h"
 
@@ -25,7 +25,7 @@ std::unique_ptr<Laser> udp(std::string_view rest, double control_hz) {
 constexpr double kMemory_s = 4.0;
 constexpr double kEnough = 3.0;
 
-using Table = DeviceTable<std::unique_ptr<Laser>, double>;
+using Table = DeviceRegistry<std::unique_ptr<Laser>, double>;
 constexpr Table::Kind kKinds[] = {
     {"simulated", "simulated", stands_alone, simulated},
     {"udp", "udp:HOST:PORT", complaint_about_udp, udp},
@@ -36,17 +36,18 @@ constexpr Table kLasers("laser", kKinds);
 
 std::string complaint_about_laser(const std::string& laser) { return kLasers.complaint(laser); }
 
-void BeamSettings::declare(Settings& settings) {
+void LaserOutputSettings::declare(Settings& settings) {
   settings.add("laser", laser, fmt::format("what makes the beam ({})", kLasers.forms()),
                complaint_about_laser);
   settings.add("laser_max_w", laser_max_w, {.min = 0, .max = 1000},
                "power that the laser is never asked to exceed");
 }
 
-Beam::Beam(const BeamSettings& settings, double laser_w, double control_hz, std::unique_ptr<Laser> laser)
+LaserOutput::LaserOutput(const LaserOutputSettings& settings, double laser_w, double control_hz,
+                         std::unique_ptr<Laser> laser)
     : name_(settings.laser), max_w_(settings.laser_max_w), forgotten_a_step_(1.0 / (kMemory_s * control_hz)) {
   if (laser_w > max_w_) {
-    throw Refusal(
+    throw StartupError(
         fmt::format("laser_w = {:g} must be at most laser_max_w = {:g}; lower it, or raise "
                     "laser_max_w if the laser can give more",
                     laser_w, max_w_));
@@ -55,7 +56,7 @@ Beam::Beam(const BeamSettings& settings, double laser_w, double control_hz, std:
   off();
 }
 
-double Beam::emit(double power_w, bool pilot) noexcept {
+double LaserOutput::emit(double power_w, bool pilot) noexcept {
   if (!std::isfinite(power_w) || power_w < 0.0) power_w = 0.0;
   if (power_w > max_w_) {
     power_w = max_w_;
@@ -71,7 +72,7 @@ double Beam::emit(double power_w, bool pilot) noexcept {
   return power_w;
 }
 
-std::string Beam::loss() const {
+std::string LaserOutput::loss() const {
   return fmt::format(
       "laser = {}: it no longer hears what it is told, so nothing is cut any more; is it switched on, "
       "connected, and its port right?",

@@ -14,8 +14,8 @@ class Settings;
 
 namespace telekerf::slave {
 
-struct BeamSettings {
-  BeamSettings() = default;         // no aggregate, see MachineSettings
+struct LaserOutputSettings {
+  LaserOutputSettings() = default;  // no aggregate, see RobotSupervisorSettings
   std::string laser = "simulated";  ///< a row of the table in beam.cpp
   double laser_max_w = 1000.0;      ///< more is never asked for
   void declare(Settings& settings);
@@ -24,14 +24,15 @@ struct BeamSettings {
 /// What is wrong with a `laser` as a user wrote it, and the remedy; empty: nothing.
 std::string complaint_about_laser(const std::string& laser);
 
-class Beam {
+class LaserOutput {
  public:
   /// Off. `laser_w`: what it will be asked for as a rule. `laser`: another one than the settings name. Throws
-  /// Refusal.
-  Beam(const BeamSettings& settings, double laser_w, double control_hz, std::unique_ptr<Laser> laser = {});
-  ~Beam() { off(); }
-  Beam(const Beam&) = delete;
-  Beam& operator=(const Beam&) = delete;
+  /// StartupError.
+  LaserOutput(const LaserOutputSettings& settings, double laser_w, double control_hz,
+              std::unique_ptr<Laser> laser = {});
+  ~LaserOutput() { off(); }
+  LaserOutput(const LaserOutput&) = delete;
+  LaserOutput& operator=(const LaserOutput&) = delete;
 
   /// Every control step. Returns the power that the laser is given: clipped to `laser_max_w`, and none if it
   /// is negative or not finite.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/laser/material.h"
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::slave {
 namespace {
@@ -38,7 +38,7 @@ Material material(const std::string& name) {
   }
   std::string names;
   for (const auto& n : material_names()) names += (names.empty() ? "" : ", ") + n;
-  throw Refusal("material = " + name + ": must be one of " + names);
+  throw StartupError("material = " + name + ": must be one of " + names);
 }
 
 std::vector<std::string> material_names() {

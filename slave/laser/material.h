@@ -28,7 +28,7 @@ struct Material {
   }
 };
 
-/// "wood" or "fibreglass" (black). Throws Refusal that lists them.
+/// "wood" or "fibreglass" (black). Throws StartupError that lists them.
 Material material(const std::string& name);
 std::vector<std::string> material_names();
 

@@ -33,8 +33,8 @@ constexpr std::int64_t udp_silence_ns(std::uint32_t period_ns) noexcept {
 
 class UdpLaser final : public Laser {
  public:
-  /// Puts the beam out. Throws Refusal if the address cannot be resolved or reached, or if its host says that
-  /// nobody listens there.
+  /// Puts the beam out. Throws StartupError if the address cannot be resolved or reached, or if its host says
+  /// that nobody listens there.
   UdpLaser(const UdpAddress& address, double control_hz);
   /// False also if the one before did not arrive.
   bool emit(double power_w, bool pilot) noexcept override;

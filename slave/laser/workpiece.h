@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::slave {
 

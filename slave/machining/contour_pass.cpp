@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/pass.h"
+#include "slave/machining/contour_pass.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "common/geometry/nearest.h"
-#include "common/runtime/refusal.h"
-#include "common/runtime/spread.h"
-#include "slave/automatic/contouring_control.h"
+#include "common/runtime/error_statistics.h"
+#include "common/runtime/startup_error.h"
 #include "slave/laser/kerf.h"
+#include "slave/machining/contouring_control.h"
 
 namespace telekerf::slave {
 namespace {
@@ -24,7 +24,9 @@ constexpr double kCornerReach_m = 0.4e-3;
 constexpr double kCornerTurn_rad = std::numbers::pi / 6;
 constexpr double kCornerWindow_m = 0.15e-3;
 
-ordered_json um(const Spread& spread) { return {{"rms", spread.rms() * 1e6}, {"max", spread.max * 1e6}}; }
+ordered_json um(const ErrorStatistics& spread) {
+  return {{"rms", spread.rms() * 1e6}, {"max", spread.max * 1e6}};
+}
 
 bool near_any(const std::vector<Vec2>& places, const Vec2& p, double reach_m) {
   return std::any_of(places.begin(), places.end(),
@@ -32,7 +34,7 @@ bool near_any(const std::vector<Vec2>& places, const Vec2& p, double reach_m) {
 }
 
 /// How far the end of a closed cut runs from where it began, when it passes there again.
-double closure_gap_m(const Pass& pass) {
+double closure_gap_m(const ContourPass& pass) {
   Polyline after;
   for (const auto& row : pass.rows) {
     if (row.reference.arc_length_m > 0.5 * pass.plan->path.length_m())
@@ -79,12 +81,12 @@ std::vector<Vec2> corners_of(const Polyline& contour) {
   return corners;
 }
 
-ordered_json measure(std::span<const Pass> passes, double speed_m_per_s) {
-  Spread to_contour, to_reference, normal, tangential, height, model, model_everywhere, ripple;
+ordered_json measure(std::span<const ContourPass> passes, double speed_m_per_s) {
+  ErrorStatistics to_contour, to_reference, normal, tangential, height, model, model_everywhere, ripple;
   double speed_sum = 0.0, corner_error = 0.0, gap = 0.0, slowest = speed_m_per_s;
   std::size_t corner_count = 0;
   bool any_closed = false;
-  for (const Pass& pass : passes) {
+  for (const ContourPass& pass : passes) {
     slowest = std::min(slowest, pass.plan->slowest_m_per_s);
     if (pass.rows.size() < 2) continue;
     const NearestIndex extracted(*pass.contour);
@@ -145,15 +147,15 @@ ordered_json measure(std::span<const Pass> passes, double speed_m_per_s) {
           {"closure_gap_um", any_closed ? ordered_json(gap * 1e6) : ordered_json()}};
 }
 
-ordered_json burn(std::span<const Pass> passes, const std::string& material_name,
+ordered_json burn(std::span<const ContourPass> passes, const std::string& material_name,
                   const std::filesystem::path& folder) {
   std::vector<Vec2> all;
-  for (const Pass& pass : passes)
+  for (const ContourPass& pass : passes)
     all.insert(all.end(), pass.contour->points_m.begin(), pass.contour->points_m.end());
   const geometry::Box box = geometry::bounding_box(all);
   PulsedSourceSettings source;
   double most_w = source.max_power_w;
-  for (const Pass& pass : passes) {
+  for (const ContourPass& pass : passes) {
     for (const PassRow& row : pass.rows) most_w = std::max(most_w, row.laser_w);
   }
   // A stronger laser has more pulses of the same energy.
@@ -163,7 +165,7 @@ ordered_json burn(std::span<const Pass> passes, const std::string& material_name
       {.centre_m = box.centre(), .half_width_m = 0.5 * box.size().maxCoeff() + 0.5e-3, .pixel_m = 7.5e-6},
       material(material_name), source);
   std::vector<Polyline> paths;
-  for (const Pass& pass : passes) {
+  for (const ContourPass& pass : passes) {
     const NearestIndex corridor(*pass.contour);
     paths.push_back({{}, pass.contour->closed});
     for (std::size_t i = 0; i + 1 < pass.rows.size(); ++i) {
@@ -187,9 +189,9 @@ ordered_json burn(std::span<const Pass> passes, const std::string& material_name
   }
   if (!cv::imwrite((folder / "mark.png").string(), map.picture()) ||
       !cv::imwrite((folder / "depth.png").string(), map.depth_picture())) {
-    throw Refusal(folder.string() + ": cannot be written");
+    throw StartupError(folder.string() + ": cannot be written");
   }
-  const EnergyBook& energy = map.energy();
+  const EnergyStatistics& energy = map.energy();
   return {{"material", material_name},
           {"depth_um", length > 0.0 ? 1e6 * whole.depth_m / length : 0.0},
           {"depth_variation_percent", 100.0 * whole.depth_variation},

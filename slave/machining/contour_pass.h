@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "slave/automatic/plan.h"
+#include "slave/machining/timed_path.h"
 
 namespace telekerf::slave {
 
@@ -26,19 +26,19 @@ PassRow pass_row(const Reference& reference, const Vec3& tool_m, const Vec3& too
                  double laser_w) noexcept;
 
 /// From a contour's start to its end.
-struct Pass {
-  const Plan* plan = nullptr;
+struct ContourPass {
+  const TimedPath* plan = nullptr;
   const geometry::Polyline* contour = nullptr;  ///< what was to be cut: the extracted points
   std::vector<PassRow> rows;
 };
 
 /// Errors, speeds and corners of all passes together (flat contours). A pass that was stopped counts as far
 /// as it came.
-nlohmann::ordered_json measure(std::span<const Pass> passes, double speed_m_per_s);
+nlohmann::ordered_json measure(std::span<const ContourPass> passes, double speed_m_per_s);
 
 /// What the beam left: joules, depth and kerf along the paths; writes mark.png and depth.png into the folder.
-/// Throws Refusal.
-nlohmann::ordered_json burn(std::span<const Pass> passes, const std::string& material,
+/// Throws StartupError.
+nlohmann::ordered_json burn(std::span<const ContourPass> passes, const std::string& material,
                             const std::filesystem::path& folder);
 
 /// Vertices where the contour turns by more than 30 degrees within 0.3 mm.

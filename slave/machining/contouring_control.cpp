@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/contouring_control.h"
+#include "slave/machining/contouring_control.h"
 
 #include <Eigen/Geometry>
 

@@ -12,7 +12,7 @@
 // left of travel (eq. 38); with constant z the binormal is z.
 #pragma once
 
-#include "slave/automatic/tracking.h"
+#include "slave/machining/tracking.h"
 
 namespace telekerf::slave {
 

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <variant>
 
-#include "slave/automatic/contouring_control.h"
-#include "slave/automatic/independent_control.h"
-#include "slave/automatic/preview_control.h"
+#include "slave/machining/contouring_control.h"
+#include "slave/machining/independent_control.h"
+#include "slave/machining/preview_control.h"
 
 namespace telekerf::slave {
 

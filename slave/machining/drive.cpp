@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/drive.h"
+#include "slave/machining/drive.h"
 
 #include <algorithm>
 

@@ -13,7 +13,6 @@ namespace telekerf::slave {
 
 using robot::DeltaState;
 using robot::Mat3;
-using robot::Vec3;
 
 /// Most samples between a reading and the effect of the currents that answer it.
 inline constexpr int kMostLoopDelay = 4;

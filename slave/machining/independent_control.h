@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "slave/automatic/tracking.h"
+#include "slave/machining/tracking.h"
 
 namespace telekerf::slave {
 

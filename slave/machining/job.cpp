@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/job.h"
+#include "slave/machining/job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ class Writer {
     const double length = way.norm();
     if (!(length > 1e-9)) return;
     // s = 10 u^3 - 15 u^4 + 6 u^5: at most 15/8 of the mean speed and 5.78 length / time^2.
-    const PlanSettings& most = settings_.plan;
+    const TimedPathSettings& most = settings_.plan;
     const double time_s = std::max(
         1.875 * length / std::min(settings_.travel_m_per_s, most.max_speed_m_per_s),
         std::sqrt(5.78 * length / std::min(settings_.travel_m_per_s2, most.max_acceleration_m_per_s2)));
@@ -50,7 +50,7 @@ class Writer {
     here_m_ = to_m;
   }
 
-  void follow(const Track& track) {
+  void follow(const Trajectory& track) {
     for (std::size_t i = 0; i < track.size(); ++i) push(track[i], JobPhase::kCut);
     here_m_ = track[track.size() - 1].position_m;
   }
@@ -88,7 +88,7 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
                                         const JobSettings& settings, const Vec3& home_m) {
   if (contours.empty()) return tl::unexpected<std::string>("there is no contour to machine");
   std::vector<std::size_t> order = geometry::cutting_order(contours, Vec2(home_m.head<2>())).order;
-  std::vector<Plan> plans;
+  std::vector<TimedPath> plans;
   std::vector<geometry::Polyline> lines;
   std::vector<Vec2> all;
   double length_m = 0.0;
@@ -118,14 +118,14 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
     writer.move(corner(box.min.x(), box.min.y()), JobPhase::kFraming);
   }
   bool first = !settings.framing;
-  for (const Plan& plan : plans) {
+  for (const TimedPath& plan : plans) {
     writer.move(plan.track[0].position_m, first ? JobPhase::kApproach : JobPhase::kTravel);
     writer.wait(settings.settle_s, JobPhase::kTravel);
     writer.follow(plan.track);
     first = false;
   }
   writer.move(home_m, JobPhase::kReturn);
-  return Job{Track(std::move(writer.points)),
+  return Job{Trajectory(std::move(writer.points)),
              std::move(writer.phases),
              std::move(order),
              std::move(plans),
@@ -139,7 +139,7 @@ Job approached_from(const Vec3& tool_m, const Job& job, const JobSettings& setti
   writer.move(job.track[0].position_m, JobPhase::kApproach);
   writer.follow(job);
   Job whole = job;
-  whole.track = Track(std::move(writer.points));
+  whole.track = Trajectory(std::move(writer.points));
   whole.phases = std::move(writer.phases);
   return whole;
 }

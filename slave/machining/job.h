@@ -5,12 +5,12 @@
 
 #include <vector>
 
-#include "slave/automatic/plan.h"
+#include "slave/machining/timed_path.h"
 
 namespace telekerf::slave {
 
 struct JobSettings {
-  PlanSettings plan;
+  TimedPathSettings plan;
   bool framing = true;            ///< run round the bounding box first, beam off
   double travel_m_per_s = 30e-3;  ///< between contours
   double travel_m_per_s2 = 1.0;
@@ -22,10 +22,10 @@ struct JobSettings {
 enum class JobPhase : std::uint8_t { kApproach, kFraming, kTravel, kCut, kReturn };
 
 struct Job {
-  Track track;
+  Trajectory track;
   std::vector<JobPhase> phases;           ///< one a tick
   std::vector<std::size_t> order;         ///< contours as they are cut
-  std::vector<Plan> plans;                ///< in that order
+  std::vector<TimedPath> plans;           ///< in that order
   std::vector<geometry::Polyline> lines;  ///< what each of them cuts: the contour, moved by half the kerf
   double period_s = 0.0;
   double cut_length_m = 0.0;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/machinist.h"
+#include "slave/machining/job_executor.h"
 
 #include <algorithm>
 
 namespace telekerf::slave {
 
-Machinist::Machinist(const robot::RobotModel& nominal, const Job& job, const MachinistSettings& settings)
+JobExecutor::JobExecutor(const robot::RobotModel& nominal, const Job& job, const MachinistSettings& settings)
     : job_(job),
       corridors_(job.lines.begin(), job.lines.end()),
       controllers_{make_controller(settings.controller, false, settings.follower),
@@ -18,12 +18,12 @@ Machinist::Machinist(const robot::RobotModel& nominal, const Job& job, const Mac
   turn_to(0);
 }
 
-void Machinist::turn_to(std::size_t contour) noexcept {
+void JobExecutor::turn_to(std::size_t contour) noexcept {
   contour_ = contour;
   follower_.use(controllers_[job_.plans[contour].path.closed() ? 1 : 0]);
 }
 
-MachinistOutputs Machinist::step(const robot::JointReading& reading, bool stop) noexcept {
+MachinistOutputs JobExecutor::step(const robot::JointReading& reading, bool stop) noexcept {
   MachinistOutputs out;
   const std::size_t last = job_.track.size() - 1;
   if (stop && !stopped_) {

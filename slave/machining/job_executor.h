@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "common/geometry/nearest.h"
-#include "slave/automatic/follower.h"
-#include "slave/automatic/job.h"
 #include "slave/laser/interlock.h"
+#include "slave/machining/job.h"
+#include "slave/machining/path_follower.h"
 
 namespace telekerf::slave {
 
 struct MachinistSettings {
-  FollowerSettings follower;
+  PathFollowerSettings follower;
   ControllerKind controller = ControllerKind::kAuto;
   double laser_w = 10.0;
   InterlockSettings interlock;
@@ -34,10 +34,10 @@ struct MachinistOutputs {
   Vec3 tool_velocity_m_per_s = Vec3::Zero();
 };
 
-class Machinist {
+class JobExecutor {
  public:
   /// The job must outlive the machinist.
-  Machinist(const robot::RobotModel& nominal, const Job& job, const MachinistSettings& settings);
+  JobExecutor(const robot::RobotModel& nominal, const Job& job, const MachinistSettings& settings);
 
   /// At rest at the job's start.
   void reset(const Vec3& joints_m) noexcept { follower_.reset(joints_m); }
@@ -53,8 +53,8 @@ class Machinist {
   std::array<Controller, 2> controllers_;          ///< for open lines, for closed ones
   MachinistSettings settings_;
   double workspace_radius_m_;
-  Follower follower_;
-  Track hold_;  ///< one point: where the tool is held after a stop
+  PathFollower follower_;
+  Trajectory hold_;  ///< one point: where the tool is held after a stop
   std::size_t tick_ = 0;
   std::size_t contour_ = 0;
   bool stopped_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/path.h"
+#include "slave/machining/path.h"
 
 #include <algorithm>
 #include <array>

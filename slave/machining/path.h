@@ -8,8 +8,8 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/bus/messages.h"
 #include "common/geometry/polyline.h"
+#include "common/protocol/messages.h"
 
 namespace telekerf::slave {
 

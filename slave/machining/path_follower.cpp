@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/follower.h"
+#include "slave/machining/path_follower.h"
 
 #include <algorithm>
 
@@ -13,13 +13,13 @@ ControllerKind resolved(ControllerKind kind, bool closed) noexcept {
 
 }  // namespace
 
-void FollowerSettings::quiet_for(double speed_m_per_s, bool brisk) noexcept {
+void PathFollowerSettings::quiet_for(double speed_m_per_s, bool brisk) noexcept {
   observer_rad_s = std::clamp(37.5e3 * speed_m_per_s, brisk ? 200.0 : 60.0, 400.0);
   velocity_rad_s = std::clamp(112.5e3 * speed_m_per_s, brisk ? 600.0 : 220.0, 900.0);
   along_rad_s = std::clamp(20.0 + 17.5e3 * speed_m_per_s, 50.0, 70.0);
 }
 
-Controller make_controller(ControllerKind kind, bool closed, const FollowerSettings& s) noexcept {
+Controller make_controller(ControllerKind kind, bool closed, const PathFollowerSettings& s) noexcept {
   switch (resolved(kind, closed)) {
     case ControllerKind::kPreview: {
       auto control = PreviewControl::matched(s.loop_delay, s.along_rad_s);
@@ -40,11 +40,11 @@ Controller make_controller(ControllerKind kind, bool closed, const FollowerSetti
   return control;
 }
 
-ModelUse model_use(ControllerKind kind, const FollowerSettings& s) noexcept {
+ModelUse model_use(ControllerKind kind, const PathFollowerSettings& s) noexcept {
   return kind == ControllerKind::kIndependent ? s.independent_model : s.model;
 }
 
-DriveSettings drive_settings(ControllerKind kind, const FollowerSettings& s) noexcept {
+DriveSettings drive_settings(ControllerKind kind, const PathFollowerSettings& s) noexcept {
   DriveSettings drive;
   drive.observer = {.period_s = 1.0 / s.control_hz,
                     .bandwidth_rad_per_s = s.observer_rad_s,
@@ -54,13 +54,13 @@ DriveSettings drive_settings(ControllerKind kind, const FollowerSettings& s) noe
   return drive;
 }
 
-void Follower::reset(const Vec3& joints_m) noexcept {
+void PathFollower::reset(const Vec3& joints_m) noexcept {
   drive_.reset(joints_m);
   weight_n_ = robot::gravity_force(model_, kinematics_, drive_.state());
 }
 
 /// Forces of the robot's file at the reference, where the currents will act.
-Vec3 Follower::expected_force(const Tracking& now) const noexcept {
+Vec3 PathFollower::expected_force(const Tracking& now) const noexcept {
   if (model_use_ == ModelUse::kNone) return Vec3::Zero();
   const JointReference q = joint_reference(now, now.track.at(now.tick + ahead_));
   if (!q.good) return Vec3::Zero();
@@ -71,13 +71,13 @@ Vec3 Follower::expected_force(const Tracking& now) const noexcept {
   return robot::gravity_force(model_, kinematics_, *state) + robot::coriolis_force(model_, *state) + friction;
 }
 
-double Follower::beam_power(const Reference& reference) const noexcept {
+double PathFollower::beam_power(const Reference& reference) const noexcept {
   if (!(reference.speed_m_per_s > 0.0)) return 0.0;
   const double speed = drive_.state().tool_velocity_m_per_s.dot(reference.tangent);
   return reference.power * std::clamp(speed / reference.speed_m_per_s, 0.0, 1.5);
 }
 
-Vec3 Follower::step(const robot::JointReading& reading, const Track& track, double tick) noexcept {
+Vec3 PathFollower::step(const robot::JointReading& reading, const Trajectory& track, double tick) noexcept {
   drive_.observe(reading);
   const Tracking now{kinematics_, drive_.state(), track, tick, origin_in_base_m_};
   const Vec3 desired = desired_acceleration(controller_, now);

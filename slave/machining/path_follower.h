@@ -2,7 +2,7 @@
 // A controller on its drive: readings and references in, currents out, one step at a time.
 #pragma once
 
-#include "slave/automatic/controller.h"
+#include "slave/machining/controller.h"
 
 namespace telekerf::slave {
 
@@ -20,7 +20,7 @@ enum class ModelUse : std::uint8_t {
   kWhole,   ///< A(q), weight, Coriolis force and friction
 };
 
-struct FollowerSettings {
+struct PathFollowerSettings {
   double control_hz = 2400.0;
   int loop_delay = 0;                 ///< samples from a reading to the effect of its currents
   bool preview = true;                ///< false: accelerations of the same tick, as if the loop had no delay
@@ -39,14 +39,14 @@ struct FollowerSettings {
 };
 
 /// The controller of a kind with gains and preview that match the loop.
-Controller make_controller(ControllerKind kind, bool closed, const FollowerSettings& settings) noexcept;
-DriveSettings drive_settings(ControllerKind kind, const FollowerSettings& settings) noexcept;
-ModelUse model_use(ControllerKind kind, const FollowerSettings& settings) noexcept;
+Controller make_controller(ControllerKind kind, bool closed, const PathFollowerSettings& settings) noexcept;
+DriveSettings drive_settings(ControllerKind kind, const PathFollowerSettings& settings) noexcept;
+ModelUse model_use(ControllerKind kind, const PathFollowerSettings& settings) noexcept;
 
-class Follower {
+class PathFollower {
  public:
-  Follower(const robot::RobotModel& nominal, const DriveSettings& drive, const Controller& controller,
-           ModelUse model_use) noexcept
+  PathFollower(const robot::RobotModel& nominal, const DriveSettings& drive, const Controller& controller,
+               ModelUse model_use) noexcept
       : model_(nominal),
         kinematics_(nominal.geometry),
         origin_in_base_m_(nominal.in_base(Vec3::Zero())),
@@ -59,7 +59,7 @@ class Follower {
   /// Another law from the next step on; at rest it is taken over without a jump.
   void use(const Controller& controller) noexcept { controller_ = controller; }
   /// Currents in A. A reference that is no pose of the robot gives the currents that hold it where it is.
-  Vec3 step(const robot::JointReading& reading, const Track& track, double tick) noexcept;
+  Vec3 step(const robot::JointReading& reading, const Trajectory& track, double tick) noexcept;
   /// Observed tool, workpiece frame.
   Vec3 tool_m() const noexcept { return drive_.state().tool_m - origin_in_base_m_; }
   /// Share of the beam's power that gives each millimetre the same energy: what was planned, corrected by the

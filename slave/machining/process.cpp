@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/process.h"
+#include "slave/machining/process.h"
 
 #include <fmt/format.h>
 
@@ -9,14 +9,14 @@
 #include <thread>
 #include <vector>
 
-#include "common/bus/contour_watch.h"
+#include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
 #include "common/runtime/loop.h"
-#include "common/runtime/refusal.h"
 #include "common/runtime/results.h"
-#include "slave/automatic/machinist.h"
-#include "slave/automatic/work_report.h"
+#include "common/runtime/startup_error.h"
 #include "slave/laser/material.h"
+#include "slave/machining/job_executor.h"
+#include "slave/machining/work_report.h"
 
 namespace telekerf::slave {
 namespace {
@@ -67,11 +67,11 @@ std::unique_ptr<Job> prepare(const ContourMessage& message, const robot::RobotMo
   std::vector<geometry::Polyline> contours{{message.points_m, message.closed}};
   for (const ContourLine& line : message.further) contours.push_back({line.points_m, line.closed});
   auto job = make_job(contours, settings);
-  if (!job) throw Refusal("the contour cannot be machined: " + job.error());
+  if (!job) throw StartupError("the contour cannot be machined: " + job.error());
   for (std::size_t i = 0; i < job->track.size(); i += 8) {
     const Vec3 p = job->track[i].position_m;
     if (p.head<2>().norm() > model.workspace.radius_m * (1.0 + 1e-9)) {
-      throw Refusal(
+      throw StartupError(
           fmt::format("the work reaches {:.1f} mm from the workspace's centre, but {} reaches {:.1f} "
                       "mm; use a smaller --width-mm",
                       p.head<2>().norm() * 1e3, model.name, model.workspace.radius_m * 1e3));
@@ -118,8 +118,8 @@ class Herald {
   std::jthread thread_;  ///< last: ends first
 };
 
-/// The job, or null if a stop came first. Throws Refusal.
-const Job* awaited(const ContourWatch<Job>& contour, const BusSettings& bus, double wait_s) {
+/// The job, or null if a stop came first. Throws StartupError.
+const Job* awaited(const ContourSubscriber<Job>& contour, const BusSettings& bus, double wait_s) {
   const auto since = std::chrono::steady_clock::now();
   bool told = false;
   while (contour.current() == nullptr && !stop_requested() && !contour.refused()) {
@@ -132,16 +132,16 @@ const Job* awaited(const ContourWatch<Job>& contour, const BusSettings& bus, dou
       std::fflush(stdout);
     }
     if (waited.count() > wait_s) {
-      throw Refusal(
+      throw StartupError(
           fmt::format("no contour for {:g} s in cell '{}' of domain {}: is telekerf-vision running there?",
                       wait_s, bus.cell, bus.domain));
     }
   }
-  if (contour.refused()) throw Refusal(contour.refusal());
+  if (contour.refused()) throw StartupError(contour.refusal());
   return contour.current();
 }
 
-MachinistSettings machinist_settings(const AutomaticSettings& settings, const PlanSettings& plan,
+MachinistSettings machinist_settings(const AutomaticSettings& settings, const TimedPathSettings& plan,
                                      double laser_w) {
   MachinistSettings out;
   out.follower.control_hz = settings.machining_hz;
@@ -170,11 +170,12 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
                   const AutomaticRobot& options, const std::string& folder) {
   const robot::RobotModel model = robot::load_robot(options.robot);
   using Sensor = robot::Sensor::Kind;
-  robot::Machine machine(model, options.machine, settings.machining_hz,
-                         robot::attach(options.machine.drive, model, settings.machining_hz,
-                                       {options.mismatch, options.seed + 1000,
-                                        settings.sensor == "hall" ? Sensor::kHall : Sensor::kEncoder}));
-  Beam beam(options.beam, options.laser_w, settings.machining_hz);
+  robot::RobotSupervisor machine(
+      model, options.machine, settings.machining_hz,
+      robot::attach(options.machine.drive, model, settings.machining_hz,
+                    {options.mismatch, options.seed + 1000,
+                     settings.sensor == "hall" ? Sensor::kHall : Sensor::kEncoder}));
+  LaserOutput beam(options.beam, options.laser_w, settings.machining_hz);
   WorkRecord work{.controller = settings.controller,
                   .corner = settings.corner,
                   .sensor = settings.sensor,
@@ -187,19 +188,19 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   catch_stop_signals();
   Bus bus(bus_settings);
   Reader<EventMessage> events(bus);
-  ContourWatch<Job> contour(bus, [&](const ContourMessage& m) { return prepare(m, model, jobs); });
+  ContourSubscriber<Job> contour(bus, [&](const ContourMessage& m) { return prepare(m, model, jobs); });
   fmt::print("slave: ready in {}, automatic\n", bus_settings.cell);
   std::fflush(stdout);
   const Job* const published = awaited(contour, bus_settings, settings.wait_s);
   if (published == nullptr) return 1;
   if (!folder.empty()) make_folder("--record", folder);
-  const robot::Machine::Stand stand = machine.stand();
+  const robot::RobotSupervisor::InitialPose stand = machine.stand();
   std::optional<Job> from_there;
   if ((stand.tool_m - published->track[0].position_m).norm() > kAtHome_m)
     from_there = approached_from(stand.tool_m, *published, jobs);
   const Job& job = from_there ? *from_there : *published;
 
-  Machinist machinist(model, job, machinist_settings(settings, jobs.plan, options.laser_w));
+  JobExecutor machinist(model, job, machinist_settings(settings, jobs.plan, options.laser_w));
   machinist.reset(stand.joints_m);
   const auto hold_ticks = static_cast<std::size_t>(kHold_s * settings.machining_hz);
   work.rows.reserve(job.track.size() + hold_ticks);
@@ -246,8 +247,8 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
                                       {"laser_untold", beam.untold()}});
     fmt::print("{}\n", json_text(result));
   }
-  if (machine.lost()) throw Refusal(machine.loss());
-  if (beam.lost()) throw Refusal(beam.loss());
+  if (machine.lost()) throw StartupError(machine.loss());
+  if (beam.lost()) throw StartupError(beam.loss());
   if (!inside) fmt::print("slave: bad: the laser left the corridor\n");
   return work.finished && inside ? 0 : 1;
 }

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "common/bus/bus_flags.h"
-#include "common/robot/machine.h"
+#include "common/robot/supervisor.h"
 #include "common/runtime/settings.h"
-#include "slave/laser/beam.h"
+#include "slave/laser/laser_output.h"
 
 namespace telekerf::slave {
 
@@ -27,16 +27,16 @@ struct AutomaticSettings {
 /// Of the robot in the process, as the slave has them anyway.
 struct AutomaticRobot {
   std::string robot = "slave-keops";
-  robot::MachineSettings machine;
+  robot::RobotSupervisorSettings machine;
   double mismatch = 0.1;
   std::uint64_t seed = 1;
   double laser_w = 10.0;
-  BeamSettings beam;
+  LaserOutputSettings beam;
 };
 
 /// Waits for a picture's contours, works them off, writes result.json, timing.json, trace.csv, mark.png and
 /// depth.png into `folder` (empty: none). Returns 0 when all were finished, 1 when it was stopped or the beam
-/// left the corridor. Throws Refusal, also when the drive or the laser was lost.
+/// left the corridor. Throws StartupError, also when the drive or the laser was lost.
 int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
                   const AutomaticRobot& robot, const std::string& folder);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/plan.h"
+#include "slave/machining/timed_path.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ constexpr std::size_t kMostTicks = 20'000'000;
 
 /// Greatest speed at equal steps along the way: what was asked, what curvature allows, and what can still be
 /// braked down to the next slow place and to the end.
-std::vector<double> speed_limits(const Path& path, const PlanSettings& s, double from_m, double to_m) {
+std::vector<double> speed_limits(const Path& path, const TimedPathSettings& s, double from_m, double to_m) {
   const auto count = static_cast<std::size_t>(std::ceil((to_m - from_m) / kGrid_m)) + 1;
   const bool slow = s.corner == CornerPolicy::kSlow;
   const double across = slow ? std::min(s.slow_acceleration_m_per_s2, s.max_acceleration_m_per_s2)
@@ -73,7 +73,7 @@ std::vector<double> box(const std::vector<double>& in, std::size_t width) {
 /// deconvolution.
 class EvenBurn {
  public:
-  EvenBurn(const Path& path, double cut_end_m, const PlanSettings& s)
+  EvenBurn(const Path& path, double cut_end_m, const TimedPathSettings& s)
       : step_m_(0.25 * s.spot_radius_m), spot_radius_m_(s.spot_radius_m) {
     const double fade_m = path.closed() ? s.overlap_m : 0.0;
     for (double arc = 0.0; arc <= cut_end_m; arc += step_m_) {
@@ -156,7 +156,7 @@ class EvenBurn {
 
 }  // namespace
 
-Reference Track::at(double tick) const noexcept {
+Reference Trajectory::at(double tick) const noexcept {
   const double last = static_cast<double>(points_.size() - 1);
   if (!(tick > 0.0) || tick >= last) {
     Reference end = tick > 0.0 ? points_.back() : points_.front();
@@ -178,7 +178,7 @@ Reference Track::at(double tick) const noexcept {
   return out;
 }
 
-PathSettings path_settings(const PlanSettings& settings) noexcept {
+PathSettings path_settings(const TimedPathSettings& settings) noexcept {
   PathSettings path;
   path.tolerance_m = settings.tolerance_m;
   switch (settings.corner) {
@@ -194,12 +194,13 @@ PathSettings path_settings(const PlanSettings& settings) noexcept {
   return path;
 }
 
-void PlanSettings::keep_within(const robot::ToolLimits& limits) noexcept {
+void TimedPathSettings::keep_within(const robot::ToolLimits& limits) noexcept {
   max_acceleration_m_per_s2 = std::min(max_acceleration_m_per_s2, 0.5 * limits.acceleration_m_per_s2);
   max_speed_m_per_s = std::min(max_speed_m_per_s, 0.9 * limits.velocity_m_per_s);
 }
 
-tl::expected<Plan, std::string> make_plan(const geometry::Polyline& contour, const PlanSettings& settings) {
+tl::expected<TimedPath, std::string> make_plan(const geometry::Polyline& contour,
+                                               const TimedPathSettings& settings) {
   const double size = geometry::all_finite(contour.points_m) && contour.size() > 0
                           ? geometry::bounding_box(contour.points_m).size().maxCoeff()
                           : INFINITY;  // refused below
@@ -214,7 +215,7 @@ tl::expected<Plan, std::string> make_plan(const geometry::Polyline& contour, con
   return make_plan(std::move(*path), settings);
 }
 
-tl::expected<Plan, std::string> make_plan(Path path, const PlanSettings& s) {
+tl::expected<TimedPath, std::string> make_plan(Path path, const TimedPathSettings& s) {
   if (!(s.speed_m_per_s > 0.0)) return tl::unexpected<std::string>("the speed must be greater than zero");
   if (s.speed_m_per_s > s.max_speed_m_per_s) {
     return tl::unexpected(
@@ -280,7 +281,7 @@ tl::expected<Plan, std::string> make_plan(Path path, const PlanSettings& s) {
       slowest = std::min(slowest, r.speed_m_per_s);
     }
   }
-  Plan plan{std::move(path), Track(std::move(points)), period, 0.0, 0.0, slowest};
+  TimedPath plan{std::move(path), Trajectory(std::move(points)), period, 0.0, 0.0, slowest};
   plan.cut_s = static_cast<double>(cut_ticks) * period;
   plan.mean_speed_m_per_s = cut_end / plan.cut_s;
   return plan;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/robot/robot_model.h"
-#include "slave/automatic/path.h"
 #include "slave/laser/pulsed_source.h"
+#include "slave/machining/path.h"
 
 namespace telekerf::slave {
 
@@ -19,7 +19,7 @@ enum class CornerPolicy : std::uint8_t {
   kSlow,     ///< adaptive preview (thesis 9.2): little rounding, speed by curvature, power follows speed
 };
 
-struct PlanSettings {
+struct TimedPathSettings {
   double control_hz = 2400.0;
   double speed_m_per_s = 8e-3;
   CornerPolicy corner = CornerPolicy::kRounded;
@@ -58,9 +58,9 @@ struct Reference {
 };
 
 /// References at equal ticks; beyond its ends the track stands still.
-class Track {
+class Trajectory {
  public:
-  explicit Track(std::vector<Reference> points) : points_(std::move(points)) {}
+  explicit Trajectory(std::vector<Reference> points) : points_(std::move(points)) {}
   std::size_t size() const noexcept { return points_.size(); }
   const Reference& operator[](std::size_t tick) const noexcept { return points_[tick]; }
   void replace(std::size_t tick, const Reference& reference) noexcept { points_[tick] = reference; }
@@ -71,9 +71,9 @@ class Track {
   std::vector<Reference> points_;
 };
 
-struct Plan {
+struct TimedPath {
   Path path;
-  Track track;
+  Trajectory track;
   double period_s = 0.0;
   double cut_s = 0.0;               ///< time with the beam on
   double mean_speed_m_per_s = 0.0;  ///< with the beam on
@@ -82,9 +82,10 @@ struct Plan {
 };
 
 /// How far the path may leave the contour's points under a policy.
-PathSettings path_settings(const PlanSettings& settings) noexcept;
+PathSettings path_settings(const TimedPathSettings& settings) noexcept;
 /// The error is one sentence. Speeds above what the machine's acceleration allows are lowered, never refused.
-tl::expected<Plan, std::string> make_plan(Path path, const PlanSettings& settings);
-tl::expected<Plan, std::string> make_plan(const geometry::Polyline& contour, const PlanSettings& settings);
+tl::expected<TimedPath, std::string> make_plan(Path path, const TimedPathSettings& settings);
+tl::expected<TimedPath, std::string> make_plan(const geometry::Polyline& contour,
+                                               const TimedPathSettings& settings);
 
 }  // namespace telekerf::slave

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/tool_trace.h"
+#include "slave/machining/tool_trace.h"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ void write_tool_trace(const std::filesystem::path& file, double period_s, std::s
                         static_cast<double>(i) * period_s, r.reference_m.x(), r.reference_m.y(), r.tool_m.x(),
                         r.tool_m.y(), r.tool_m.z(), r.laser_w);
   }
-  write_whole(file, text);
+  write_atomically(file, text);
 }
 
 }  // namespace telekerf::slave

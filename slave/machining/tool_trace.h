@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "slave/automatic/path.h"
+#include "slave/machining/path.h"
 
 namespace telekerf::slave {
 
@@ -15,7 +15,7 @@ struct ToolTraceRow {
   double laser_w;
 };
 
-/// `count` rows, `period_s` apart. Throws Refusal.
+/// `count` rows, `period_s` apart. Throws StartupError.
 void write_tool_trace(const std::filesystem::path& file, double period_s, std::size_t count,
                       const std::function<ToolTraceRow(std::size_t)>& row);
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "common/robot/robot_model.h"
-#include "slave/automatic/drive.h"
-#include "slave/automatic/plan.h"
+#include "slave/machining/drive.h"
+#include "slave/machining/timed_path.h"
 
 namespace telekerf::slave {
 
@@ -12,7 +12,7 @@ namespace telekerf::slave {
 struct Tracking {
   const robot::DeltaKinematics& kinematics;
   const DeltaState& measured;
-  const Track& track;
+  const Trajectory& track;
   double tick = 0.0;
   Vec3 origin_in_base_m = Vec3::Zero();
 };

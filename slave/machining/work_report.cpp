@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/automatic/work_report.h"
+#include "slave/machining/work_report.h"
 
 #include "common/runtime/results.h"
-#include "slave/automatic/pass.h"
-#include "slave/automatic/tool_trace.h"
+#include "slave/machining/contour_pass.h"
+#include "slave/machining/tool_trace.h"
 
 namespace telekerf::slave {
 namespace {
 
 /// What was cut of each contour.
-std::vector<Pass> passes_of(const Job& job, const std::vector<WorkRow>& rows) {
-  std::vector<Pass> passes;
+std::vector<ContourPass> passes_of(const Job& job, const std::vector<WorkRow>& rows) {
+  std::vector<ContourPass> passes;
   bool cutting = false;
   for (const WorkRow& row : rows) {
     const bool cut = job.phases[row.tick] == JobPhase::kCut;
@@ -27,7 +27,7 @@ std::vector<Pass> passes_of(const Job& job, const std::vector<WorkRow>& rows) {
 
 nlohmann::ordered_json report_work(const std::filesystem::path& folder, const Job& job,
                                    const WorkRecord& work) {
-  const std::vector<Pass> passes = passes_of(job, work.rows);
+  const std::vector<ContourPass> passes = passes_of(job, work.rows);
   nlohmann::ordered_json result{{"finished", work.finished},
                                 {"controller", work.controller},
                                 {"corner", work.corner},

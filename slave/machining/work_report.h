@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "common/runtime/run_record.h"
-#include "slave/automatic/job.h"
+#include "common/recording/run_record.h"
+#include "slave/machining/job.h"
 
 namespace telekerf::slave {
 
@@ -29,7 +29,7 @@ struct WorkRecord {
 };
 
 /// Writes result.json, trace.csv, mark.png and depth.png into `folder`; returns what result.json holds, which
-/// is nothing of the wall clock. Throws Refusal.
+/// is nothing of the wall clock. Throws StartupError.
 nlohmann::ordered_json report_work(const std::filesystem::path& folder, const Job& job,
                                    const WorkRecord& work);
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::vision {
 namespace {
@@ -129,7 +129,8 @@ class CaptureCamera : public Camera {
     // A device that is not there yet is no news; what can be said is said once, in a sentence of ours.
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     // Each by name: left to choose, OpenCV asks every photo camera on USB for a file that it cannot read.
-    return file_.empty() ? capture_.open(device_, cv::CAP_V4L2) : capture_.open(file_.string(), cv::CAP_FFMPEG);
+    return file_.empty() ? capture_.open(device_, cv::CAP_V4L2)
+                         : capture_.open(file_.string(), cv::CAP_FFMPEG);
   }
 
   void keep_pace() {
@@ -158,7 +159,8 @@ using Make = std::function<std::unique_ptr<Camera>()>;
 
 /// Looks once, so that what is not there is refused at the start.
 std::unique_ptr<Camera> proven(const Make& make, const char* remedy) {
-  if (const auto look = make()->next(); !look) throw Refusal(fmt::format("{}; {}", look.error(), remedy));
+  if (const auto look = make()->next(); !look)
+    throw StartupError(fmt::format("{}; {}", look.error(), remedy));
   return make();
 }
 

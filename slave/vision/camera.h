@@ -34,9 +34,9 @@ class Camera {
 };
 
 /// A picture, drawing, folder of pictures (in the order of their names) or video; what is changed or added
-/// later is a new frame. Throws Refusal when there is no such thing.
+/// later is a new frame. Throws StartupError when there is no such thing.
 std::unique_ptr<Camera> open_image(const std::string& path);
-/// Device /dev/videoN. Throws Refusal when it cannot be opened.
+/// Device /dev/videoN. Throws StartupError when it cannot be opened.
 std::unique_ptr<Camera> open_device(int number);
 
 }  // namespace telekerf::vision

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::vision {
 namespace {
@@ -38,9 +38,10 @@ std::uint32_t digest_of(const ContourMessage& message) {
 
 LoadRequest load_request(const ContourRequest& request) {
   const auto mode = mode_of(request.mode);
-  if (!mode) throw Refusal(fmt::format("mode = {}: must be auto, outline, stroke or thesis", request.mode));
+  if (!mode)
+    throw StartupError(fmt::format("mode = {}: must be auto, outline, stroke or thesis", request.mode));
   const auto anchor = anchor_of(request.anchor);
-  if (!anchor) throw Refusal(fmt::format("anchor = {}: must be box, first or image", request.anchor));
+  if (!anchor) throw StartupError(fmt::format("anchor = {}: must be box, first or image", request.anchor));
   LoadRequest load;
   load.extract.mode = *mode;
   load.scale.anchor = *anchor;
@@ -85,10 +86,10 @@ tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const
 ContourMessage find_contour(const ContourRequest& request) {
   const std::string file = find_resource("pictures", request.image, ".png").string();
   const auto loaded = load_contours(file, load_request(request));
-  if (!loaded) throw Refusal(loaded.error());
+  if (!loaded) throw StartupError(loaded.error());
   const auto message =
       message_of(*loaded, std::filesystem::path(file).filename().string(), request.workspace_radius_m);
-  if (!message) throw Refusal(message.error());
+  if (!message) throw StartupError(message.error());
   return *message;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "common/bus/messages.h"
+#include "common/protocol/messages.h"
 #include "common/vision/load.h"
 
 namespace telekerf::vision {
@@ -21,14 +21,14 @@ struct ContourRequest {
   bool fit_all = false;              ///< all contours together are centred and fitted, not the longest alone
 };
 
-/// What the vision library is asked for. Throws Refusal: an unknown mode or anchor.
+/// What the vision library is asked for. Throws StartupError: an unknown mode or anchor.
 LoadRequest load_request(const ContourRequest& request);
 /// The selected contour as it is published with the others beside it, its id a digest of all their points.
 /// The error is one sentence: it does not fit into the workspace.
 tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const std::string& source,
                                                      double workspace_radius_m);
 
-/// Reads, extracts, scales. Throws Refusal: no such file, no picture, no contour, or larger than the
+/// Reads, extracts, scales. Throws StartupError: no such file, no picture, no contour, or larger than the
 /// workspace.
 ContourMessage find_contour(const ContourRequest& request);
 

@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "common/runtime/program.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "slave/vision/drawing.h"
 
 namespace {
@@ -27,7 +27,7 @@ int draw_all(const std::filesystem::path& folder) {
     const std::filesystem::path file = folder / (name + ".png");
     if (!cv::imwrite(file.string(), telekerf::drawing::render(*drawing, look),
                      {cv::IMWRITE_PNG_COMPRESSION, 9})) {
-      throw telekerf::Refusal(fmt::format("{}: cannot be written", file.string()));
+      throw telekerf::StartupError(fmt::format("{}: cannot be written", file.string()));
     }
   }
   return 0;

@@ -13,7 +13,6 @@ namespace telekerf::drawing {
 namespace {
 
 using geometry::Polyline;
-using geometry::Vec2;
 
 /// A curve over 0..1 in units of a shape of about radius 1, y upwards.
 using Curve = std::function<Vec2(double)>;

@@ -40,8 +40,8 @@ std::vector<std::string> names();
 /// The drawing fitted into a picture of this size.
 std::optional<Drawing> by_name(std::string_view name, int width_px = 640, int height_px = 480);
 /// The drawing turned about `centre_px` by an angle, magnified and moved.
-Drawing transformed(const Drawing& drawing, double angle_rad, double gain, const geometry::Vec2& centre_px,
-                    const geometry::Vec2& shift_px);
+Drawing transformed(const Drawing& drawing, double angle_rad, double gain, const Vec2& centre_px,
+                    const Vec2& shift_px);
 
 /// One grey picture (CV_8U), anti-aliased by sampling each pixel 6 x 6 times.
 cv::Mat render(const Drawing& drawing, const Look& look);

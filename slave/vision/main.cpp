@@ -11,8 +11,8 @@
 #include "common/geometry/polyline.h"
 #include "common/robot/robot_model.h"
 #include "common/runtime/loop.h"
-#include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/startup_error.h"
 #include "slave/vision/camera.h"
 #include "slave/vision/vision_node.h"
 
@@ -63,7 +63,7 @@ int run(const Flags& flags) {
   Camera::Look look = camera->next();
   VisionNode::Outcome outcome = node.step(look);
   // A file's first look decides; what lies under a camera may come later.
-  if (flags.camera < 0 && node.state() == VisionNode::State::kNoContour) throw Refusal(outcome.remark);
+  if (flags.camera < 0 && node.state() == VisionNode::State::kNoContour) throw StartupError(outcome.remark);
 
   catch_stop_signals();
   Bus bus(flags.bus.bus_settings(Site::kSlave, "vision"));

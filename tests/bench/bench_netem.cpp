@@ -15,7 +15,7 @@
 #include <queue>
 #include <vector>
 
-#include "netem/emulator.h"
+#include "netem/core/emulator.h"
 
 namespace telekerf::netem {
 namespace {
@@ -73,7 +73,7 @@ std::vector<std::vector<Event>> events_of(const DirectionProfile& profile, std::
   for (int i = 0; i < kPackets; ++i) {
     const std::int64_t now_ns = i * kStep_ns;
     while (emulator.pop(now_ns)) --under_way;
-    const Fate fate = emulator.push(now_ns, 200U, static_cast<std::uint64_t>(i));
+    const PacketOutcome fate = emulator.push(now_ns, 200U, static_cast<std::uint64_t>(i));
     if (fate.lost()) continue;
     for (int copy = 0; copy < 1 + fate.duplicated; ++copy) {
       events[i].push_back(

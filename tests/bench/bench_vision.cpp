@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "common/geometry/nearest.h"
-#include "common/vision/extract.h"
+#include "common/vision/extraction/extract.h"
 #include "slave/vision/drawing.h"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "common/vision/vector_drawing.h"
+#include "common/vision/vector/vector_drawing.h"
 
 namespace telekerf::vision {
 

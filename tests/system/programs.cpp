@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/integration/programs.h"
+#include "tests/system/programs.h"
 
 #include <unistd.h>
 

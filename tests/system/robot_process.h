@@ -2,7 +2,7 @@
 // A robot in a process of its own, for stations to be attached to.
 #pragma once
 
-#include "tests/integration/programs.h"
+#include "tests/system/programs.h"
 
 namespace telekerf::integration {
 

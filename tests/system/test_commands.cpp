@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/runtime/run_record.h"
-#include "tests/integration/programs.h"
+#include "common/recording/run_record.h"
+#include "tests/system/programs.h"
 
 namespace telekerf::integration {
 namespace {
@@ -110,7 +110,8 @@ TEST(Commands, ResultsHoldNoPath) {
 
 TEST(Commands, TheMiddleOfARegionIsNoStroke) {
   const std::string out = (Program::scratch() / "region").string();
-  Program open("telekerf-experiment", {"open-contour", "--image", "blob", "--speed-mm-s", "50", "--out", out});
+  Program open("telekerf-experiment",
+               {"open-contour", "--image", "blob", "--speed-mm-s", "50", "--out", out});
   ASSERT_EQ(open.wait(seconds(60)), 0) << open.output();
   const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
   EXPECT_TRUE(result.at("closed").get<bool>()) << "its outline is what it has";

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "tests/integration/programs.h"
+#include "tests/system/programs.h"
 
 namespace telekerf::integration {
 namespace {

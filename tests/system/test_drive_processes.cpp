@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "tests/integration/robot_process.h"
+#include "tests/system/robot_process.h"
 #include "tests/unit/slave/laser_device.h"
 
 namespace telekerf::integration {

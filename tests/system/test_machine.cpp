@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/integration/programs.h"
+#include "tests/system/programs.h"
 
 namespace telekerf::integration {
 namespace {

@@ -12,9 +12,9 @@
 #include <limits>
 #include <memory>
 
-#include "netem/emulator.h"
-#include "netem/trace.h"
-#include "tests/integration/namespaces.h"
+#include "netem/core/emulator.h"
+#include "netem/core/trace.h"
+#include "tests/system/namespaces.h"
 
 namespace telekerf::integration {
 namespace {
@@ -171,7 +171,7 @@ TEST_F(NetemLink, GivesEveryPacketTheFateOfVirtualTime) {
   ASSERT_GE(seen.size(), 200U);
   netem::Emulator expected(netem::load_profile(file).forward, {11}, {1U << 16, 0, 0});
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    const netem::Fate fate = expected.push(0, 100U, i);
+    const netem::PacketOutcome fate = expected.push(0, 100U, i);
     ASSERT_EQ(seen[i].lost, fate.lost()) << i;
     if (fate.lost()) continue;
     EXPECT_EQ(seen[i].delay_ns, fate.due_ns) << i;

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "tests/integration/namespaces.h"
+#include "tests/system/namespaces.h"
 
 namespace telekerf::integration {
 namespace {

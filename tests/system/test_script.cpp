@@ -3,7 +3,7 @@
 // a refusal leaves nothing behind.
 #include <gtest/gtest.h>
 
-#include "tests/integration/robot_process.h"
+#include "tests/system/robot_process.h"
 
 namespace telekerf::integration {
 namespace {

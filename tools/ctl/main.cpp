@@ -7,9 +7,9 @@
 #include <string>
 
 #include "common/bus/bus_flags.h"
-#include "common/bus/tell.h"
+#include "common/bus/send_event.h"
 #include "common/runtime/program.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {

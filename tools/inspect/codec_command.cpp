@@ -5,10 +5,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/codec/measure.h"
-#include "common/inspect/commands.h"
-#include "common/runtime/refusal.h"
+#include "common/codec/baselines/measure.h"
 #include "common/runtime/results.h"
+#include "common/runtime/startup_error.h"
+#include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {
 namespace {
@@ -25,7 +25,7 @@ struct Options {
 
 int run(const Options& options) {
   if (!(options.rate_hz >= 1.0 && options.rate_hz <= 1e6)) {
-    throw Refusal(fmt::format("--rate-hz {}: must lie within [1, 1e6]", options.rate_hz));
+    throw StartupError(fmt::format("--rate-hz {}: must lie within [1, 1e6]", options.rate_hz));
   }
   const auto trace = codec::read_trace(options.trace, options.rate_hz, options.columns);
   const auto settings = codec::with_codec(options.stream, options.codec).validated();

@@ -10,11 +10,11 @@
 
 #include "common/geometry/cutting_order.h"
 #include "common/geometry/elliptic_fourier.h"
-#include "common/inspect/commands.h"
-#include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
+#include "common/runtime/startup_error.h"
 #include "common/vision/export.h"
+#include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {
 namespace {
@@ -45,7 +45,7 @@ std::size_t harmonics_of(const std::string& text) {
     used = 0;
   }
   if (used != text.size() || value < 1 || value > 4096) {
-    throw Refusal(fmt::format("--harmonics {}: must be auto or a whole number within [1, 4096]", text));
+    throw StartupError(fmt::format("--harmonics {}: must be auto or a whole number within [1, 4096]", text));
   }
   return static_cast<std::size_t>(value);
 }
@@ -53,8 +53,8 @@ std::size_t harmonics_of(const std::string& text) {
 vision::LoadRequest request_of(const Options& o) {
   vision::LoadRequest request;
   request.extract.mode = *vision::mode_of(o.mode);
-  if (!o.start.empty()) request.extract.start_px = vision::Vec2(o.start[0], o.start[1]);
-  if (!o.end.empty()) request.extract.end_px = vision::Vec2(o.end[0], o.end[1]);
+  if (!o.start.empty()) request.extract.start_px = Vec2(o.start[0], o.start[1]);
+  if (!o.end.empty()) request.extract.end_px = Vec2(o.end[0], o.end[1]);
   if (o.width_mm > 0.0) request.scale.picture_width_m = 1e-3 * o.width_mm;
   if (o.height_mm > 0.0) request.scale.picture_height_m = 1e-3 * o.height_mm;
   request.scale.workspace_radius_m = 1e-3 * o.workspace_mm;
@@ -75,7 +75,7 @@ nlohmann::json descriptors_of(const geometry::Polyline& line, const Options& o) 
   } else {
     chosen = tl::unexpected(fit.error());
   }
-  if (!chosen) throw Refusal(fmt::format("{}: {}", o.input, chosen.error()));
+  if (!chosen) throw StartupError(fmt::format("{}: {}", o.input, chosen.error()));
   json["harmonics"] = chosen->curve.harmonics.size();
   json["efd_max_deviation_m"] = chosen->largest_deviation_m;
   return json;
@@ -84,7 +84,7 @@ nlohmann::json descriptors_of(const geometry::Polyline& line, const Options& o) 
 int inspect(const Options& o) {
   const std::string file = find_resource("pictures", o.input, ".png").string();
   const auto loaded = vision::load_contours(file, request_of(o));
-  if (!loaded) throw Refusal(loaded.error());
+  if (!loaded) throw StartupError(loaded.error());
   const geometry::Polyline& line = loaded->contours[loaded->selected];
   const geometry::Box box = geometry::bounding_box(line.points_m);
   const vision::GCode gcode = vision::to_gcode(loaded->contours);
@@ -111,12 +111,12 @@ int inspect(const Options& o) {
 
   const std::filesystem::path out(o.out);
   make_folder("--out", out);
-  write_whole(out / "contour.csv", vision::to_csv(line));
-  write_whole(out / "contour.svg", vision::to_svg(loaded->contours));
-  write_whole(out / "contour.ngc", gcode.text);
+  write_atomically(out / "contour.csv", vision::to_csv(line));
+  write_atomically(out / "contour.svg", vision::to_svg(loaded->contours));
+  write_atomically(out / "contour.ngc", gcode.text);
   const cv::Mat overlay = vision::overlay_of(*loaded);
   if (overlay.empty() || !cv::imwrite((out / "overlay.png").string(), overlay)) {
-    throw Refusal(fmt::format("{}: cannot be written", (out / "overlay.png").string()));
+    throw StartupError(fmt::format("{}: cannot be written", (out / "overlay.png").string()));
   }
   std::cout << json_text(json) << '\n';
   return 0;

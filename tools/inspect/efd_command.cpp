@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "common/geometry/elliptic_fourier.h"
-#include "common/inspect/commands.h"
-#include "common/runtime/refusal.h"
 #include "common/runtime/results.h"
+#include "common/runtime/startup_error.h"
 #include "common/vision/export.h"
+#include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {
 namespace {
@@ -22,13 +22,13 @@ namespace {
 int inspect(const std::string& path, std::size_t harmonics) {
   std::ifstream file(path, std::ios::binary);
   if (!file || !std::filesystem::is_regular_file(path))
-    throw Refusal(fmt::format("{}: cannot be read", path));
+    throw StartupError(fmt::format("{}: cannot be read", path));
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   const auto points = vision::points_from_csv(text);
-  if (!points) throw Refusal(fmt::format("{}: {}", path, points.error()));
+  if (!points) throw StartupError(fmt::format("{}: {}", path, points.error()));
   const geometry::Polyline polygon{*points, true};
   const auto fit = geometry::fit_elliptic_fourier(polygon, harmonics);
-  if (!fit) throw Refusal(fmt::format("{}: {}", path, fit.error()));
+  if (!fit) throw StartupError(fmt::format("{}: {}", path, fit.error()));
 
   nlohmann::json json{{"points", points->size()}, {"harmonics", harmonics}};
   json["center"] = {fit->centre.x(), fit->centre.y()};
@@ -37,7 +37,7 @@ int inspect(const std::string& path, std::size_t harmonics) {
   json["max_deviation"] = geometry::largest_deviation_m(*fit, polygon);
   for (const auto& h : fit->harmonics) {
     if (!std::isfinite(h.a + h.b + h.c + h.d))
-      throw Refusal(fmt::format("{}: its numbers are too large to calculate with", path));
+      throw StartupError(fmt::format("{}: its numbers are too large to calculate with", path));
   }
   std::cout << json_text(json) << '\n';
   return 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-inspect: offline tools that look at one thing and print one JSON object.
-#include "common/inspect/commands.h"
+#include "tools/inspect/commands.h"
 
 int main(int argc, char** argv) {
   CLI::App app("Looks at robots, contours, codecs and finished runs", "telekerf-inspect");

@@ -5,19 +5,18 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "common/inspect/commands.h"
-#include "common/inspect/robot_picture.h"
 #include "common/robot/hall_sensor.h"
 #include "common/robot/robot_model.h"
-#include "common/runtime/refusal.h"
 #include "common/runtime/results.h"
+#include "common/runtime/startup_error.h"
+#include "tools/inspect/commands.h"
+#include "tools/inspect/robot_picture.h"
 
 namespace telekerf::inspect {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using robot::Mat3;
-using robot::Vec3;
 
 struct Options {
   std::string robot;
@@ -40,7 +39,7 @@ Json json_of(const Mat3& m) {
 
 template <typename T>
 T value_or_refuse(const tl::expected<T, robot::KinematicsError>& result, const std::string& robot) {
-  if (!result) throw Refusal(robot + ": " + robot::describe(result.error()));
+  if (!result) throw StartupError(robot + ": " + robot::describe(result.error()));
   return *result;
 }
 

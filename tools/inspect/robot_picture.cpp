@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/inspect/robot_picture.h"
+#include "tools/inspect/robot_picture.h"
 
 #include <fmt/format.h>
 
@@ -8,12 +8,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::inspect {
 namespace {
-
-using robot::Vec3;
 
 constexpr int kPanel_px = 560;
 constexpr int kHead_px = 40;
@@ -161,9 +159,9 @@ void draw_workspace(const robot::RobotModel& robot, const std::filesystem::path&
     x += 70;
   }
   if (!cv::haveImageWriter(file.string())) {
-    throw Refusal("--picture " + file.string() + ": no picture has such an extension; use .png");
+    throw StartupError("--picture " + file.string() + ": no picture has such an extension; use .png");
   }
-  if (!cv::imwrite(file.string(), picture)) throw Refusal("cannot write the picture " + file.string());
+  if (!cv::imwrite(file.string(), picture)) throw StartupError("cannot write the picture " + file.string());
 }
 
 }  // namespace telekerf::inspect

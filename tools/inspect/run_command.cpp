@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "common/inspect/commands.h"
-#include "common/inspect/run_report.h"
+#include "common/reporting/run_report.h"
+#include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {
 namespace {

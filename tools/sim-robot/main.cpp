@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <string>
 
-#include "common/robot/udp_robot.h"
+#include "common/robot/drivers/udp_robot.h"
 #include "common/runtime/loop.h"
-#include "common/runtime/refusal.h"
 #include "common/runtime/settings.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
 namespace {
@@ -32,7 +32,8 @@ int run(const Flags& flags) {
   std::uint64_t steps = 0;
   while (!stop_requested() && !plant.broken()) steps += drive.serve_for(0.1);
   fmt::print("robot: {} steps\n", steps);
-  if (plant.broken()) throw Refusal("the robot left the poses that it can take; is its controller stable?");
+  if (plant.broken())
+    throw StartupError("the robot left the poses that it can take; is its controller stable?");
   return 0;
 }
 

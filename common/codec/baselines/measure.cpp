@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/codec/measure.h"
+#include "common/codec/baselines/measure.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::codec {
 namespace {
@@ -38,7 +38,7 @@ class Run {
     samples_.resize(block_);
   }
 
-  void operator()(const LossModel& link, Figures& figures, std::vector<double>& encode_ns,
+  void operator()(const LossModel& link, CodingResult& figures, std::vector<double>& encode_ns,
                   std::vector<double>& decode_ns) {
     const auto blocks = trace_.size() / block_;
     const auto lost = lose(blocks, link);
@@ -149,7 +149,7 @@ struct ErrorSums {
       has_last = true;
     }
   }
-  void into(Figures& figures) const {
+  void into(CodingResult& figures) const {
     figures.rmse = count == 0 ? 0 : std::sqrt(squares / static_cast<double>(count));
     figures.max_error = largest;
     figures.velocity_rmse =
@@ -159,7 +159,8 @@ struct ErrorSums {
 
 /// A packet of float32 a sample, only when an axis leaves its band: the dead-band codec as the literature has
 /// it.
-void measure_events(const Trace& trace, const StreamSettings& settings, Trace& decoded, Figures& figures) {
+void measure_events(const Trace& trace, const StreamSettings& settings, Trace& decoded,
+                    CodingResult& figures) {
   const bool weber = settings.kind == CodecKind::kWeber;
   const auto streams = (trace.values.size() + kGroup - 1) / kGroup;
   for (std::size_t g = 0; g < streams; ++g) {
@@ -189,10 +190,10 @@ void measure_events(const Trace& trace, const StreamSettings& settings, Trace& d
 
 std::vector<bool> lose(std::size_t packets, const LossModel& link) {
   if (!(link.loss >= 0 && link.loss <= 0.9)) {
-    throw Refusal(fmt::format("loss = {}: must lie within [0, 0.9]", link.loss));
+    throw StartupError(fmt::format("loss = {}: must lie within [0, 0.9]", link.loss));
   }
   if (!(link.burst >= 1 && link.burst <= 1e6)) {
-    throw Refusal(fmt::format("burst = {}: must lie within [1, 1e6] packets", link.burst));
+    throw StartupError(fmt::format("burst = {}: must lie within [1, 1e6] packets", link.burst));
   }
   std::mt19937_64 random(link.seed);
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -207,24 +208,25 @@ std::vector<bool> lose(std::size_t packets, const LossModel& link) {
   return lost;
 }
 
-Figures measure(const Trace& trace, StreamSettings settings, const LossModel& link, Trace* decoded) {
+CodingResult measure(const Trace& trace, StreamSettings settings, const LossModel& link, Trace* decoded) {
   settings.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / trace.rate_hz));
   settings = settings.validated();
   Trace received = trace;
   for (auto& column : received.values) std::fill(column.begin(), column.end(), 0.0);
-  Figures figures;
+  CodingResult figures;
   std::vector<double> encode_ns, decode_ns;
   ErrorSums errors;
   const auto block = static_cast<std::size_t>(settings.block);
   figures.samples = trace.size() / block * block;
   if (figures.samples == 0) {
-    throw Refusal(fmt::format("{}: {} samples do not fill one block of {}", trace.name, trace.size(), block));
+    throw StartupError(
+        fmt::format("{}: {} samples do not fill one block of {}", trace.name, trace.size(), block));
   }
   const bool events =
       block == 1 && (settings.kind == CodecKind::kDeadband || settings.kind == CodecKind::kWeber);
   if (events) {
     (void)lose(0, link);
-    if (link.loss > 0) throw Refusal("loss: a dead-band stream with block = 1 has no blocks to lose");
+    if (link.loss > 0) throw StartupError("loss: a dead-band stream with block = 1 has no blocks to lose");
     measure_events(trace, settings, received, figures);
     for (std::size_t c = 0; c < trace.values.size(); ++c) {
       errors.add(trace.values[c], received.values[c], figures.samples, trace.rate_hz,

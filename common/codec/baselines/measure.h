@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
+#include "common/codec/baselines/trace.h"
 #include "common/codec/settings.h"
-#include "common/codec/trace.h"
 
 namespace telekerf::codec {
 
@@ -23,7 +23,7 @@ struct LossModel {
   std::uint64_t seed = 1;
 };
 
-struct Figures {
+struct CodingResult {
   std::size_t samples = 0;  ///< coded, each column; an incomplete last block is left out
   std::size_t packets = 0;
   std::size_t lost = 0;
@@ -46,9 +46,9 @@ struct Figures {
 /// Columns travel in threes, one stream each. `decoded` (optional) takes what the receiver has in the end.
 /// With settings.anchored the trend is what a sender knows at the block's first sample: its value and the
 /// slope of the last samples. Dead-band codecs with a block of 1 send packets only when a sample leaves the
-/// band. Throws Refusal.
-Figures measure(const Trace& trace, StreamSettings settings, const LossModel& link = {},
-                Trace* decoded = nullptr);
+/// band. Throws StartupError.
+CodingResult measure(const Trace& trace, StreamSettings settings, const LossModel& link = {},
+                     Trace* decoded = nullptr);
 
 /// Which of `packets` are lost.
 std::vector<bool> lose(std::size_t packets, const LossModel& link);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/codec/lattice.h"
+#include "common/codec/baselines/time_domain_codecs.h"
 
 #include <algorithm>
 #include <bit>

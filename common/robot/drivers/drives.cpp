@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/robot/drives.h"
+#include "common/robot/drivers/drives.h"
 
 #include <string_view>
 #include <utility>
 
-#include "common/robot/udp_robot.h"
-#include "common/runtime/device_table.h"
+#include "common/robot/drivers/udp_robot.h"
+#include "common/runtime/device_registry.h"
 #include "common/runtime/udp.h"
 
 namespace telekerf::robot {
@@ -23,7 +23,7 @@ Drive udp(std::string_view rest, const RobotModel&, double control_hz, const Sim
   return {std::make_unique<UdpRobot>(udp_address(rest), 1.0 / control_hz)};
 }
 
-using Table = DeviceTable<Drive, const RobotModel&, double, const Simulation&>;
+using Table = DeviceRegistry<Drive, const RobotModel&, double, const Simulation&>;
 constexpr Table::Kind kKinds[] = {
     {"simulated", "simulated", stands_alone, simulated},
     {"udp", "udp:HOST:PORT", complaint_about_udp, udp},

@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
-#include "common/robot/simulated_robot.h"
 
 namespace telekerf::robot {
 
@@ -34,7 +34,7 @@ std::string drive_forms();
 std::string complaint_about_drive(const std::string& drive);
 
 /// `nominal`: what the controllers know of the robot. `control_hz`: how often it will be read and written.
-/// Throws Refusal.
+/// Throws StartupError.
 Drive attach(const std::string& drive, const RobotModel& nominal, double control_hz,
              const Simulation& simulation);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/robot/simulated_robot.h"
+#include "common/robot/drivers/simulated_robot.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
 namespace {
@@ -56,9 +56,9 @@ void home(HallDecoder& decoder, HallSensor& sensor, double position_m) {
 SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed, const Vec3& tool_in_base_m)
     : model_(true_model), kinematics_(with_room_at_the_stops(true_model.geometry)) {
   const auto joints = DeltaKinematics(model_.geometry).inverse(tool_in_base_m);
-  if (!joints) throw Refusal(model_.name + " cannot start there: " + describe(joints.error()));
+  if (!joints) throw StartupError(model_.name + " cannot start there: " + describe(joints.error()));
   const auto state = kinematics_.state(*joints, Vec3::Zero());
-  if (!state) throw Refusal(model_.name + " cannot start there: " + describe(state.error()));
+  if (!state) throw StartupError(model_.name + " cannot start there: " + describe(state.error()));
   state_ = *state;
   std::mt19937_64 random(seed);
   for (int i = 0; i < 3; ++i) {

@@ -20,7 +20,7 @@ class SimulatedRobot final : public Robot {
   static constexpr double kInnerStep_s = 1e-4;
 
   /// At rest at `tool_in_base_m`. `true_model` may differ from what the controllers are given (see
-  /// mismatched()). Throws Refusal if the pose cannot be taken.
+  /// mismatched()). Throws StartupError if the pose cannot be taken.
   SimulatedRobot(const RobotModel& true_model, std::uint64_t seed, const Vec3& tool_in_base_m);
 
   JointReading read() noexcept override;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/robot/udp_robot.h"
+#include "common/robot/drivers/udp_robot.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <boost/asio/buffer.hpp>
 #include <cmath>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
 namespace {
@@ -70,7 +70,8 @@ UdpDrive::UdpDrive(SimulatedRobot& plant, std::uint16_t port) : plant_(plant), s
   boost::system::error_code error;
   socket_.open(udp::v4(), error);
   if (!error) socket_.bind({asio::ip::address_v4::loopback(), port}, error);
-  if (error) throw Refusal(fmt::format("port = {}: {}; use a free one, or 0 for any", port, error.message()));
+  if (error)
+    throw StartupError(fmt::format("port = {}: {}; use a free one, or 0 for any", port, error.message()));
   receive();
 }
 

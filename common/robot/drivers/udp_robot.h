@@ -12,8 +12,8 @@
 #include <chrono>
 #include <cstdint>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/robot/robot.h"
-#include "common/robot/simulated_robot.h"
 #include "common/runtime/udp.h"
 
 namespace telekerf::robot {
@@ -41,7 +41,7 @@ struct UdpReading {
 /// Controller's side. Neither call blocks: a datagram that is not there yet makes read() invalid.
 class UdpRobot final : public Robot {
  public:
-  /// `period_s`: between two writes, at most 0.1 s. Throws Refusal if the address cannot be resolved or
+  /// `period_s`: between two writes, at most 0.1 s. Throws StartupError if the address cannot be resolved or
   /// opened.
   UdpRobot(const UdpAddress& address, double period_s);
 
@@ -67,7 +67,7 @@ class UdpRobot final : public Robot {
 /// first has been silent for a while.
 class UdpDrive {
  public:
-  /// Binds to `port` of the loopback interface; 0: any free one, see port(). Throws Refusal.
+  /// Binds to `port` of the loopback interface; 0: any free one, see port(). Throws StartupError.
   UdpDrive(SimulatedRobot& plant, std::uint16_t port);
 
   std::uint16_t port() const { return socket_.local_endpoint().port(); }

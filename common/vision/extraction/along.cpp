@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/along.h"
+#include "common/vision/extraction/along.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "common/vision/modes.h"
+#include "common/vision/extraction/contour_extraction.h"
 
 namespace telekerf::vision {
 

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "common/geometry/circle_fit.h"
-#include "common/vision/along.h"
-#include "common/vision/corners.h"
-#include "common/vision/strokes.h"
+#include "common/vision/extraction/along.h"
+#include "common/vision/extraction/corners.h"
+#include "common/vision/extraction/strokes.h"
 
 namespace telekerf::vision {
 namespace {

@@ -6,8 +6,8 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/vision/extract.h"
-#include "common/vision/picture.h"
+#include "common/vision/extraction/extract.h"
+#include "common/vision/raster/picture.h"
 
 namespace telekerf::vision {
 

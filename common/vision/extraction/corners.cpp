@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/corners.h"
+#include "common/vision/extraction/corners.h"
 
 #include <algorithm>
 #include <cmath>

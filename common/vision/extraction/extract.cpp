@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/extract.h"
+#include "common/vision/extraction/extract.h"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/vision/corners.h"
-#include "common/vision/modes.h"
-#include "common/vision/shadow.h"
-#include "common/vision/thesis_tracker.h"
+#include "common/vision/extraction/contour_extraction.h"
+#include "common/vision/extraction/corners.h"
+#include "common/vision/extraction/thesis_tracker.h"
+#include "common/vision/raster/shadow.h"
 
 namespace telekerf::vision {
 namespace {

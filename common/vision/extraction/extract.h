@@ -14,8 +14,6 @@
 
 namespace telekerf::vision {
 
-using geometry::Vec2;
-
 enum class Mode {
   kAuto,     ///< outline for filled regions, stroke for thin drawn lines
   kThesis,   ///< Gaussian, Canny, dilate/erode, a window that travels along the edge band (3.1.1-3.1.3)

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "common/vision/modes.h"
+#include "common/vision/extraction/contour_extraction.h"
 
 namespace telekerf::vision {
 namespace {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "common/vision/strokes.h"
+#include "common/vision/extraction/strokes.h"
 
 namespace telekerf::vision {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/skeleton.h"
+#include "common/vision/extraction/skeleton.h"
 
 #include <algorithm>
 #include <array>
@@ -191,9 +191,9 @@ double half_width_at(const cv::Mat& drawn, const cv::Point& p) {
   return std::sqrt(static_cast<double>(best));
 }
 
-geometry::Vec2 SkeletonGraph::Node::position() const {
-  geometry::Vec2 sum = geometry::Vec2::Zero();
-  for (const cv::Point& p : pixels) sum += geometry::Vec2(p.x, p.y);
+Vec2 SkeletonGraph::Node::position() const {
+  Vec2 sum = Vec2::Zero();
+  for (const cv::Point& p : pixels) sum += Vec2(p.x, p.y);
   return sum / static_cast<double>(std::max<std::size_t>(1, pixels.size()));
 }
 
@@ -277,7 +277,6 @@ namespace {
 /// Where two strokes meet in a sharp corner their ink grows together, and thinning leaves one line from where
 /// they meet to the corner, along the bisector.
 bool is_corner_spur(const SkeletonGraph& graph, std::size_t spur, int junction, double half_width) {
-  using geometry::Vec2;
   std::vector<Vec2> others;
   Vec2 own = Vec2::Zero();
   const Vec2 at = graph.nodes[junction].position();

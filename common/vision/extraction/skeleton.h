@@ -26,7 +26,7 @@ struct SkeletonGraph {
   struct Node {
     std::vector<cv::Point> pixels;
     int degree = 0;  ///< ends of lines that meet here
-    geometry::Vec2 position() const;
+    Vec2 position() const;
   };
   std::vector<Line> lines;
   std::vector<Node> nodes;

@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "common/vision/strokes.h"
+#include "common/vision/extraction/strokes.h"
 
 namespace telekerf::vision {
 namespace {

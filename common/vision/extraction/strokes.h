@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "common/vision/modes.h"
-#include "common/vision/skeleton.h"
+#include "common/vision/extraction/contour_extraction.h"
+#include "common/vision/extraction/skeleton.h"
 
 namespace telekerf::vision {
 

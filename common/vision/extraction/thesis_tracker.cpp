@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/thesis_tracker.h"
+#include "common/vision/extraction/thesis_tracker.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "common/vision/strokes.h"
+#include "common/vision/extraction/strokes.h"
 
 namespace telekerf::vision {
 namespace {

@@ -5,9 +5,9 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "common/vision/extract.h"
-#include "common/vision/picture.h"
-#include "common/vision/strokes.h"
+#include "common/vision/extraction/extract.h"
+#include "common/vision/extraction/strokes.h"
+#include "common/vision/raster/picture.h"
 
 namespace telekerf::vision {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/light.h"
+#include "common/vision/raster/light.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

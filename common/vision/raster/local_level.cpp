@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "common/vision/along.h"
+#include "common/vision/extraction/along.h"
 
 namespace telekerf::vision {
 namespace {

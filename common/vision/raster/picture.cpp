@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/picture.h"
+#include "common/vision/raster/picture.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/vision/light.h"
+#include "common/vision/raster/light.h"
 
 namespace telekerf::vision {
 namespace {

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/vision/extract.h"
+#include "common/vision/extraction/extract.h"
 
 namespace telekerf::vision {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/shadow.h"
+#include "common/vision/raster/shadow.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // Light that changes at once, where a shadow ends: how it is noticed, and taken out from behind lines.
 #pragma once
 
-#include "common/vision/picture.h"
+#include "common/vision/raster/picture.h"
 
 namespace telekerf::vision {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/vision/modes.h"
+#include "common/vision/extraction/contour_extraction.h"
 
 namespace telekerf::vision {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/curves.h"
+#include "common/vision/vector/curves.h"
 
 #include <algorithm>
 #include <cmath>

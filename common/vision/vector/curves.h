@@ -10,8 +10,6 @@
 
 namespace telekerf::vision {
 
-using geometry::Vec2;
-
 /// A polyline under construction, in a file's units. Every `*_to` starts at the last point. Once `full`,
 /// nothing is added.
 class CurveWriter {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/drawn_lines.h"
+#include "common/vision/vector/drawn_lines.h"
 
 #include <fmt/format.h>
 

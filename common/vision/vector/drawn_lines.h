@@ -9,9 +9,9 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/vision/curves.h"
-#include "common/vision/left_out.h"
-#include "common/vision/vector_drawing.h"
+#include "common/vision/vector/curves.h"
+#include "common/vision/vector/unsupported_elements.h"
+#include "common/vision/vector/vector_drawing.h"
 
 namespace telekerf::vision {
 
@@ -20,7 +20,7 @@ class DrawnLines {
   /// `metres`: a unit of the file along x and y, negative where its axis points the other way.
   DrawnLines(const VectorLimits& limits, const Vec2& metres) : limits_(limits), metres_(metres) {}
 
-  LeftOut left_out;
+  UnsupportedElements left_out;
 
   /// The file cannot be drawn; the first reason counts.
   void fail(std::string sentence);

@@ -8,12 +8,12 @@
 #include <optional>
 #include <utility>
 
-#include "common/vision/drawn_lines.h"
-#include "common/vision/dxf_blocks.h"
-#include "common/vision/dxf_groups.h"
-#include "common/vision/number.h"
-#include "common/vision/spline.h"
-#include "common/vision/vector_drawing.h"
+#include "common/vision/vector/drawn_lines.h"
+#include "common/vision/vector/dxf_blocks.h"
+#include "common/vision/vector/dxf_groups.h"
+#include "common/vision/vector/number.h"
+#include "common/vision/vector/spline.h"
+#include "common/vision/vector/vector_drawing.h"
 
 namespace telekerf::vision {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/dxf_blocks.h"
+#include "common/vision/vector/dxf_blocks.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "common/vision/dxf_groups.h"
-#include "common/vision/number.h"
+#include "common/vision/vector/dxf_groups.h"
+#include "common/vision/vector/number.h"
 
 namespace telekerf::vision {
 namespace {

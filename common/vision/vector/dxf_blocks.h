@@ -14,8 +14,6 @@
 
 namespace telekerf::vision {
 
-using geometry::Vec2;
-
 /// Entities as they stand in the file, read each time they are drawn.
 struct DxfPart {
   std::string_view entities;

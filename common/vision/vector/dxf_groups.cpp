@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/dxf_groups.h"
+#include "common/vision/vector/dxf_groups.h"
 
 #include <cmath>
 
-#include "common/vision/number.h"
+#include "common/vision/vector/number.h"
 
 namespace telekerf::vision {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/spline.h"
+#include "common/vision/vector/spline.h"
 
 #include <algorithm>
 #include <array>

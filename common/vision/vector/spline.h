@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/vision/curves.h"
+#include "common/vision/vector/curves.h"
 
 namespace telekerf::vision {
 

@@ -12,11 +12,11 @@
 #include <optional>
 #include <utility>
 
-#include "common/vision/drawn_lines.h"
-#include "common/vision/number.h"
-#include "common/vision/svg_path.h"
-#include "common/vision/svg_transform.h"
-#include "common/vision/vector_drawing.h"
+#include "common/vision/vector/drawn_lines.h"
+#include "common/vision/vector/number.h"
+#include "common/vision/vector/svg_path.h"
+#include "common/vision/vector/svg_transform.h"
+#include "common/vision/vector/vector_drawing.h"
 
 namespace telekerf::vision {
 namespace {

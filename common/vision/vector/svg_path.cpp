@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/svg_path.h"
+#include "common/vision/vector/svg_path.h"
 
 #include <cctype>
 #include <cmath>
 #include <utility>
 
-#include "common/vision/number.h"
+#include "common/vision/vector/number.h"
 
 namespace telekerf::vision {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "common/vision/curves.h"
+#include "common/vision/vector/curves.h"
 
 namespace telekerf::vision {
 

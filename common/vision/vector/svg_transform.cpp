@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/vision/svg_transform.h"
+#include "common/vision/vector/svg_transform.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "common/vision/number.h"
+#include "common/vision/vector/number.h"
 
 namespace telekerf::vision {
 namespace {

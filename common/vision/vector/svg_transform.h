@@ -12,8 +12,6 @@
 
 namespace telekerf::vision {
 
-using geometry::Vec2;
-
 /// A transform attribute, from an element's coordinates to those around it; nothing where it cannot be read.
 std::optional<Eigen::Affine2d> transform_of(std::string_view text);
 

@@ -13,7 +13,7 @@
 namespace telekerf::vision {
 
 /// How often, by its name in the file; anything but printable ASCII in a name is a question mark.
-class LeftOut {
+class UnsupportedElements {
  public:
   void add(std::string_view name, std::size_t times = 1) {
     std::string key(name.substr(0, 40));

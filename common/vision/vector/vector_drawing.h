@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/geometry/polyline.h"
-#include "common/vision/left_out.h"
+#include "common/vision/vector/unsupported_elements.h"
 
 namespace telekerf::vision {
 
@@ -26,17 +26,17 @@ struct VectorDrawing {
   std::vector<geometry::Polyline> contours;
   double page_width_m = 0.0;  ///< 0: the file does not say
   double page_height_m = 0.0;
-  LeftOut left_out;  ///< text, images, dimensions: what has no line, or none that is understood
+  UnsupportedElements left_out;  ///< text, images, dimensions: what has no line, or none that is understood
 };
 
 /// SVG: path, line, polyline, polygon, rect, circle, ellipse; groups, transforms, nested svg, use of what the
 /// file itself defines; units of width and height against the viewBox, 96 pixels an inch otherwise. What is
-/// not drawn (defs, display none) is no loss; whatever else is not followed is in `left_out`. The error is one
-/// sentence.
+/// not drawn (defs, display none) is no loss; whatever else is not followed is in `left_out`. The error is
+/// one sentence.
 tl::expected<VectorDrawing, std::string> read_svg(std::string_view text, const VectorLimits& limits = {});
 
-/// DXF (ASCII): LINE, LWPOLYLINE and POLYLINE with bulges, ARC, CIRCLE, ELLIPSE, SPLINE and INSERT of blocks of
-/// these, in $INSUNITS, millimetres if unset. Whatever else is not followed is in `left_out`.
+/// DXF (ASCII): LINE, LWPOLYLINE and POLYLINE with bulges, ARC, CIRCLE, ELLIPSE, SPLINE and INSERT of blocks
+/// of these, in $INSUNITS, millimetres if unset. Whatever else is not followed is in `left_out`.
 tl::expected<VectorDrawing, std::string> read_dxf(std::string_view text, const VectorLimits& limits = {});
 
 /// By the file's extension, .svg or .dxf; every other file is none of these (`is_vector_file` says so).

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/vision/vector_drawing.h"
+#include "common/vision/vector/vector_drawing.h"
 
 namespace telekerf::vision {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "common/bus/messages.h"
-#include "common/bus/rounded.h"
+#include "common/protocol/messages.h"
+#include "common/protocol/wire_precision.h"
 
 namespace telekerf::samples {
 

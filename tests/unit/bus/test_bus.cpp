@@ -6,7 +6,7 @@
 #include <future>
 
 #include "common/runtime/clock.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "tests/unit/bus/cell.h"
 #include "tests/unit/bus/samples.h"
 
@@ -136,7 +136,7 @@ TEST(Bus, ASecondMasterIsRefusedAndTheFirstCarriesOn) {
   try {
     Bus bus(second);
     FAIL() << "two masters";
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_THAT(refusal.what(), HasSubstr("a second master in cell"));
     EXPECT_THAT(refusal.what(), HasSubstr("'master' already runs"));
   }
@@ -148,7 +148,7 @@ TEST(Bus, ADuplicateNameIsRefused) {
   auto second = settings("recorder");
   second.name = "console";
   second.look_around = kPatience;
-  EXPECT_THROW(Bus bus(second), Refusal);
+  EXPECT_THROW(Bus bus(second), StartupError);
 }
 
 TEST(Bus, AnotherContractIsRefused) {
@@ -159,7 +159,7 @@ TEST(Bus, AnotherContractIsRefused) {
   try {
     Bus bus(newer);
     FAIL() << "two contracts";
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_THAT(refusal.what(), HasSubstr("install the same version"));
   }
 }
@@ -174,7 +174,7 @@ TEST(Bus, OfTwoMastersThatStartTogetherTheLowerEpochStays) {
   };
   auto higher = std::async(std::launch::async, start, 8);
   auto lower = std::async(std::launch::async, start, 7);
-  EXPECT_THROW(higher.get(), Refusal);
+  EXPECT_THROW(higher.get(), StartupError);
   EXPECT_NO_THROW(lower.get());
 }
 
@@ -192,13 +192,13 @@ TEST(Bus, WaitsForARole) {
 TEST(Bus, RefusesSettingsWithASentence) {
   auto domain = settings("master");
   domain.domain = 233;
-  EXPECT_THROW(Bus bus(domain), Refusal);
+  EXPECT_THROW(Bus bus(domain), StartupError);
   auto peer = settings("master");
   peer.peers = {"no-such-host.invalid"};
-  EXPECT_THROW(Bus bus(peer), Refusal);
+  EXPECT_THROW(Bus bus(peer), StartupError);
   auto port = settings("master");
   port.peers = {"127.0.0.1:70000"};
-  EXPECT_THROW(Bus bus(port), Refusal);
+  EXPECT_THROW(Bus bus(port), StartupError);
 }
 
 TEST(Bus, NamedPeersAreAddedToMulticast) {

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "netem/datagram.h"
+#include "netem/drivers/datagram.h"
 
 namespace telekerf::netem {
 namespace {

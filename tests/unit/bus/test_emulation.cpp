@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/clock.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "tests/unit/bus/cell.h"
 #include "tests/unit/bus/samples.h"
 
@@ -63,8 +63,8 @@ TEST(Emulation, EachDirectionHasItsOwnDelay) {
   ASSERT_EQ(backward.size(), 10u);
   for (const auto ns : forward) EXPECT_GE(ns, 30 * kMillisecond);
   for (const auto ns : backward) EXPECT_GE(ns, 12 * kMillisecond);
-  // The backward delay is not the forward one, and both are what virtual time makes of the profile: the least of ten
-  // shows it on any machine that works at all.
+  // The backward delay is not the forward one, and both are what virtual time makes of the profile: the least
+  // of ten shows it on any machine that works at all.
   EXPECT_LT(*std::min_element(backward.begin(), backward.end()), (12 + 10) * kMillisecond);
   EXPECT_LT(*std::min_element(forward.begin(), forward.end()), (30 + 10) * kMillisecond);
   EXPECT_GT(slave.counters().link.emulated, 10u);
@@ -230,7 +230,7 @@ TEST(Emulation, TheNetworkChangesWhileItRuns) {
   EXPECT_LT(*std::min_element(before.begin(), before.end()), 50 * kMillisecond);
   slave.set_profile(constant(0.050, 0.0));
   for (const auto ns : one_way_ns(writer, reader, 5)) EXPECT_GE(ns, 50 * kMillisecond);
-  EXPECT_THROW(master.set_profile(constant(0.0, 0.0)), Refusal);
+  EXPECT_THROW(master.set_profile(constant(0.0, 0.0)), StartupError);
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "common/codec/measure.h"
-#include "tests/experiments/codec_traces.h"
+#include "common/codec/baselines/measure.h"
+#include "experiments/codec_traces.h"
 
 namespace telekerf::codec {
 namespace {
@@ -22,7 +22,7 @@ Point at_step(const Trace& trace, const char* codec, int block, double step) {
     settings.threshold = step / std::sqrt(3.0);
     settings.quantum = step / std::sqrt(12.0);
   }
-  const Figures figures = measure(trace, settings);
+  const CodingResult figures = measure(trace, settings);
   return {figures.rmse, figures.bits_per_sample};
 }
 

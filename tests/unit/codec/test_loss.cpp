@@ -8,10 +8,10 @@
 #include <fstream>
 #include <random>
 
+#include "common/codec/baselines/measure.h"
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
-#include "common/codec/measure.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::codec {
 namespace {
@@ -81,8 +81,8 @@ TEST(Loss, SharesAndBurstsAreAsAsked) {
   }
   EXPECT_NEAR(static_cast<double>(count) / 200'000, 0.05, 0.003);
   EXPECT_NEAR(static_cast<double>(count) / static_cast<double>(bursts), 4.0, 0.2);
-  EXPECT_THROW(lose(10, {.loss = 1.5}), Refusal);
-  EXPECT_THROW(lose(10, {.burst = 0}), Refusal);
+  EXPECT_THROW(lose(10, {.loss = 1.5}), StartupError);
+  EXPECT_THROW(lose(10, {.burst = 0}), StartupError);
 }
 
 TEST(Concealment, APositionMovesOnAndComesToRestAForceIsHeld) {
@@ -156,18 +156,18 @@ TEST(TraceFile, ReadsWhatItWroteAndRefusesNonsense) {
   EXPECT_EQ(back.columns, trace.columns);
   EXPECT_EQ(back.values, trace.values);
   EXPECT_EQ(read_trace(file, 1000.0, {"c2"}).values[0], trace.values[2]);
-  EXPECT_THROW(read_trace(file, 1000.0, {"c9"}), Refusal);
+  EXPECT_THROW(read_trace(file, 1000.0, {"c9"}), StartupError);
   std::ofstream(file) << "1,2\n3,four\n";
   try {
     (void)read_trace(file, 1000.0);
     FAIL();
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("line 2: 'four' is not a number"), std::string::npos);
   }
   std::ofstream(file) << "a,b\n";
-  EXPECT_THROW(read_trace(file, 1000.0), Refusal);
+  EXPECT_THROW(read_trace(file, 1000.0), StartupError);
   std::filesystem::remove(file);
-  EXPECT_THROW(read_trace(file, 1000.0), Refusal);
+  EXPECT_THROW(read_trace(file, 1000.0), StartupError);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::codec {
 namespace {
@@ -328,7 +328,7 @@ TEST(Stream, AnEncoderChangesItsSettingsWithoutABreak) {
   std::uint64_t packets = 0;
   for (const auto& settings : many_settings()) {
     encoder.change(settings);
-    EXPECT_THROW(encoder.change({.block = 65}), Refusal) << "and nothing changes";
+    EXPECT_THROW(encoder.change({.block = 65}), StartupError) << "and nothing changes";
     for (int b = 0; b < 3; ++b) {
       std::vector<Vec3> samples;
       const Trend trend = settings.anchored ? trend_at(t, 1e-3) : Trend{};
@@ -350,7 +350,7 @@ TEST(Settings, RefusalsNameSettingValueAndBound) {
   const auto refusal = [](const StreamSettings& settings) -> std::string {
     try {
       (void)settings.validated();
-    } catch (const Refusal& error) {
+    } catch (const StartupError& error) {
       return error.what();
     }
     return "";
@@ -360,7 +360,7 @@ TEST(Settings, RefusalsNameSettingValueAndBound) {
   EXPECT_NE(refusal({.max_rms = std::nan("")}), "");
   EXPECT_NE(refusal({.redundancy = 8}), "");
   EXPECT_EQ(refusal({}), "");
-  EXPECT_THROW(with_codec({}, "zip"), Refusal);
+  EXPECT_THROW(with_codec({}, "zip"), StartupError);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/control/acceleration_control.h"
-#include "common/robot/simulated_robot.h"
+#include "common/robot/drivers/simulated_robot.h"
 #include "tests/unit/allocations.h"
 
 namespace telekerf::control {

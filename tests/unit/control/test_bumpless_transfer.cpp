@@ -8,20 +8,20 @@
 namespace telekerf::slave {
 namespace {
 
-TEST(ReferenceJoiner, NeitherPositionNorVelocityJumpsOnRandomSources) {
+TEST(BumplessTransfer, NeitherPositionNorVelocityJumpsOnRandomSources) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> position(-0.02, 0.02);
   std::uniform_real_distribution<double> velocity(-0.1, 0.1);
-  ReferenceJoiner joiner({});
+  BumplessTransfer joiner({});
   constexpr double kDt = 1e-3;
-  Motion source;
-  Motion out = joiner.join(source, kDt);
+  KinematicState source;
+  KinematicState out = joiner.join(source, kDt);
   for (int change = 0; change < 200; ++change) {
     source.position_m = Vec3(position(random), position(random), 0);
     source.velocity_m_per_s = Vec3(velocity(random), velocity(random), 0);
     joiner.rejoin(out, source);
     for (int n = 0; n < 100; ++n) {
-      const Motion before = out;
+      const KinematicState before = out;
       source.position_m += source.velocity_m_per_s * kDt;
       out = joiner.join(source, kDt);
       // At most what the largest acceleration of the fade makes in a tick.
@@ -31,27 +31,27 @@ TEST(ReferenceJoiner, NeitherPositionNorVelocityJumpsOnRandomSources) {
   }
 }
 
-TEST(ReferenceJoiner, TheOffsetFadesToNothing) {
-  ReferenceJoiner joiner({});
-  Motion from;
+TEST(BumplessTransfer, TheOffsetFadesToNothing) {
+  BumplessTransfer joiner({});
+  KinematicState from;
   from.position_m = Vec3(0.02, 0, 0);
-  joiner.rejoin(from, Motion{});
-  Motion out;
-  for (int n = 0; n < 4000; ++n) out = joiner.join(Motion{}, 1e-3);
+  joiner.rejoin(from, KinematicState{});
+  KinematicState out;
+  for (int n = 0; n < 4000; ++n) out = joiner.join(KinematicState{}, 1e-3);
   EXPECT_LT(out.position_m.norm(), 1e-9);
   EXPECT_LT(joiner.offset_m(), 1e-9);
 }
 
-TEST(ReferenceJoiner, DerivativesBelongTogether) {
-  ReferenceJoiner joiner({});
-  Motion from;
+TEST(BumplessTransfer, DerivativesBelongTogether) {
+  BumplessTransfer joiner({});
+  KinematicState from;
   from.position_m = Vec3(0.001, 0.002, 0);
   from.velocity_m_per_s = Vec3(0.01, 0, 0.02);
-  joiner.rejoin(from, Motion{});
+  joiner.rejoin(from, KinematicState{});
   constexpr double kDt = 1e-5;
-  Motion a = joiner.join(Motion{}, kDt);
+  KinematicState a = joiner.join(KinematicState{}, kDt);
   for (int n = 0; n < 1000; ++n) {
-    const Motion b = joiner.join(Motion{}, kDt);
+    const KinematicState b = joiner.join(KinematicState{}, kDt);
     EXPECT_LT(((b.position_m - a.position_m) / kDt - 0.5 * (a.velocity_m_per_s + b.velocity_m_per_s)).norm(),
               1e-8);
     EXPECT_LT(((b.velocity_m_per_s - a.velocity_m_per_s) / kDt -

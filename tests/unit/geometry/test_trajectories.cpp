@@ -6,8 +6,8 @@
 #include <random>
 
 #include "common/geometry/cubic_spline.h"
+#include "common/geometry/curve_sampling.h"
 #include "common/geometry/elliptic_fourier.h"
-#include "common/geometry/stepping.h"
 
 namespace telekerf::geometry {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "experiments/independent_baselines.h"
 #include "slave/laser/kerf.h"
-#include "tests/experiments/independent_rivals.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -132,7 +132,7 @@ TEST(ContourRun, RivalsAreAsFastAlongThePath) {
   EXPECT_GT(hz(assisted_independent(settings)), 1.9 * hz(settings));
   // Where the observer is far faster than the law and not delayed, a law of w alone remains: T falls to -3 dB
   // at 2.48 w (two poles at w and the zero of its damping).
-  slave::FollowerSettings fast{.control_hz = 24000.0, .observer_rad_s = 0.01, .velocity_rad_s = 20000.0};
+  slave::PathFollowerSettings fast{.control_hz = 24000.0, .observer_rad_s = 0.01, .velocity_rad_s = 20000.0};
   EXPECT_NEAR(closed_loop_hz(70.0, fast), 2.482 * 70.0 / (2.0 * std::numbers::pi), 0.5);
 }
 
@@ -201,7 +201,7 @@ Cut cut(const Polyline& drawn, double compensation_m, bool hole) {
     const bool corner = std::any_of(corners.begin(), corners.end(),
                                     [&](const auto& c) { return (c - place.point_m).norm() < 0.3e-3; });
     if (corner) continue;
-    const slave::Vec2 outward(place.tangent.y(), -place.tangent.x());
+    const Vec2 outward(place.tangent.y(), -place.tangent.x());
     const double towards = hole ? -1.0 : 1.0;  // from the piece to the groove
     double d = -towards * 0.15e-3;
     while (std::abs(d) < 0.2e-3 && map.depth_at(place.point_m + d * outward) < 0.5 * mark.depth_m)

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "slave/automatic/controller.h"
+#include "slave/machining/controller.h"
 
 namespace telekerf::slave {
 namespace {
@@ -68,7 +68,7 @@ class IdealPlant : public testing::TestWithParam<int> {
     const double h = 1e-4;
     const auto slope = [&](double t, const Vec3& at_q, const Vec3& at_qd) {
       const DeltaState state = *kinematics.state(at_q, at_qd);
-      const Track track({on_circle(t)});
+      const Trajectory track({on_circle(t)});
       // One point at its start: derivatives are kept.
       return desired_acceleration(controller, Tracking{kinematics, state, track, 0.0, origin});
     };
@@ -130,7 +130,7 @@ TEST(Controllers, AReferenceOutOfReachIsNotFinite) {
   const DeltaState state = *kinematics.state(*kinematics.inverse(origin), Vec3::Zero());
   Reference far;
   far.position_m = {1, 0, 0};
-  const Track track({far});
+  const Trajectory track({far});
   const Tracking now{kinematics, state, track, 0.0, origin};
   EXPECT_FALSE(desired_acceleration(IndependentControl{}, now).allFinite());
   EXPECT_FALSE(desired_acceleration(PreviewControl{}, now).allFinite());

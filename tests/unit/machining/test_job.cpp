@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "common/robot/simulated_robot.h"
-#include "slave/automatic/machinist.h"
+#include "common/robot/drivers/simulated_robot.h"
+#include "slave/machining/job_executor.h"
 
 namespace telekerf::slave {
 namespace {
@@ -75,7 +75,7 @@ class AtWork : public testing::Test {
 };
 
 TEST_F(AtWork, TheBeamIsOnAlongTheContourOnly) {
-  Machinist machinist(model, *job, {});
+  JobExecutor machinist(model, *job, {});
   machinist.reset(plant.read().joints_m);
   double lit_m = 0.0;
   bool framed = false, done = false;
@@ -108,7 +108,7 @@ TEST_F(AtWork, EveryContourIsCutWithinItsOwnCorridor) {
   ASSERT_EQ(job->order, (std::vector<std::size_t>{1, 0}));
   const geometry::NearestIndex corridors[] = {geometry::NearestIndex(stroke),
                                               geometry::NearestIndex(square(3e-3))};
-  Machinist machinist(model, *job, {});
+  JobExecutor machinist(model, *job, {});
   machinist.reset(plant.read().joints_m);
   std::vector<double> lit_m;
   bool cutting = false;
@@ -137,7 +137,7 @@ TEST_F(AtWork, AToolThatRestsElsewhereIsBroughtToTheStartFirst) {
   ASSERT_GT(whole.track.size(), job->track.size() + 240u);
   EXPECT_EQ(whole.track[0].position_m, elsewhere_m);
   EXPECT_EQ(whole.phases.front(), JobPhase::kApproach);
-  Machinist machinist(model, whole, {});
+  JobExecutor machinist(model, whole, {});
   machinist.reset(plant.read().joints_m);
   double lit_s = 0.0;
   for (std::size_t i = 0; i < whole.track.size(); ++i) {
@@ -151,7 +151,7 @@ TEST_F(AtWork, AToolThatRestsElsewhereIsBroughtToTheStartFirst) {
 }
 
 TEST_F(AtWork, ThePilotBeamIsOffWithoutAReadingAndAfterAStop) {
-  Machinist machinist(model, *job, {});
+  JobExecutor machinist(model, *job, {});
   machinist.reset(plant.read().joints_m);
   MachinistOutputs out;
   for (std::size_t i = 0; i < job->track.size() && !out.pilot; ++i) out = machinist.step(plant.read(), false);
@@ -163,7 +163,7 @@ TEST_F(AtWork, ThePilotBeamIsOffWithoutAReadingAndAfterAStop) {
 }
 
 TEST_F(AtWork, AStopPutsTheBeamOutAtOnceAndHoldsTheToolForGood) {
-  Machinist machinist(model, *job, {});
+  JobExecutor machinist(model, *job, {});
   machinist.reset(plant.read().joints_m);
   bool lit = false;
   int after = 0;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "slave/laser/kerf.h"
 
 namespace telekerf::slave {
@@ -146,7 +146,7 @@ TEST(Kerf, WhatIsNarrowerThanTheKerfIsRefused) {
 }
 
 TEST(Material, UnknownOnesAreRefusedByName) {
-  EXPECT_THROW(material("cheese"), Refusal);
+  EXPECT_THROW(material("cheese"), StartupError);
   for (const auto& name : material_names()) EXPECT_EQ(material(name).name, name);
 }
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "common/geometry/nearest.h"
-#include "slave/automatic/path.h"
+#include "slave/machining/path.h"
 
 namespace telekerf::slave {
 namespace {

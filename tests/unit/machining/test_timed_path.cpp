@@ -4,19 +4,19 @@
 #include <cmath>
 #include <vector>
 
-#include "slave/automatic/plan.h"
+#include "slave/machining/timed_path.h"
 
 namespace telekerf::slave {
 namespace {
 
 const geometry::Polyline kSquare{{{0, 0}, {10e-3, 0}, {10e-3, 10e-3}, {0, 10e-3}}, true};
 
-TEST(Plan, ConstantSpeedWithTheBeamOnAndRestAtBothEnds) {
-  const auto plan = make_plan(kSquare, PlanSettings{});
+TEST(TimedPath, ConstantSpeedWithTheBeamOnAndRestAtBothEnds) {
+  const auto plan = make_plan(kSquare, TimedPathSettings{});
   ASSERT_TRUE(plan) << plan.error();
   EXPECT_NEAR(plan->mean_speed_m_per_s, 8e-3, 8e-6);
   EXPECT_NEAR(plan->cut_s, plan->path.length_m() / 8e-3, 0.05);
-  const Track& track = plan->track;
+  const Trajectory& track = plan->track;
   EXPECT_EQ(track[0].speed_m_per_s, 0.0);
   EXPECT_NEAR(track[track.size() - 1].speed_m_per_s, 0.0, 1e-6);
   for (std::size_t i = 0; i < track.size(); ++i) {
@@ -29,13 +29,13 @@ TEST(Plan, ConstantSpeedWithTheBeamOnAndRestAtBothEnds) {
   }
 }
 
-TEST(Plan, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
+TEST(TimedPath, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
   for (const CornerPolicy corner : {CornerPolicy::kRounded, CornerPolicy::kSlow}) {
-    PlanSettings settings;
+    TimedPathSettings settings;
     settings.corner = corner;
     const auto plan = make_plan(kSquare, settings);
     ASSERT_TRUE(plan);
-    const Track& t = plan->track;
+    const Trajectory& t = plan->track;
     const double dt = plan->period_s;
     double worst = 0.0;
     for (std::size_t i = 2; i + 2 < t.size(); ++i) {
@@ -51,8 +51,8 @@ TEST(Plan, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
   }
 }
 
-TEST(Plan, SlowCornersKeepTheAccelerationAndThePowerFollowsTheSpeed) {
-  PlanSettings settings;
+TEST(TimedPath, SlowCornersKeepTheAccelerationAndThePowerFollowsTheSpeed) {
+  TimedPathSettings settings;
   settings.corner = CornerPolicy::kSlow;
   const auto plan = make_plan(kSquare, settings);
   ASSERT_TRUE(plan);
@@ -73,9 +73,9 @@ TEST(Plan, SlowCornersKeepTheAccelerationAndThePowerFollowsTheSpeed) {
   EXPECT_LT(worst, 1.5 * settings.slow_acceleration_m_per_s2);
 }
 
-TEST(Plan, TheMachinesAccelerationIsNeverPassedHoweverFast) {
+TEST(TimedPath, TheMachinesAccelerationIsNeverPassedHoweverFast) {
   for (const CornerPolicy corner : {CornerPolicy::kExact, CornerPolicy::kRounded, CornerPolicy::kSlow}) {
-    PlanSettings settings;
+    TimedPathSettings settings;
     settings.corner = corner;
     settings.speed_m_per_s = 0.1;
     const auto plan = make_plan(kSquare, settings);
@@ -86,11 +86,11 @@ TEST(Plan, TheMachinesAccelerationIsNeverPassedHoweverFast) {
   }
 }
 
-TEST(Plan, NorIsItAtAnAcuteTip) {
+TEST(TimedPath, NorIsItAtAnAcuteTip) {
   // 15 degrees: the rounding is shorter than a sample's way.
   const geometry::Polyline tip{{{0, 0}, {5e-3, 0}, {0.17e-3, 1.294e-3}}, true};
   for (const double speed : {8e-3, 50e-3}) {
-    PlanSettings settings;
+    TimedPathSettings settings;
     settings.speed_m_per_s = speed;
     const auto plan = make_plan(tip, settings);
     ASSERT_TRUE(plan);
@@ -104,8 +104,8 @@ TEST(Plan, NorIsItAtAnAcuteTip) {
   }
 }
 
-TEST(Plan, TheSeamOfAClosedContourGetsAsMuchEnergyAsTheRest) {
-  const auto plan = make_plan(kSquare, PlanSettings{});
+TEST(TimedPath, TheSeamOfAClosedContourGetsAsMuchEnergyAsTheRest) {
+  const auto plan = make_plan(kSquare, TimedPathSettings{});
   ASSERT_TRUE(plan);
   const double length = plan->path.length_m();
   std::vector<double> energy(20, 0.0);  // bins of 10 um from the start
@@ -117,10 +117,10 @@ TEST(Plan, TheSeamOfAClosedContourGetsAsMuchEnergyAsTheRest) {
   for (const double e : energy) EXPECT_NEAR(e, energy.back(), 0.5);  // ticks of 3.3 um in bins of 10
 }
 
-TEST(Plan, AnAcuteTipGetsNoMoreEnergyThanItsLegs) {
+TEST(TimedPath, AnAcuteTipGetsNoMoreEnergyThanItsLegs) {
   // 30 degrees: the spot covers both legs for more than 0.1 mm.
   const geometry::Polyline tip{{{0, 0}, {5e-3, 0}, {0.67e-3, 2.5e-3}}, false};
-  PlanSettings settings;
+  TimedPathSettings settings;
   settings.corner = CornerPolicy::kSlow;
   const auto plan = make_plan(tip, settings);
   ASSERT_TRUE(plan);
@@ -139,16 +139,16 @@ TEST(Plan, AnAcuteTipGetsNoMoreEnergyThanItsLegs) {
     EXPECT_NEAR(dose_at(s) / straight, 1.0, 0.12) << s;  // 1.46 without the plan's shares
 }
 
-TEST(Plan, RefusesWhatIsSmallerThanTheBeam) {
+TEST(TimedPath, RefusesWhatIsSmallerThanTheBeam) {
   geometry::Polyline small = kSquare;
   for (Vec2& p : small.points_m) p *= 50e-6 / geometry::bounding_box(kSquare.points_m).size().maxCoeff();
-  const auto plan = make_plan(small, PlanSettings{});
+  const auto plan = make_plan(small, TimedPathSettings{});
   ASSERT_FALSE(plan);
   EXPECT_NE(plan.error().find("--width-mm"), std::string::npos) << plan.error();
 }
 
-TEST(Plan, KeepsWithinAMachinesLimits) {
-  PlanSettings settings;
+TEST(TimedPath, KeepsWithinAMachinesLimits) {
+  TimedPathSettings settings;
   settings.speed_m_per_s = 20e-3;
   settings.keep_within({.velocity_m_per_s = 0.025, .acceleration_m_per_s2 = 0.5});
   const auto plan = make_plan(kSquare, settings);
@@ -164,14 +164,14 @@ TEST(Plan, KeepsWithinAMachinesLimits) {
   EXPECT_NE(faster.error().find("20 mm/s is more than the 18 mm/s"), std::string::npos) << faster.error();
 }
 
-TEST(Plan, RefusesASpeedOfZero) {
-  PlanSettings settings;
+TEST(TimedPath, RefusesASpeedOfZero) {
+  TimedPathSettings settings;
   settings.speed_m_per_s = 0.0;
   EXPECT_FALSE(make_plan(kSquare, settings));
 }
 
-TEST(Track, ReadAheadStopsAtTheEnd) {
-  const auto plan = make_plan(kSquare, PlanSettings{});
+TEST(Trajectory, ReadAheadStopsAtTheEnd) {
+  const auto plan = make_plan(kSquare, TimedPathSettings{});
   const Reference end = plan->track.at(1e9);
   EXPECT_EQ(end.velocity_m_per_s.norm(), 0.0);
   EXPECT_EQ(end.position_m, plan->track[plan->track.size() - 1].position_m);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "common/runtime/refusal.h"
-#include "master/constraint.h"
+#include "common/runtime/startup_error.h"
+#include "master/constraint/constraint.h"
 
 namespace telekerf::master {
 namespace {
@@ -29,13 +29,13 @@ ContourMessage figure_eight() {
 }
 
 /// One step of the generator without memory.
-ActiveConstraint fresh(const Guide& guide, const Vec2& tool) {
+ActiveConstraint fresh(const GuidePath& guide, const Vec2& tool) {
   ConstraintGenerator generator;
   return generator.at(guide, tool, 1e-3);
 }
 
-TEST(Guide, IsTheContourOverBeta) {
-  const Guide guide = make_guide(circle(0.01), 0.5, {});
+TEST(GuidePath, IsTheContourOverBeta) {
+  const GuidePath guide = make_guide(circle(0.01), 0.5, {});
   EXPECT_EQ(guide.contour_id, 3u);
   for (const auto& point : guide.curve.line().points_m) EXPECT_NEAR(point.norm(), 0.02, 3e-6);
   const GuidePiece piece = guide.at(0.01);
@@ -43,11 +43,11 @@ TEST(Guide, IsTheContourOverBeta) {
   EXPECT_LT(piece.shape.centre_m.norm(), 2e-5);
 }
 
-TEST(Guide, EveryKindOfCurveStandsForTheCircle) {
+TEST(GuidePath, EveryKindOfCurveStandsForTheCircle) {
   for (const CurveKind curve : {CurveKind::kCircles, CurveKind::kLines, CurveKind::kDescriptor}) {
     ConstraintSettings settings;
     settings.curve = curve;
-    const Guide guide = make_guide(circle(0.01), 1.0, settings);
+    const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
     for (int i = 0; i < 50; ++i) {
       const GuidePiece piece = guide.at(guide.length_m() * i / 50);
       EXPECT_NEAR(piece.point_m.norm(), 0.01, 12e-6) << static_cast<int>(curve);
@@ -56,7 +56,7 @@ TEST(Guide, EveryKindOfCurveStandsForTheCircle) {
   }
 }
 
-TEST(Guide, CirclesLeaveLessContourErrorThanLinesForEveryK) {
+TEST(GuidePath, CirclesLeaveLessContourErrorThanLinesForEveryK) {
   for (const int k : {2, 4, 8, 16, 32}) {
     double worst[2] = {0.0, 0.0};
     for (const bool lines : {false, true}) {
@@ -65,7 +65,7 @@ TEST(Guide, CirclesLeaveLessContourErrorThanLinesForEveryK) {
       settings.half_window = k;
       settings.spacing_m = 0.1e-3;
       settings.rounding_m = 0.0;
-      const Guide guide = make_guide(figure_eight(), 1.0, settings);
+      const GuidePath guide = make_guide(figure_eight(), 1.0, settings);
       for (int i = 0; i < 500; ++i) {
         const Vec2 on_guide = guide.at(guide.length_m() * i / 500).point_m;
         worst[lines] = std::max(worst[lines], guide.curve.find(on_guide).distance_m);
@@ -75,8 +75,8 @@ TEST(Guide, CirclesLeaveLessContourErrorThanLinesForEveryK) {
   }
 }
 
-TEST(Guide, CircleChangesContinuouslyWithTheArcSoThatNoHandoverIsAnEvent) {
-  const Guide guide = make_guide(figure_eight(), 1.0, {});
+TEST(GuidePath, CircleChangesContinuouslyWithTheArcSoThatNoHandoverIsAnEvent) {
+  const GuidePath guide = make_guide(figure_eight(), 1.0, {});
   constexpr double kStep = 1e-6;
   double largest = 0.0;
   for (double arc = 0.0; arc < guide.length_m(); arc += 3.7e-6) {
@@ -87,12 +87,12 @@ TEST(Guide, CircleChangesContinuouslyWithTheArcSoThatNoHandoverIsAnEvent) {
   EXPECT_LT(largest, 0.05e-6);
 }
 
-TEST(Guide, SlowsDownAheadOfBendsAsHardAsItMay) {
+TEST(GuidePath, SlowsDownAheadOfBendsAsHardAsItMay) {
   ConstraintSettings settings;
   ContourMessage square;
   for (const auto& p : {Vec2(0, 0), Vec2(0.02, 0), Vec2(0.02, 0.02), Vec2(0, 0.02)})
     square.points_m.push_back(p);
-  const Guide guide = make_guide(square, 1.0, settings);
+  const GuidePath guide = make_guide(square, 1.0, settings);
   double least = 1.0;
   for (double arc = 0.0; arc < guide.length_m(); arc += 20e-6) {
     const auto limit = guide.speed_limit(arc);
@@ -104,12 +104,12 @@ TEST(Guide, SlowsDownAheadOfBendsAsHardAsItMay) {
   EXPECT_NEAR(guide.speed_limit(0.01).m_per_s, std::sqrt(2 * settings.slowing_m_per_s2 * 0.01), 0.01);
 }
 
-TEST(Guide, RefusesADescriptorOfAnOpenContour) {
+TEST(GuidePath, RefusesADescriptorOfAnOpenContour) {
   ContourMessage open = circle(0.01);
   open.closed = false;
   ConstraintSettings settings;
   settings.curve = CurveKind::kDescriptor;
-  EXPECT_THROW(make_guide(open, 1.0, settings), Refusal);
+  EXPECT_THROW(make_guide(open, 1.0, settings), StartupError);
 }
 
 // A point mass that obeys the acceleration exactly, integrated finely, must show eq. 65's decay.
@@ -117,7 +117,7 @@ TEST(Constraint, ErrorDecaysAsEq65SaysWhileTheToolRunsRoundTheCircle) {
   constexpr double kDt = 1e-5;
   ConstraintSettings settings;
   settings.period_s = kDt;
-  const Guide guide = make_guide(circle(0.01), 1.0, settings);
+  const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   ConstraintGenerator generator;
   const double w = settings.bandwidth_rad_s;
   const double start = 0.3e-3;
@@ -139,7 +139,7 @@ TEST(Constraint, FarFromTheCurveTheToolReturnsNoFasterThanSaid) {
   constexpr double kDt = 1e-4;
   ConstraintSettings settings;
   settings.period_s = kDt;
-  const Guide guide = make_guide(circle(0.01), 1.0, settings);
+  const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   ConstraintGenerator generator;
   Vec3 x(0.015, 0, 0);
   Vec3 v = Vec3::Zero();
@@ -157,7 +157,7 @@ TEST(Constraint, FarFromTheCurveTheToolReturnsNoFasterThanSaid) {
 
 TEST(Constraint, TheHandMovesTheVirtualMassAlongAndNothingAcross) {
   ConstraintSettings settings;
-  const Guide guide = make_guide(circle(0.01), 1.0, settings);
+  const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   const auto active = fresh(guide, {0.01, 0});
   const Vec3 along = guided_acceleration(active, settings, {{0.01, 0, 0}, Vec3::Zero(), {0, 1.0, 0}});
   EXPECT_NEAR(along.y(), (1.0 - settings.dead_force_n) / settings.mass_kg, 1e-2);
@@ -166,7 +166,7 @@ TEST(Constraint, TheHandMovesTheVirtualMassAlongAndNothingAcross) {
 }
 
 TEST(Constraint, AtACrossingTheToolStaysOnItsBranch) {
-  const Guide guide = make_guide(figure_eight(), 1.0, {});
+  const GuidePath guide = make_guide(figure_eight(), 1.0, {});
   ConstraintGenerator generator;
   double before = -1.0;
   const double length = guide.length_m();
@@ -189,7 +189,7 @@ TEST(Constraint, AnOpenCurveEndsInASoftStopThatLetsTheToolBack) {
   line.closed = false;
   for (int i = 0; i <= 100; ++i) line.points_m.emplace_back(i * 1e-4, 0.0);
   ConstraintSettings settings;
-  const Guide guide = make_guide(line, 1.0, settings);
+  const GuidePath guide = make_guide(line, 1.0, settings);
   const auto beyond = fresh(guide, {0.0102, 0.0});
   EXPECT_NEAR(beyond.beyond_end_m, 0.2e-3, 1e-6);
   const Vec3 pushed = guided_acceleration(beyond, settings, {{0.0102, 0, 0}, Vec3::Zero(), {3.0, 0, 0}});
@@ -205,8 +205,8 @@ TEST(Constraint, AnOpenCurveEndsInASoftStopThatLetsTheToolBack) {
 TEST(Region, IsFreeInsideStiffAtTheWallAndDoesNotStick) {
   ConstraintSettings settings;
   settings.drag_ns_per_m = 0.0;
-  const ConstraintForm form{0.5e-3, 0.0};
-  const Guide guide = make_guide(circle(0.01), 1.0, settings);
+  const ConstraintMode form{0.5e-3, 0.0};
+  const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   const auto across = [&](double radius, double push) {
     const Vec3 x(radius, 0, 0);
     return region_acceleration(fresh(guide, x.head<2>()), settings, form, {x, Vec3::Zero(), {push, 0, 0}})
@@ -222,7 +222,7 @@ TEST(Region, IsFreeInsideStiffAtTheWallAndDoesNotStick) {
 
 TEST(Region, SpringBlendsBetweenFreeAndGuided) {
   ConstraintSettings settings;
-  const Guide guide = make_guide(circle(0.01), 1.0, settings);
+  const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   double before = 1.0;
   for (const double stiffness : {0.0, 100.0, 1000.0, 10000.0}) {
     const Vec3 x(0.0103, 0, 0);
@@ -237,7 +237,7 @@ TEST(Region, SpringBlendsBetweenFreeAndGuided) {
 
 TEST(Entry, FromHalfAMillimetreOffNothingJumps) {
   ConstraintSettings settings;
-  const Guide guide = make_guide(circle(0.01), 1.0, settings);
+  const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   ConstraintController controller(settings);
   controller.choose({0.5e-3, 0.0});
   Vec3 x(0.0104, 0, 0);
@@ -262,7 +262,7 @@ TEST(Entry, FromHalfAMillimetreOffNothingJumps) {
 // from the tool's own, and nothing later asks for more than a gentle brake.
 TEST(Entry, ACorridorClosesAndOpensUnderAMovingHandWithoutAJump) {
   ConstraintSettings settings;
-  const Guide guide = make_guide(circle(0.01), 1.0, settings);
+  const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   constexpr double kDt = 1e-3;
   for (const double sideways : {-0.05, -0.02, 0.0, 0.02, 0.05}) {
     ConstraintController controller(settings);
@@ -313,7 +313,7 @@ TEST(Entry, ACorridorClosesAndOpensUnderAMovingHandWithoutAJump) {
   }
 }
 
-TEST(Guide, NoBendIsTighterThanSaidAndTipsLoseLittle) {
+TEST(GuidePath, NoBendIsTighterThanSaidAndTipsLoseLittle) {
   ConstraintSettings settings;
   ContourMessage star;
   for (int i = 0; i < 10; ++i) {
@@ -323,7 +323,7 @@ TEST(Guide, NoBendIsTighterThanSaidAndTipsLoseLittle) {
   ContourMessage hairpin;  // there and back again on the same line
   for (int i = 0; i <= 200; ++i) hairpin.points_m.emplace_back((i <= 100 ? i : 200 - i) * 1e-4, 0.0);
   for (const auto& contour : {star, hairpin}) {
-    const Guide guide = make_guide(contour, 1.0, settings);
+    const GuidePath guide = make_guide(contour, 1.0, settings);
     double tightest = 1.0;
     for (double arc = 0.0; arc < guide.length_m(); arc += 7e-6) {
       const auto& shape = guide.at(arc).shape;
@@ -333,16 +333,16 @@ TEST(Guide, NoBendIsTighterThanSaidAndTipsLoseLittle) {
     const double lost_m = settings.opening_m + settings.rounding_m + 2.0 * settings.spacing_m;
     for (const auto& point : contour.points_m) EXPECT_LT(guide.curve.find(point).distance_m, lost_m);
   }
-  const Guide guide = make_guide(star, 1.0, settings);
+  const GuidePath guide = make_guide(star, 1.0, settings);
   for (const auto& point : star.points_m) EXPECT_LT(guide.curve.find(point).distance_m, 0.16e-3);
 }
 
-TEST(Guide, AnOpenCurveIsSlowAtItsEnds) {
+TEST(GuidePath, AnOpenCurveIsSlowAtItsEnds) {
   ContourMessage line;
   line.closed = false;
   for (int i = 0; i <= 100; ++i) line.points_m.emplace_back(i * 1e-4, 0.0);
   ConstraintSettings settings;
-  const Guide guide = make_guide(line, 1.0, settings);
+  const GuidePath guide = make_guide(line, 1.0, settings);
   EXPECT_EQ(guide.speed_limit(0.0).m_per_s, settings.end_m_per_s);
   EXPECT_EQ(guide.speed_limit(guide.length_m()).m_per_s, settings.end_m_per_s);
   EXPECT_GT(guide.speed_limit(0.005).m_per_s, 0.05);
@@ -361,7 +361,7 @@ TEST(Constraint, TheToolComesBackToTheCurveAndNotToTheFarSideOfACircle) {
     const double a = M_PI / 2 + i * M_PI / 180;
     stadium.points_m.emplace_back(-5e-3 + 1e-3 * std::cos(a), 1e-3 * std::sin(a));
   }
-  const Guide guide = make_guide(stadium, 1.0, settings);
+  const GuidePath guide = make_guide(stadium, 1.0, settings);
   for (const double torn_m : {0.6e-3, 0.9e-3, 1.1e-3, 1.6e-3, 3e-3}) {
     ConstraintGenerator generator;
     double fastest = 0.0;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/experiments/constraint_bars.h"
+#include "experiments/constraint_acceptance.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -39,7 +39,7 @@ TEST(ConstraintBars, LettingGoMovesTheToolByLessThanATenthOfAMillimetre) {
 }
 
 /// Largest distance from the curve while a hand works at 20 mm/s and then does this for a moment.
-double under(const master::HandAct& act) {
+double under(const master::OperatorDisturbance& act) {
   TrialSettings settings;
   settings.duration_s = 6.0;
   settings.station.hand.acts = {act};
@@ -50,7 +50,7 @@ double under(const master::HandAct& act) {
 }
 
 TEST(ConstraintBars, ASuddenPushInAnyDirectionMovesTheToolLittle) {
-  using Kind = master::HandAct::Kind;
+  using Kind = master::OperatorDisturbance::Kind;
   EXPECT_LE(under({Kind::kPush, 2.0, 0.05, 8.0, 0.0, 0.0}), 200e-6);
   EXPECT_LE(under({Kind::kPush, 2.0, 0.05, -8.0, 0.0, 0.0}), 200e-6);
   EXPECT_LE(under({Kind::kPush, 2.0, 0.05, 0.0, 8.0, 0.0}), 100e-6) << "along the curve";
@@ -58,7 +58,7 @@ TEST(ConstraintBars, ASuddenPushInAnyDirectionMovesTheToolLittle) {
 }
 
 TEST(ConstraintBars, AWristThatSlipsMovesTheToolLittle) {
-  using Kind = master::HandAct::Kind;
+  using Kind = master::OperatorDisturbance::Kind;
   EXPECT_LE(under({Kind::kSlip, 2.0, 0.1, 5.0, 0.0, 0.0}), 150e-6);
   EXPECT_LE(under({Kind::kSlip, 2.0, 0.1, -5.0, 3.0, -2.0}), 150e-6);
 }
@@ -66,8 +66,8 @@ TEST(ConstraintBars, AWristThatSlipsMovesTheToolLittle) {
 TEST(ConstraintBars, AHandThatFightsInACorridorDoesNotGetToTheEndOfARail) {
   TrialSettings settings;
   settings.duration_s = 5.0;
-  settings.station.hand.acts = {{master::HandAct::Kind::kFight, 0.5, 1.5, 35.0, 0.0, 0.0},
-                                {master::HandAct::Kind::kLetGo, 2.0, 100.0, 0.0, 0.0, 0.0}};
+  settings.station.hand.acts = {{master::OperatorDisturbance::Kind::kFight, 0.5, 1.5, 35.0, 0.0, 0.0},
+                                {master::OperatorDisturbance::Kind::kLetGo, 2.0, 100.0, 0.0, 0.0, 0.0}};
   settings.station.corridor_mm = 2.0;
   const Trial trial = run_trial(circle_outline(8e-3), settings);
   EXPECT_FALSE(trial.broken);

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "master/station.h"
 
 namespace telekerf::master {
@@ -50,7 +50,7 @@ class MasterStation : public testing::Test {
   }
 
   Station station_{StationSettings{}};
-  std::unique_ptr<Task> task_;
+  std::unique_ptr<GuidedContour> task_;
   MasterOutputs out_;
   CommandBlock last_;
   int blocks_ = 0;
@@ -119,7 +119,7 @@ TEST_F(MasterStation, AContourThatLeavesTheWorkspaceIsRefusedWithARemedy) {
   try {
     (void)station_.prepare(circle(0.05));
     FAIL() << "accepted";
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     const std::string what = refusal.what();
     EXPECT_NE(what.find("100.0 mm"), std::string::npos) << what;
     EXPECT_NE(what.find("--beta"), std::string::npos) << what;

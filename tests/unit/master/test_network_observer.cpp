@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "common/bus/rounded.h"
+#include "common/protocol/wire_precision.h"
 #include "master/command_stream.h"
 
 namespace telekerf::master {
@@ -29,17 +29,17 @@ struct Loop {
   int delay = 100;
   int misjudged = 0;  ///< samples by which the acknowledgement is wrong: a predictor that guesses its delay
   double disturbance = 0.0;
-  std::vector<Motion> truth{Motion{}};
-  Motion model;
+  std::vector<KinematicState> truth{KinematicState{}};
+  KinematicState model;
 
   Loop(const ObserverSettings& settings, int samples)
       : observer(Law::kRemoteAcceleration, settings), delay(samples) {
-    observer.begin(0, Motion{});
+    observer.begin(0, KinematicState{});
   }
-  Motion predicted() {
+  KinematicState predicted() {
     const auto k = static_cast<std::int64_t>(truth.size()) - 1;
     if (k >= delay) {
-      const Motion& then = truth[static_cast<std::size_t>(k - delay)];
+      const KinematicState& then = truth[static_cast<std::size_t>(k - delay)];
       const SlaveSample sample{k - delay + misjudged, k, true, then.position_m, then.velocity_m_per_s};
       observer.measured(std::span(&sample, 1));
     }
@@ -48,11 +48,11 @@ struct Loop {
   void apply(double u) {
     const auto k = static_cast<std::int64_t>(truth.size()) - 1;
     observer.sent(k, model, Vec3(u, 0, 0));
-    Motion now = truth.back();
+    KinematicState now = truth.back();
     now.acceleration_m_per_s2 = Vec3(u + disturbance, 0, 0);
     truth.push_back(advanced(now, kH));
   }
-  double error(const Motion& predicted) const {
+  double error(const KinematicState& predicted) const {
     return std::abs(predicted.position_m.x() - truth.back().position_m.x());
   }
 };
@@ -89,7 +89,7 @@ TEST(NetworkObserver, DelayedInnovationIsStableBelowHalfPiOnly) {
 double tracking_growth(Loop& loop, double w, int steps) {
   loop.truth.back().position_m.x() = 0.01;
   return growth(steps, [&] {
-    const Motion seen = loop.predicted();
+    const KinematicState seen = loop.predicted();
     loop.apply(-2.0 * w * seen.velocity_m_per_s.x() - w * w * seen.position_m.x());
     return loop.truth.back().position_m.x();
   });
@@ -106,9 +106,9 @@ TEST(NetworkObserver, WithoutPredictionTheLawIsStableBelow06475Only) {
 /// at all); 30 measurements are lost around each. Largest prediction error after the first second.
 TEST(NetworkObserver, APlayOutThatWaitsOrSkipsAndLostMeasurementsCostAlmostNothing) {
   NetworkObserver observer(Law::kRemoteAcceleration, with(Estimator::kPredictor));
-  observer.begin(0, Motion{});
+  observer.begin(0, KinematicState{});
   constexpr int kDelay = 60;
-  std::vector<Motion> truth{{.velocity_m_per_s = Vec3(0.02, 0, 0)}};
+  std::vector<KinematicState> truth{{.velocity_m_per_s = Vec3(0.02, 0, 0)}};
   std::vector<std::int64_t> applied;
   const auto command = [](std::int64_t i) {
     return Vec3(0.3 * std::sin(0.01 * static_cast<double>(i)), 0, 0);
@@ -118,26 +118,26 @@ TEST(NetworkObserver, APlayOutThatWaitsOrSkipsAndLostMeasurementsCostAlmostNothi
     const auto untold = [&](std::int64_t event) { return k >= event && k < event + kDelay + 15; };
     const std::int64_t index = k <= 1500 ? k : k <= 1700 ? k - 1 : k;
     applied.push_back(index);
-    observer.sent(k, Motion{}, command(k));
+    observer.sent(k, KinematicState{}, command(k));
     const std::int64_t then = k - kDelay;
     const bool lost = std::abs(then - 1500) < 15 || std::abs(then - 1700) < 15;
     if (then >= 0 && !lost) {
-      const Motion& state = truth[static_cast<std::size_t>(then)];
+      const KinematicState& state = truth[static_cast<std::size_t>(then)];
       const SlaveSample sample{applied[static_cast<std::size_t>(then)], then, true, state.position_m,
                                state.velocity_m_per_s};
       observer.measured(std::span(&sample, 1));
     }
-    const Motion predicted = observer.prediction(Motion{});
+    const KinematicState predicted = observer.prediction(KinematicState{});
     if (k > 1000 && !untold(1500) && !untold(1700)) {
       // Where the slave is when the command after this one acts, without waiting or skipping meanwhile.
-      Motion ahead = truth.back();
+      KinematicState ahead = truth.back();
       for (std::int64_t i = index; i <= k; ++i) {
         ahead.acceleration_m_per_s2 = command(i);
         ahead = advanced(ahead, kH);
       }
       largest = std::max(largest, (predicted.position_m - ahead.position_m).norm());
     }
-    Motion now = truth.back();
+    KinematicState now = truth.back();
     now.acceleration_m_per_s2 = command(index);
     truth.push_back(advanced(now, kH));
   }
@@ -228,7 +228,7 @@ TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
   codec::BlockDecoder decoder;
   std::mt19937 random(9);
   std::normal_distribution<double> noise(0.0, 0.5);
-  Motion slave;
+  KinematicState slave;
   double coded_away = 0.0;
   std::vector<double> made;
   for (Tick tick = 0; tick < Tick{16} * 300; ++tick) {
@@ -249,7 +249,7 @@ TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
     ASSERT_TRUE(packet.has_value());
     if (GetParam() == Law::kAnchored) {
       EXPECT_LT((block->anchor.position_m - slave.position_m).norm(), 4e-9);
-      slave = Motion{block->anchor.position_m, block->anchor.velocity_m_per_s, Vec3::Zero()};
+      slave = KinematicState{block->anchor.position_m, block->anchor.velocity_m_per_s, Vec3::Zero()};
     }
     for (const Vec3& command : (*packet)->blocks_newest_first[0].samples) {
       slave.acceleration_m_per_s2 = command;

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "common/runtime/refusal.h"
-#include "master/reach.h"
+#include "common/runtime/startup_error.h"
+#include "master/constraint/reach.h"
 #include "master/station.h"
 
 namespace telekerf::master {
@@ -25,7 +25,7 @@ std::string refusal_of(const robot::RobotModel& model, double radius_m, double c
   coarse.half_window = 2;
   try {
     require_reach(model, make_guide(circle(radius_m), 1.0, coarse), corridor_m);
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     return refusal.what();
   }
   return {};
@@ -50,7 +50,7 @@ TEST(Reach, RoomIsAskedOfTheContourOverBeta) {
   const double radius_m = 0.9 * model.workspace.radius_m;
   EXPECT_NO_THROW(require_room(model, circle(radius_m).points_m, 1.0));
   EXPECT_NO_THROW(require_room(model, circle(2.0 * radius_m).points_m, 2.0));
-  EXPECT_THROW(require_room(model, circle(radius_m).points_m, 0.5), Refusal);
+  EXPECT_THROW(require_room(model, circle(radius_m).points_m, 0.5), StartupError);
 }
 
 TEST(Reach, RefusesWhatComesNearTheEndOfARailAndNamesPointValueBoundAndRemedy) {
@@ -92,18 +92,18 @@ TEST(Reach, AJointComesToRestBeforeTheEndOfItsRail) {
   const auto geometry = robot::load_robot("master-horizontal").geometry;
   for (const double side : {-1.0, 1.0}) {
     const double end = side > 0.0 ? geometry.stroke_max_m : -geometry.stroke_min_m;
-    robot::Vec3 q(side * (end - 10e-3), 0, 0);
-    robot::Vec3 v(side * 0.2, 0, 0);
+    Vec3 q(side * (end - 10e-3), 0, 0);
+    Vec3 v(side * 0.2, 0, 0);
     double farthest = 0.0;
     for (int n = 0; n < 2000; ++n) {
       // Something wants it to go on and on.
-      v += within_strokes(geometry, q, v, robot::Vec3(side * 5.0, 0, 0)) * 1e-3;
+      v += within_strokes(geometry, q, v, Vec3(side * 5.0, 0, 0)) * 1e-3;
       q += v * 1e-3;
       farthest = std::max(farthest, side * q[0]);
     }
     EXPECT_GT(farthest, end - kStrokeRoom_m) << "free until the wall";
     EXPECT_LT(farthest, end - 0.2e-3);
-    const robot::Vec3 back = within_strokes(geometry, q, {}, robot::Vec3(-side * 5.0, 0, 0));
+    const Vec3 back = within_strokes(geometry, q, {}, Vec3(-side * 5.0, 0, 0));
     EXPECT_LE(side * back[0], -5.0) << "nothing holds it there";
   }
 }

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "master/operator/hand.h"
+#include "master/operator/simulated_operator.h"
 
 namespace telekerf::master {
 namespace {
@@ -25,12 +25,12 @@ struct Trace {
   double sum_force = 0.0;
 
   explicit Trace(std::uint64_t seed) {
-    SimulatedHand hand(circle(), {}, seed);
+    SimulatedOperator hand(circle(), {}, seed);
     for (int n = 0; n < 30'000; ++n) {
       const Vec3 tool(0.02 * std::cos(angle), 0.02 * std::sin(angle), 0);
       const Vec3 left(-std::cos(angle), -std::sin(angle), 0);
       const Vec3 along(-std::sin(angle), std::cos(angle), 0);
-      const HandSample sample = hand.sample(n * 1e-3, tool, Vec3::Zero(), true);
+      const OperatorSample sample = hand.sample(n * 1e-3, tool, Vec3::Zero(), true);
       angle += along.dot(sample.force_n) / 20.0 / 0.02 * 1e-3;
       largest_push = std::max(largest_push, std::abs(left.dot(sample.force_n)));
       pressed_s += sample.button ? 1e-3 : 0.0;
@@ -39,23 +39,23 @@ struct Trace {
   }
 };
 
-TEST(SimulatedHand, SameSeedSameHandOtherSeedOtherHand) {
+TEST(SimulatedOperator, SameSeedSameHandOtherSeedOtherHand) {
   EXPECT_EQ(Trace(5).sum_force, Trace(5).sum_force);
   EXPECT_NE(Trace(5).sum_force, Trace(6).sum_force);
 }
 
-TEST(SimulatedHand, GoesRoundTheCurvePushesSidewaysAndPressesInStretches) {
+TEST(SimulatedOperator, GoesRoundTheCurvePushesSidewaysAndPressesInStretches) {
   const Trace trace(1);
   EXPECT_GT(trace.angle, 2 * M_PI) << "once round at least in 30 s";
   EXPECT_GT(trace.largest_push, 2.5);
   EXPECT_LT(trace.largest_push, 4.0);
-  EXPECT_NEAR(trace.pressed_s / 30.0, HandSettings{}.press_share, 0.12);
+  EXPECT_NEAR(trace.pressed_s / 30.0, SimulatedOperatorSettings{}.press_share, 0.12);
 }
 
-TEST(SimulatedHand, DoesNothingUntilItIsGuided) {
-  SimulatedHand hand(circle(), {}, 1);
+TEST(SimulatedOperator, DoesNothingUntilItIsGuided) {
+  SimulatedOperator hand(circle(), {}, 1);
   for (int n = 0; n < 100; ++n) {
-    const HandSample sample = hand.sample(n * 1e-3, Vec3(0, 0, 0), Vec3::Zero(), false);
+    const OperatorSample sample = hand.sample(n * 1e-3, Vec3(0, 0, 0), Vec3::Zero(), false);
     EXPECT_TRUE(sample.force_n.isZero());
     EXPECT_FALSE(sample.button);
   }

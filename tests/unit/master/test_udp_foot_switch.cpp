@@ -4,8 +4,8 @@
 
 #include <boost/asio/buffer.hpp>
 
-#include "common/runtime/refusal.h"
-#include "master/operator/udp_pedal.h"
+#include "common/runtime/startup_error.h"
+#include "master/operator/udp_foot_switch.h"
 #include "tests/unit/allocations.h"
 
 namespace telekerf::master {
@@ -16,7 +16,7 @@ constexpr std::int64_t kMs = 1'000'000;
 std::string refusal_of(const std::string& button) {
   try {
     (void)attach_button(button);
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     return refusal.what();
   }
   return "accepted";
@@ -32,7 +32,7 @@ TEST(Button, WhatIsNoneIsRefusedWithWhatItMustBe) {
   EXPECT_NE(complaint_about_button("udp:7300").find("within [1, 65535]"), std::string::npos);
   EXPECT_EQ(attach_button("hand"), nullptr) << "the simulated one's";
   EXPECT_TRUE(attach_button("pressed")->pressed(0));
-  const UdpPedal there({"127.0.0.1", 0});
+  const UdpFootSwitch there({"127.0.0.1", 0});
   const std::string taken = "udp:127.0.0.1:" + std::to_string(there.port());
   EXPECT_EQ(refusal_of(taken), "button = " + taken +
                                    ": Address already in use; give an address of this host, and a port that "
@@ -54,7 +54,7 @@ class Pedal : public ::testing::Test {
   void tell(std::uint64_t sequence, std::uint32_t held) { tell(foot, sequence, held); }
   bool pressed() { return pedal.pressed(now_ns); }
 
-  UdpPedal pedal{{"127.0.0.1", 0}};
+  UdpFootSwitch pedal{{"127.0.0.1", 0}};
   boost::asio::io_context context;
   Socket foot{context, {boost::asio::ip::address_v4::loopback(), 0}};
   Socket stranger{context, {boost::asio::ip::address_v4::loopback(), 0}};
@@ -82,7 +82,7 @@ TEST_F(Pedal, SilenceIsLettingGoAndItMustBePressedAnew) {
   tell(1, 0);
   tell(2, 1);
   EXPECT_TRUE(pressed());
-  now_ns += UdpPedal::kSilence_ns - 1;
+  now_ns += UdpFootSwitch::kSilence_ns - 1;
   EXPECT_TRUE(pressed());
   ++now_ns;
   EXPECT_FALSE(pressed());

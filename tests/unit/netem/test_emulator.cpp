@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The emulator's promises, whatever the profile: nothing early, nothing altered unless it says so, order as
 // asked.
-#include "netem/emulator.h"
+#include "netem/core/emulator.h"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ std::vector<std::byte> random_bytes(std::mt19937& random, std::size_t size) {
 
 TEST(Emulator, ConstantDelayIsExactAndNeverEarly) {
   Emulator emulator(both("delay_ms = 50"), {1, 0, Direction::kForward});
-  const Fate fate = emulator.push(7, 100U, 42);
+  const PacketOutcome fate = emulator.push(7, 100U, 42);
   EXPECT_EQ(fate.due_ns, 7 + 50 * kMs);
   EXPECT_EQ(emulator.next_deadline(), fate.due_ns);
   EXPECT_FALSE(emulator.pop(fate.due_ns - 1));

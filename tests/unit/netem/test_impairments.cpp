@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "netem/emulator.h"
+#include "netem/core/emulator.h"
 
 namespace telekerf::netem {
 namespace {
@@ -22,7 +22,7 @@ DirectionProfile profile_of(const std::string& keys, const std::string& rest = "
 
 struct Journey {
   std::int64_t in_ns;
-  Fate fate;
+  PacketOutcome fate;
 };
 
 /// Packets at 1 kHz; everything delivered is taken at its due time.
@@ -189,7 +189,7 @@ TEST(Impairments, StagesTakeOverAtTheirTime) {
 TEST(Impairments, SwitchingKeepsWhatIsUnderWayAndItsOrder) {
   Emulator emulator(profile_of("delay_ms = 50"), {1});
   const auto before = travel(emulator, 100);
-  Plan plan(profile_of("delay_ms = 5\nduplicate = 1"));
+  CompiledProfile plan(profile_of("delay_ms = 5\nduplicate = 1"));
   emulator.switch_to(plan, 100 * kMs);
   const auto after = travel(emulator, 100, 100 * kMs);
   EXPECT_EQ(before.back().fate.due_ns, (99 + 50) * kMs);
@@ -243,9 +243,9 @@ TEST(Impairments, FlowsAreIndependent) {
   double second_square = 0;
   constexpr int kPackets = 20'000;
   for (int i = 0; i < kPackets; ++i) {
-    const Fate expected = alone.push(i * kMs, 10U, 0);
-    const Fate a = one.push(i * kMs, 10U, 0);
-    const Fate b = two.push(i * kMs, 10U, 0);  // traffic of another flow in between
+    const PacketOutcome expected = alone.push(i * kMs, 10U, 0);
+    const PacketOutcome a = one.push(i * kMs, 10U, 0);
+    const PacketOutcome b = two.push(i * kMs, 10U, 0);  // traffic of another flow in between
     EXPECT_EQ(a.due_ns, expected.due_ns);
     EXPECT_EQ(a.lost(), expected.lost());
     const double x = static_cast<double>(a.drawn_ns) * 1e-6 - 64.1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Delay laws: quantiles and moments against closed forms, cut at zero, and tables that follow them.
-#include "netem/law.h"
+#include "netem/core/law.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "netem/emulator.h"
+#include "netem/core/emulator.h"
 #include "tests/unit/allocations.h"
 
 namespace telekerf::netem {
@@ -13,7 +13,7 @@ namespace {
 TEST(Emulator, AllocatesNothingAfterConstruction) {
   for (const char* name : {"hostile", "leo", "thesis-tcp"}) {
     Emulator emulator(load_profile(name).forward, {3}, {64, 64 * 512, 4096});
-    Plan other(load_profile("wifi").forward);
+    CompiledProfile other(load_profile("wifi").forward);
     const std::vector<std::byte> packet(3000);
     const auto before = telekerf::testing::allocations();
     for (int i = 0; i < 20'000; ++i) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Profiles: every shipped one loads; every kind of nonsense is refused in a sentence that names the key.
-#include "netem/profile.h"
+#include "netem/core/profile.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::netem {
 namespace {
@@ -106,7 +106,7 @@ TEST_P(NonsenseProfile, IsRefusedByName) {
   try {
     parse_profile(GetParam().text, "test");
     FAIL() << "accepted: " << GetParam().text;
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find(GetParam().named), std::string::npos) << refusal.what();
   }
 }
@@ -163,7 +163,7 @@ TEST(Profile, AnUnknownNameIsRefusedWithTheShippedOnes) {
   try {
     load_profile("no-such-network");
     FAIL();
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("thesis-constant"), std::string::npos) << refusal.what();
   }
 }
@@ -172,8 +172,8 @@ TEST(Profile, SimpleProfileSplitsTheRoundTrip) {
   const Profile profile = simple_profile(0.2, 0.02, 0.01);
   EXPECT_DOUBLE_EQ(profile.forward.stages[0].conditions.delay.delay_s, 0.1);
   EXPECT_DOUBLE_EQ(profile.backward.stages[0].conditions.delay.jitter_s, 0.02);
-  EXPECT_THROW(simple_profile(-0.2, 0, 0), Refusal);
-  EXPECT_THROW(simple_profile(0.2, 0, 1.5), Refusal);
+  EXPECT_THROW(simple_profile(-0.2, 0, 0), StartupError);
+  EXPECT_THROW(simple_profile(0.2, 0, 1.5), StartupError);
 }
 
 }  // namespace

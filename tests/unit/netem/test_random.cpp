@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random numbers: golden words (a change of them changes every recorded experiment), uniformity,
 // independence.
-#include "netem/random.h"
+#include "netem/core/random.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-#include "netem/law.h"
+#include "netem/core/law.h"
 
 namespace telekerf::netem {
 namespace {
@@ -69,11 +69,11 @@ TEST(Random, EveryBitOfTheCounterMovesEveryBitOfTheWord) {
 }
 
 TEST(Random, ChancesAtTheirEnds) {
-  EXPECT_FALSE(Chance(0.0).happens(0));
-  EXPECT_FALSE(Chance(0.0).possible());
-  EXPECT_TRUE(Chance(1.0).happens(~0ULL));
-  EXPECT_TRUE(Chance(0.5).happens((1ULL << 63) - 1));
-  EXPECT_FALSE(Chance(0.5).happens(1ULL << 63));
+  EXPECT_FALSE(Probability(0.0).happens(0));
+  EXPECT_FALSE(Probability(0.0).possible());
+  EXPECT_TRUE(Probability(1.0).happens(~0ULL));
+  EXPECT_TRUE(Probability(0.5).happens((1ULL << 63) - 1));
+  EXPECT_FALSE(Probability(0.5).happens(1ULL << 63));
 }
 
 TEST(Random, NormalNumbersHaveTheNormalLaw) {

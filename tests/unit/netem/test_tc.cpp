@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // tc export: the command's words, and that whatever they leave out is named.
-#include "netem/tc.h"
+#include "netem/drivers/tc.h"
 
 #include <gtest/gtest.h>
 
@@ -41,7 +41,8 @@ TEST(Tc, WhatItLeavesOutIsNamed) {
       names(of("delay_ms = 20\njitter_ms = 5\ndistribution = \"normal\"\ncorrelation = 0.5"), "correlation"));
   EXPECT_TRUE(names(of("delay_ms = 1\njitter_ms = 5\ndistribution = \"normal\""), "below zero"));
   EXPECT_TRUE(names(of("loss = 0.1\ntcp_like = true"), "tcp_like"));
-  EXPECT_TRUE(names(of("duplicate = 0.1\ndelay_ms = 20\njitter_ms = 5\ndistribution = \"normal\""), "duplicate"));
+  EXPECT_TRUE(
+      names(of("duplicate = 0.1\ndelay_ms = 20\njitter_ms = 5\ndistribution = \"normal\""), "duplicate"));
   EXPECT_TRUE(names(of("rate_kbit_per_s = 100\nqueue_bytes = 1000"), "queue_bytes"));
   EXPECT_TRUE(names(of("delay_ms = 9\norder = \"reorder\"\nreorder = 0.1"), "reorder"));
   EXPECT_TRUE(names(of("delay_ms = 9\n[[stage]]\nfrom_s = 1\n[stage.both]\ndelay_ms = 1"), "stage"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recorded traces: golden fates, round trip through a file, replay, and files that are none.
-#include "netem/trace.h"
+#include "netem/core/trace.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <fstream>
 #include <thread>
 
-#include "common/runtime/refusal.h"
-#include "netem/emulator.h"
-#include "netem/verify.h"
+#include "common/runtime/startup_error.h"
+#include "netem/core/emulator.h"
+#include "netem/verify/verify.h"
 
 namespace telekerf::netem {
 namespace {
@@ -22,7 +22,7 @@ Recording record(const DirectionProfile& profile, const StreamKey& key, int pack
     const std::int64_t now_ns = i * std::int64_t{1'000'000};
     while (emulator.pop(now_ns)) {
     }
-    const Fate fate = emulator.push(now_ns, 200U, i);
+    const PacketOutcome fate = emulator.push(now_ns, 200U, i);
     recording.push_back(
         {now_ns, fate.lost() ? 0 : fate.due_ns - now_ns, fate.lost(), fate.duplicated, fate.corrupted});
   }
@@ -57,7 +57,8 @@ TEST(Trace, GoldenSeeds) {
   EXPECT_EQ(fingerprint(text_of(record(load_profile("hostile").forward, {1}, 20'000))), 6103764377518664199U);
   EXPECT_EQ(fingerprint(text_of(record(load_profile("leo").backward, {2, 0, Direction::kBackward}, 20'000))),
             15611169539660863760U);
-  EXPECT_EQ(fingerprint(text_of(record(load_profile("thesis-tcp").forward, {3}, 20'000))), 1130713730247682398U);
+  EXPECT_EQ(fingerprint(text_of(record(load_profile("thesis-tcp").forward, {3}, 20'000))),
+            1130713730247682398U);
 }
 
 TEST(Trace, ThreadsChangeNothing) {
@@ -98,10 +99,10 @@ TEST(Trace, LossesAloneCanBeReplayed) {
 TEST(Trace, AStageMayEndTheRecordedLosses) {
   const Recording recording = record(load_profile("hostile").forward, {5}, 3'000);
   const File file(text_of(recording));
-  const Profile profile = parse_profile(
-      "[both]\nloss_model = \"trace\"\nloss_trace = \"" + file.path +
-          "\"\n[[stage]]\nfrom_s = 1\n[stage.both]\nloss_model = \"none\"\n",
-      "test");
+  const Profile profile =
+      parse_profile("[both]\nloss_model = \"trace\"\nloss_trace = \"" + file.path +
+                        "\"\n[[stage]]\nfrom_s = 1\n[stage.both]\nloss_model = \"none\"\n",
+                    "test");
   const Recording replayed = record(profile.forward, {1}, 3'000);
   std::size_t lost_later = 0;
   for (std::size_t i = 0; i < recording.size(); ++i) {
@@ -145,7 +146,7 @@ TEST(Trace, DamagedFilesAreRefusedByLine) {
     try {
       load_recording(file.path);
       FAIL() << "accepted: " << text;
-    } catch (const Refusal& refusal) {
+    } catch (const StartupError& refusal) {
       EXPECT_NE(std::string(refusal.what()).find(named), std::string::npos) << refusal.what();
     }
   }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // verify: silent on everything that is right, over many seeds and laws; loud on everything that is wrong.
-#include "netem/verify.h"
+#include "netem/verify/verify.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "common/runtime/resources.h"
-#include "netem/bounds.h"
+#include "netem/core/bounds.h"
 
 namespace telekerf::netem {
 namespace {
@@ -67,7 +67,8 @@ INSTANTIATE_TEST_SUITE_P(
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"pareto\"\nshape = 2.1\norder = \"free\"",
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"pareto\"\nshape = 3\ncorrelation = 0.7",
         "delay_ms = 20\ndistribution = \"table\"\ntable_p = [0, 0.5, 1]\ntable_ms = [0, 0, 10]",
-        "delay_ms = 20\ndistribution = \"table\"\ntable_p = [0, 0.7, 0.7001, 1]\ntable_ms = [1, 2, 40, 41]\norder = "
+        "delay_ms = 20\ndistribution = \"table\"\ntable_p = [0, 0.7, 0.7001, 1]\ntable_ms = [1, 2, 40, "
+        "41]\norder = "
         "\"free\"",
         "delay_ms = 20\norder = \"reorder\"\nreorder = 0.2\nreorder_gap = 4",
         "delay_ms = 20\norder = \"reorder\"\nreorder = 1.0\nloss_model = \"gilbert-elliott\"\nloss = 0.3\n"

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/inspect/run_report.h"
-#include "common/runtime/refusal.h"
+#include "common/reporting/run_report.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::inspect {
 namespace {
@@ -165,10 +165,10 @@ TEST(RunRecord, ADamagedFileIsRefusedByNameAndLine) {
   try {
     (void)read_run(folder);
     FAIL() << "accepted";
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("slave.csv: line 1002"), std::string::npos) << refusal.what();
   }
-  EXPECT_THROW((void)read_run(folder / "nowhere"), Refusal);
+  EXPECT_THROW((void)read_run(folder / "nowhere"), StartupError);
 }
 
 }  // namespace

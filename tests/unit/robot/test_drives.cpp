@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/robot/machine.h"
-#include "common/runtime/refusal.h"
+#include "common/robot/supervisor.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
 namespace {
@@ -38,7 +38,7 @@ TEST(Drives, OnlyWhatIsSimulatedHereHasAPlant) {
   try {
     (void)attach("udp:127.0.0.1:99999", model, 1000.0, {});
     FAIL() << "accepted";
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("drive = udp:127.0.0.1:99999: "), std::string::npos);
   }
 }
@@ -70,7 +70,7 @@ JointReading reading(std::uint64_t tick, double joint_m = 0.02) {
 class Watched : public testing::Test {
  protected:
   std::unique_ptr<Machine> machine() {
-    MachineSettings settings;
+    RobotSupervisorSettings settings;
     settings.drive = "scripted";
     settings.drive_stale_s = 0.003;
     return std::make_unique<Machine>(load_robot("slave-keops"), settings, 1000.0,
@@ -146,7 +146,7 @@ TEST_F(Watched, MustStandWhereItsFileHasAPose) {
   try {
     (void)machine();
     FAIL() << "accepted";
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("leg 1 is out of stroke: 0.2 m is beyond its end"),
               std::string::npos)
         << refusal.what();
@@ -159,7 +159,7 @@ TEST_F(Watched, MustKeepUpWithTheController) {
   try {
     (void)machine();
     FAIL() << "accepted";
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("at most 500 steps a second, the controller makes 1000"),
               std::string::npos)
         << refusal.what();

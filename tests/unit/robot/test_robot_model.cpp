@@ -5,8 +5,8 @@
 #include <random>
 
 #include "common/robot/robot_model.h"
-#include "common/runtime/refusal.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
 namespace {
@@ -24,7 +24,7 @@ stroke_m = [-0.06, 0.06]
 std::string refusal_of(const std::string& toml) {
   try {
     (void)parse_robot(toml, "f.toml");
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     return refusal.what();
   }
   return "no refusal";

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "common/robot/simulated_robot.h"
-#include "common/runtime/refusal.h"
+#include "common/robot/drivers/simulated_robot.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
 namespace {
@@ -167,7 +167,7 @@ TEST(SimulatedRobot, SurvivesNonsense) {
   plant.write(Vec3::Constant(std::nan("")));
   plant.advance(0.01);
   EXPECT_TRUE(plant.true_tool_in_base_m().allFinite());
-  EXPECT_THROW(SimulatedRobot(robot, 1, Vec3(1, 1, 1)), Refusal);
+  EXPECT_THROW(SimulatedRobot(robot, 1, Vec3(1, 1, 1)), StartupError);
 }
 
 TEST(SimulatedRobot, StepSizeDoesNotMatter) {

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "common/control/acceleration_control.h"
-#include "common/robot/udp_robot.h"
-#include "common/runtime/refusal.h"
+#include "common/robot/drivers/udp_robot.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
 namespace {
@@ -22,7 +22,7 @@ class DriveProcess {
  public:
   explicit DriveProcess(const RobotModel& model) {
     int ends[2];
-    if (pipe(ends) != 0) throw Refusal("no pipe");
+    if (pipe(ends) != 0) throw StartupError("no pipe");
     pid_ = fork();
     if (pid_ == 0) {
       SimulatedRobot plant(model, 3, model.workspace.centre_m);
@@ -92,7 +92,7 @@ TEST(UdpRobot, NothingThereIsAnInvalidReadingNotAWait) {
     robot.write(Vec3::Zero());
     EXPECT_FALSE(robot.read().valid);
   }
-  EXPECT_THROW(UdpRobot({"no.such.host.invalid", 9}, kPeriod_s), Refusal);
+  EXPECT_THROW(UdpRobot({"no.such.host.invalid", 9}, kPeriod_s), StartupError);
 }
 
 TEST(UdpRobot, StrangersAreNotTakenAndNothingIsReadTwice) {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/config.h"
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 std::string refusal_of(const std::function<void()>& action) {
   try {
     action();
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     return refusal.what();
   }
   return "no refusal";

@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "common/runtime/refusal.h"
 #include "common/runtime/settings.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -33,7 +33,7 @@ Sample parsed(const std::string& arguments) {
 std::string refusal_of(const std::string& arguments) {
   try {
     (void)parsed(arguments);
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     return refusal.what();
   }
   return "no refusal";

@@ -5,8 +5,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/robot/udp_robot.h"
-#include "tests/lap/virtual_lap.h"
+#include "common/robot/drivers/udp_robot.h"
+#include "experiments/simulation/simulation.h"
 #include "tests/unit/allocations.h"
 #include "tests/unit/slave/laser_device.h"
 

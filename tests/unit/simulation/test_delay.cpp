@@ -6,7 +6,7 @@
 #include <random>
 
 #include "common/runtime/resources.h"
-#include "tests/experiments/delay_trial.h"
+#include "experiments/delay_trial.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -39,7 +39,8 @@ TEST(Delay, EveryShippedNetworkIsBorne) {
     trial.network = netem::load_profile(name);
     const DelayResult result = run_trial(hand(), trial);
     EXPECT_TRUE(result.stable) << name;
-    // Where whole stretches are lost, the slave stops and catches up; at leo's handovers the delay itself jumps.
+    // Where whole stretches are lost, the slave stops and catches up; at leo's handovers the delay itself
+    // jumps.
     if (name == "hostile" || name == "wifi") continue;
     EXPECT_LE(result.tracking_rmse_um, name == "leo" ? 40.0 : 1.3 * near.tracking_rmse_um) << name;
   }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stations with devices of which they know nothing but `Robot`, `Laser` and `HandInput`.
+// The stations with devices of which they know nothing but `Robot`, `Laser` and `OperatorInput`.
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "tests/lap/virtual_lap.h"
+#include "experiments/simulation/simulation.h"
 
 namespace telekerf::lap {
 namespace {
@@ -56,7 +56,7 @@ class Lamp : public slave::Laser {
 };
 
 /// Held and let go by the world.
-struct Foot : master::HandInput {
+struct Foot : master::OperatorInput {
   bool pressed(std::int64_t) noexcept override { return down; }
   bool down = false;
 };
@@ -95,7 +95,7 @@ class Cell {
   ContourMessage contour;
   master::StationSettings master_settings;
   std::unique_ptr<master::Station> master;
-  std::unique_ptr<master::Task> task;
+  std::unique_ptr<master::GuidedContour> task;
   std::unique_ptr<slave::Corridor> corridor;
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
@@ -134,8 +134,8 @@ TEST(Drive, BehindTheSeamTheSlaveDoesBitByBitWhatItDoesWithItsOwnPlant) {
   RunRecord simulated, measured;
   own.report(simulated);
   other.report(measured);
-  EXPECT_EQ(words_of(simulated.slave_drive), (Words{{"name", "simulated"}, {"tool", "true"}}));
-  EXPECT_EQ(words_of(measured.slave_drive), (Words{{"name", "foreign"}, {"tool", "measured"}}));
+  EXPECT_EQ(words_of(simulated.slave_drive), (Metadata{{"name", "simulated"}, {"tool", "true"}}));
+  EXPECT_EQ(words_of(measured.slave_drive), (Metadata{{"name", "foreign"}, {"tool", "measured"}}));
   ASSERT_EQ(measured.slave.size(), measured_m.size());
   ASSERT_EQ(simulated.slave.size(), measured_m.size());
   int apart = 0;
@@ -277,7 +277,7 @@ TEST(Drive, AHandOnARobotThatIsNotSimulatedIsFeltAndNoneIsInvented) {
 
   RunRecord record;
   master.report(record);
-  EXPECT_EQ(words_of(record.master_drive), (Words{{"name", "foreign"}, {"tool", "measured"}}));
+  EXPECT_EQ(words_of(record.master_drive), (Metadata{{"name", "foreign"}, {"tool", "measured"}}));
   const MasterRow& row = record.master.back();
   const Vec3 recorded_n(row.hand_n[0], row.hand_n[1], row.hand_n[2]);
   EXPECT_LT((recorded_n - push_n).norm(), 0.5) << "the record holds what was felt";

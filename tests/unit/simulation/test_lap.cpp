@@ -2,8 +2,8 @@
 // The whole lap against its bars, in virtual time.
 #include <gtest/gtest.h>
 
-#include "common/inspect/run_report.h"
-#include "tests/lap/virtual_lap.h"
+#include "common/reporting/run_report.h"
+#include "experiments/simulation/simulation.h"
 
 namespace telekerf::lap {
 namespace {

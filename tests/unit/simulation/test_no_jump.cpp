@@ -43,7 +43,7 @@ struct Walker {
   double speed = 0.02;
   double curvature = 100.0;
 
-  control::Motion next() {
+  control::KinematicState next() {
     // Keeps to the middle of the workspace: far out it turns inwards.
     if (place.norm() > 7e-3) {
       const Vec2 direction(std::cos(heading), std::sin(heading));
@@ -53,7 +53,7 @@ struct Walker {
     const double turn = speed * curvature * kH;
     place += speed * kH * Vec2(std::cos(heading + 0.5 * turn), std::sin(heading + 0.5 * turn));
     heading += turn;
-    control::Motion motion;
+    control::KinematicState motion;
     motion.position_m.head<2>() = place;
     motion.velocity_m_per_s.head<2>() = speed * Vec2(std::cos(heading), std::sin(heading));
     motion.acceleration_m_per_s2.head<2>() =
@@ -97,7 +97,7 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
   double largest_reference = 0.0;
   double largest_motion = 0.0;
   double largest_gap_m = 0.0;
-  slave::Motion last;
+  slave::KinematicState last;
   Vec3 before_m = *slave.machine().true_tool_m();
   Vec3 last_step_m = Vec3::Zero();
   for (int sequence = 0; sequence < GetParam().sequences; ++sequence) {

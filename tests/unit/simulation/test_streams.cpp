@@ -7,10 +7,10 @@
 #include <map>
 
 #include "common/runtime/resources.h"
+#include "experiments/delay_trial.h"
+#include "experiments/simulation/simulation.h"
+#include "experiments/simulation/virtual_link.h"
 #include "master/force_feedback.h"
-#include "tests/experiments/delay_trial.h"
-#include "tests/lap/virtual_lap.h"
-#include "tests/lap/virtual_link.h"
 
 namespace telekerf::experiments {
 namespace {

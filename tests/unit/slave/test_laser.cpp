@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "common/runtime/refusal.h"
-#include "slave/laser/beam.h"
+#include "common/runtime/startup_error.h"
+#include "slave/laser/laser_output.h"
 #include "tests/unit/allocations.h"
 #include "tests/unit/slave/laser_device.h"
 
@@ -16,16 +16,16 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-BeamSettings named(const std::string& laser) {
-  BeamSettings settings;
+LaserOutputSettings named(const std::string& laser) {
+  LaserOutputSettings settings;
   settings.laser = laser;
   return settings;
 }
 
-std::string refusal_of(const BeamSettings& settings, double laser_w) {
+std::string refusal_of(const LaserOutputSettings& settings, double laser_w) {
   try {
-    const Beam beam(settings, laser_w, 1000.0);
-  } catch (const Refusal& refusal) {
+    const LaserOutput beam(settings, laser_w, 1000.0);
+  } catch (const StartupError& refusal) {
     return refusal.what();
   }
   return "accepted";
@@ -48,7 +48,7 @@ TEST(Laser, WhatIsNoneIsRefusedWithWhatItMustBe) {
 }
 
 TEST(Laser, MoreThanItMayGiveIsRefusedBeforeTheStart) {
-  BeamSettings settings;
+  LaserOutputSettings settings;
   settings.laser_max_w = 20.0;
   EXPECT_EQ(refusal_of(settings, 20.0), "accepted");
   EXPECT_EQ(
@@ -77,10 +77,10 @@ class Told : public Laser {
   std::vector<Step>& steps_;
 };
 
-TEST(Beam, IsOffBeforeTheFirstStepAndAfterTheLast) {
+TEST(LaserOutput, IsOffBeforeTheFirstStepAndAfterTheLast) {
   std::vector<Told::Step> steps;
   {
-    Beam beam({}, 10.0, 1000.0, std::make_unique<Told>(steps));
+    LaserOutput beam({}, 10.0, 1000.0, std::make_unique<Told>(steps));
     EXPECT_EQ(steps, (std::vector<Told::Step>{{0.0, false}}));
     EXPECT_EQ(beam.emit(4.0, false), 4.0);
     EXPECT_EQ(beam.emit(0.0, true), 0.0);
@@ -92,11 +92,11 @@ TEST(Beam, IsOffBeforeTheFirstStepAndAfterTheLast) {
   EXPECT_EQ(steps.size(), 5u);
 }
 
-TEST(Beam, GivesNothingThatIsNoPowerAndNeverMoreThanItsLimit) {
+TEST(LaserOutput, GivesNothingThatIsNoPowerAndNeverMoreThanItsLimit) {
   std::vector<Told::Step> steps;
-  BeamSettings settings;
+  LaserOutputSettings settings;
   settings.laser_max_w = 12.0;
-  Beam beam(settings, 10.0, 1000.0, std::make_unique<Told>(steps));
+  LaserOutput beam(settings, 10.0, 1000.0, std::make_unique<Told>(steps));
   for (const double wrong : {-1.0, -1e-300, kNan, kInfinite, -kInfinite}) {
     EXPECT_EQ(beam.emit(wrong, false), 0.0) << wrong;
     EXPECT_EQ(steps.back(), (Told::Step{0.0, false})) << wrong;
@@ -110,19 +110,19 @@ TEST(Beam, GivesNothingThatIsNoPowerAndNeverMoreThanItsLimit) {
   EXPECT_EQ(beam.untold(), 0u);
 }
 
-TEST(Beam, CountsStepsInWhichTheLaserWasNotTold) {
+TEST(LaserOutput, CountsStepsInWhichTheLaserWasNotTold) {
   std::vector<Told::Step> steps;
-  Beam beam({}, 10.0, 1000.0, std::make_unique<Told>(steps, false));
+  LaserOutput beam({}, 10.0, 1000.0, std::make_unique<Told>(steps, false));
   EXPECT_FALSE(beam.lost());
   for (int n = 0; n < 3; ++n) beam.emit(1.0, false);
   EXPECT_EQ(beam.untold(), 4u);
 }
 
-TEST(Beam, LosesALaserThatIsNotToldTimeAndAgain) {
+TEST(LaserOutput, LosesALaserThatIsNotToldTimeAndAgain) {
   std::vector<Told::Step> steps;
   auto laser = std::make_unique<Told>(steps, true);
   Told& told = *laser;
-  Beam beam({}, 10.0, 1000.0, std::move(laser));
+  LaserOutput beam({}, 10.0, 1000.0, std::move(laser));
   const auto emit = [&](bool reached, int times) {
     told.reached = reached;
     double power_w = 0.0;
@@ -188,7 +188,7 @@ TEST(UdpLaser, WhereNobodyListensIsRefused) {
 
 TEST(UdpLaser, ThatGoesAwayIsLost) {
   auto socket = std::make_unique<LaserSocket>();
-  Beam beam(named(socket->laser()), 10.0, 1000.0);
+  LaserOutput beam(named(socket->laser()), 10.0, 1000.0);
   for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
   EXPECT_EQ(beam.untold(), 0u);
   socket.reset();

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "common/bus/rounded.h"
 #include "common/codec/encoder.h"
+#include "common/protocol/wire_precision.h"
 #include "slave/station.h"
 
 namespace telekerf::slave {

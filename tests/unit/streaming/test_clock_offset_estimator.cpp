@@ -4,12 +4,12 @@
 #include <cmath>
 #include <random>
 
-#include "master/clock_comparison.h"
+#include "common/streaming/clock_offset_estimator.h"
 
 namespace telekerf::master {
 namespace {
 
-TEST(ClockComparison, FindsOffsetAndSkewThroughQueues) {
+TEST(ClockOffsetEstimator, FindsOffsetAndSkewThroughQueues) {
   std::mt19937 random(4);
   std::exponential_distribution<double> queue(1.0 / 2e-3);
   const double offset_s = 123.456;
@@ -17,7 +17,7 @@ TEST(ClockComparison, FindsOffsetAndSkewThroughQueues) {
   double squares = 0.0;
   double raw_squares = 0.0;
   int judged = 0;
-  ClockComparison clocks;
+  ClockOffsetEstimator clocks;
   for (int i = 0; i < 2000; ++i) {
     const double sent = 5000.0 + 0.016 * i;
     const double there = sent + 0.01 + queue(random);
@@ -43,8 +43,8 @@ TEST(ClockComparison, FindsOffsetAndSkewThroughQueues) {
   EXPECT_NEAR(clocks.estimate(5032'000'000'000).skew, skew, 60e-6);
 }
 
-TEST(ClockComparison, SaysNothingBeforeItKnows) {
-  ClockComparison clocks;
+TEST(ClockOffsetEstimator, SaysNothingBeforeItKnows) {
+  ClockOffsetEstimator clocks;
   clocks.add({0, 100, 200, 300});
   EXPECT_EQ(clocks.estimate(300).offset_s, 0.0);
 }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "master/link_meter.h"
+#include "common/streaming/link_statistics.h"
 
 namespace telekerf::master {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-TEST(LinkMeter, TheTimeThatTheSlaveHoldsIsNoNetworkTime) {
-  LinkMeter meter;
+TEST(LinkStatistics, TheTimeThatTheSlaveHoldsIsNoNetworkTime) {
+  LinkStatistics meter;
   for (std::uint32_t n = 1; n <= 100; ++n) {
     StateBlock state;
     state.sequence = n;
@@ -24,8 +24,8 @@ TEST(LinkMeter, TheTimeThatTheSlaveHoldsIsNoNetworkTime) {
   EXPECT_EQ(meter.lost(), 0u);
 }
 
-TEST(LinkMeter, CountsGapsAndIgnoresRepeatedEchoes) {
-  LinkMeter meter;
+TEST(LinkStatistics, CountsGapsAndIgnoresRepeatedEchoes) {
+  LinkStatistics meter;
   StateBlock state;
   for (const std::uint32_t n : {1U, 2U, 5U, 4U, 6U}) {
     state.sequence = n;

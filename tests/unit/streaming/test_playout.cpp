@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "slave/playout.h"
+#include "common/streaming/playout.h"
 
 namespace telekerf::slave {
 namespace {
@@ -86,14 +86,14 @@ TEST(PlayoutClock, ClockDriftIsCorrectedByWholeTicks) {
   EXPECT_NEAR(static_cast<double>(link.clock.corrections()), 64000 * 100e-6, 6.0);
 }
 
-TEST(SampleRing, HoldsTheNewestAndForgetsWhatWasOverwritten) {
-  SampleRing ring;
+TEST(JitterBuffer, HoldsTheNewestAndForgetsWhatWasOverwritten) {
+  JitterBuffer ring;
   StreamSample sample;
-  for (std::int64_t i = 0; i < 3 * static_cast<std::int64_t>(SampleRing::kSize); ++i) {
+  for (std::int64_t i = 0; i < 3 * static_cast<std::int64_t>(JitterBuffer::kSize); ++i) {
     sample.value.x() = static_cast<double>(i);
     ring.store(i, sample);
   }
-  const std::int64_t end = 3 * static_cast<std::int64_t>(SampleRing::kSize);
+  const std::int64_t end = 3 * static_cast<std::int64_t>(JitterBuffer::kSize);
   EXPECT_EQ(ring.find(end), nullptr);
   EXPECT_EQ(ring.find(-1), nullptr);
   EXPECT_EQ(ring.find(5), nullptr);

@@ -3,14 +3,14 @@
 
 #include <memory>
 
-#include "slave/reference.h"
+#include "common/streaming/reference.h"
 
 namespace telekerf::slave {
 namespace {
 
 /// 100 samples of the parabola p + v t + a t^2 / 2 at 1 kHz.
-std::unique_ptr<SampleRing> parabola() {
-  auto ring = std::make_unique<SampleRing>();
+std::unique_ptr<JitterBuffer> parabola() {
+  auto ring = std::make_unique<JitterBuffer>();
   for (int i = 0; i < 100; ++i) {
     const double t = i * 1e-3;
     ring->store(i,
@@ -42,8 +42,8 @@ TEST(Reference, AMissingSampleIsSaidAndAnotherGenerationIsNotMixedIn) {
 }
 
 /// A cubic's states at 1 kHz, anchored, with the samples 40 ... 59 missing.
-std::unique_ptr<SampleRing> broken_cubic() {
-  auto ring = std::make_unique<SampleRing>();
+std::unique_ptr<JitterBuffer> broken_cubic() {
+  auto ring = std::make_unique<JitterBuffer>();
   for (int i = 0; i < 100; ++i) {
     if (i >= 40 && i < 60) continue;
     const double t = i * 1e-3;
@@ -69,7 +69,7 @@ TEST(Bridge, JoinsTheStatesOnBothSidesAndNeverWithTheLaser) {
 }
 
 TEST(Bridge, LeavesAloneWhatItCannotKnow) {
-  const auto untouched = [](const SampleRing& ring) { return ring.find(50) == nullptr; };
+  const auto untouched = [](const JitterBuffer& ring) { return ring.find(50) == nullptr; };
   auto ring = broken_cubic();
   bridge_gap(*ring, 50, 1e-3, 10, 20.0);
   EXPECT_TRUE(untouched(*ring)) << "too long";

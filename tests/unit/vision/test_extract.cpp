@@ -7,8 +7,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "common/vision/extract.h"
-#include "common/vision/modes.h"
+#include "common/vision/extraction/contour_extraction.h"
+#include "common/vision/extraction/extract.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {

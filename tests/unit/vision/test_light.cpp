@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "common/vision/extract.h"
+#include "common/vision/extraction/extract.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {

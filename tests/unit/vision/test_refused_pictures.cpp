@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "common/vision/extract.h"
-#include "common/vision/modes.h"
+#include "common/vision/extraction/contour_extraction.h"
+#include "common/vision/extraction/extract.h"
 
 namespace telekerf::vision {
 namespace {

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "common/vision/skeleton.h"
+#include "common/vision/extraction/skeleton.h"
 
 namespace telekerf::vision {
 namespace {

@@ -9,10 +9,10 @@
 #include <tuple>
 #include <vector>
 
-#include "common/vision/dxf_blocks.h"
-#include "common/vision/spline.h"
-#include "common/vision/svg_path.h"
-#include "common/vision/svg_transform.h"
+#include "common/vision/vector/dxf_blocks.h"
+#include "common/vision/vector/spline.h"
+#include "common/vision/vector/svg_path.h"
+#include "common/vision/vector/svg_transform.h"
 
 namespace telekerf::vision {
 namespace {

@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "common/runtime/refusal.h"
+#include "common/runtime/startup_error.h"
 #include "slave/vision/drawing.h"
 #include "slave/vision/vision_node.h"
 
@@ -170,7 +170,7 @@ TEST(VisionNode, AContourBeyondTheWorkspaceIsNotPublished) {
 
 TEST(Cameras, AFileIsANewFrameWhenItIsWrittenAnew) {
   const Folder folder("file");
-  EXPECT_THROW(open_image(folder.file("heart.png")), Refusal);
+  EXPECT_THROW(open_image(folder.file("heart.png")), StartupError);
   folder.put("heart.png", picture_of("heart"));
   const auto camera = open_image(folder.file("heart.png"));
   VisionNode node(at_true_size());
@@ -187,7 +187,7 @@ TEST(Cameras, AFileIsANewFrameWhenItIsWrittenAnew) {
 
 TEST(Cameras, AFolderIsShownInOrderAndWatched) {
   const Folder folder("folder");
-  EXPECT_THROW(open_image(folder.path()), Refusal);
+  EXPECT_THROW(open_image(folder.path()), StartupError);
   folder.put("b.png", picture_of("cam"));
   folder.put("a.png", picture_of("heart"));
   const auto camera = open_image(folder.path());
@@ -244,7 +244,7 @@ TEST(Cameras, ADeviceThatIsNotThereIsRefused) {
   try {
     open_device(251);
     FAIL() << "there is a camera 251";
-  } catch (const Refusal& refusal) {
+  } catch (const StartupError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("camera 251: cannot be opened; --camera"), std::string::npos);
   }
 }
