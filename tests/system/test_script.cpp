@@ -25,12 +25,11 @@ class Script : public testing::Test {
     fs::permissions(here_ / "no-build" / "ninja", fs::perms::owner_all);
   }
 
-  Ended run(const std::string& words) const {
+  Ended run(const std::string& words, const std::string& build = TELEKERF_BUILD_DIR) const {
     const std::string quoted = "'" + here_.string() + "'";
     const std::string command = "cd " + quoted + " && PATH=" + quoted +
-                                "/no-build:\"$PATH\" CI= TELEKERF_BUILD='" TELEKERF_BUILD_DIR
-                                "' '" TELEKERF_SCRIPT "' " +
-                                words + " >out.txt 2>err.txt </dev/null";
+                                "/no-build:\"$PATH\" CI= TELEKERF_BUILD='" + build +
+                                "' '" TELEKERF_SCRIPT "' " + words + " >out.txt 2>err.txt </dev/null";
     const int status = std::system(command.c_str());
     return {WEXITSTATUS(status), text_of("out.txt"), text_of("err.txt")};
   }
@@ -112,12 +111,91 @@ TEST_F(Script, MachinesWithARobotOfTheUsersOwn) {
   EXPECT_TRUE(fs::exists(here_ / "cut/mark.png"));
 }
 
-TEST_F(Script, AskedForHelpItBuildsNothingAndInstallsNothing) {
-  for (const std::string command : {"setup", "build", "demo", "machine"}) {
-    const Ended help = run(command + " --help");
-    EXPECT_EQ(help.code, 0) << command;
-    EXPECT_NE(help.out.find("./telekerf setup "), std::string::npos) << command << help.out;
+/// In place of the programs: each writes down the words that it is started with, one a line, and ends.
+class ScriptFlags : public Script {
+ protected:
+  ScriptFlags() {
+    fs::create_directories(here_ / "stubs/bin");
+    std::ofstream(here_ / "stubs/build.ninja");
+    for (const std::string name : {"vision", "slave", "master", "inspect"}) {
+      const fs::path stub = here_ / "stubs/bin" / ("telekerf-" + name);
+      std::ofstream(stub) << "#!/bin/sh\n[ \"$1\" != --help ] || exec '" TELEKERF_BIN_DIR "/telekerf-" << name
+                          << "' --help\nprintf '%s\\n' \"$@\" >" << name << ".txt\n";
+      fs::permissions(stub, fs::perms::owner_all);
+    }
   }
+
+  Ended run(const std::string& words) const { return Script::run(words, (here_ / "stubs").string()); }
+
+  /// Whether the program was started with `words`, in this order and next to each other.
+  bool has(const std::string& program, const std::string& words) const {
+    std::string all = "\n" + text_of(program + ".txt");
+    std::replace(all.begin(), all.end(), '\n', ' ');
+    return all.find(" " + words + " ") != std::string::npos;
+  }
+};
+
+TEST_F(ScriptFlags, OfADemoGoToTheProgramThatKnowsThem) {
+  const Ended demo = run(
+      "demo --image 'a b.png' --width-mm 30 --beta=0.25 --law local --block 8 --keep 2 --redundancy 0 "
+      "--max-rms 1e-3 --codec raw --estimator none --force-keep 3 --force-max-rms 0 --stale-s 0.1 "
+      "--hand-speed-mm-s -5 --seed 7 --cell blue --master-robot m --slave-robot s --master-seed 9 --domain 3 "
+      "--automatic --vision-fit-all --beta 0.3 --out run");
+  ASSERT_EQ(demo.code, 0) << demo.err;
+  for (const std::string words : {"--image a b.png", "--width-mm 30", "--robot s", "--fit-all", "--cell blue",
+                                  "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
+    EXPECT_TRUE(has("vision", words)) << words << text_of("vision.txt");
+  for (const std::string words :
+       {"--force-keep 3", "--force-max-rms 0", "--stale-s 0.1", "--robot s", "--seed 7", "--automatic",
+        "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
+    EXPECT_TRUE(has("slave", words)) << words << text_of("slave.txt");
+  for (const std::string words :
+       {"--beta 0.3", "--law local", "--block 8", "--keep 2", "--redundancy 0", "--max-rms 1e-3",
+        "--codec raw", "--estimator none", "--hand-speed-mm-s -5", "--robot m", "--seed 9", "--duration-s 30",
+        "--engage", "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
+    EXPECT_TRUE(has("master", words)) << words << text_of("master.txt");
+  EXPECT_NE(text_of("slave.txt").find("--record\nrun/.run-"), std::string::npos);
+  for (const std::string flag : {"--block", "--keep", "--redundancy", "--codec"})
+    EXPECT_FALSE(has("slave", flag)) << flag;
+}
+
+TEST_F(ScriptFlags, OfAMachineGoToTheProgramThatKnowsThem) {
+  const Ended machine =
+      run("machine a.svg --width-mm 30 --mode outline --robot r --seed 7 --laser-w 3 --out cut");
+  ASSERT_EQ(machine.code, 0) << machine.err;
+  for (const std::string words :
+       {"--image a.svg", "--width-mm 30", "--mode outline", "--robot r", "--fit-all"})
+    EXPECT_TRUE(has("vision", words)) << words << text_of("vision.txt");
+  for (const std::string words : {"--seed 7", "--laser-w 3", "--robot r", "--automatic"})
+    EXPECT_TRUE(has("slave", words)) << words << text_of("slave.txt");
+  // Two at a time do not meet.
+  EXPECT_NE(text_of("vision.txt").find("--cell\nmachine-"), std::string::npos);
+}
+
+TEST_F(ScriptFlags, ThatNobodyKnowsAreRefusedBeforeAnythingStarts) {
+  for (const std::string words :
+       {"demo --speed 3", "demo heart", "demo --beta", "demo --robot r", "demo --name n", "demo --record r",
+        "demo --slave-beta 1", "demo '--a]b' 1", "machine", "machine --seed 1", "machine heart --beta 1",
+        "machine heart --config c", "test_nothing", "bench nothing", "check nothing"}) {
+    const Ended refused = run(words + std::string());
+    EXPECT_EQ(refused.code, 2) << words;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << words << refused.err;
+    EXPECT_EQ(refused.out, "") << words;
+    for (const std::string program : {"vision", "slave", "master"})
+      EXPECT_FALSE(fs::exists(here_ / (program + ".txt"))) << words;
+    EXPECT_FALSE(fs::exists(here_ / "out")) << words;
+  }
+}
+
+TEST_F(Script, AskedForHelpItBuildsNothingAndInstallsNothing) {
+  for (const std::string command : {"setup", "build", "demo", "machine", "test", "check", "bench"}) {
+    const Ended help = run(command + " --help", (here_ / "nothing built").string());
+    EXPECT_EQ(help.code, 0) << command;
+    EXPECT_NE(help.out.find("./telekerf " + command), std::string::npos) << command << help.out;
+    EXPECT_EQ(help.out, run("help " + command, (here_ / "nothing built").string()).out) << command;
+    EXPECT_FALSE(fs::exists(here_ / "nothing built"));
+  }
+  EXPECT_NE(run("help demo").out.find("--hand-speed-mm-s"), std::string::npos);  // of the master
   EXPECT_EQ(run("build everything").code, 2);
   const Ended version = run("--version");
   EXPECT_EQ(version.code, 0);

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+# ./telekerf check and ./telekerf bench; the script reads this file, and shows the following as help.
+#
+#   ./telekerf check [PART ..]
+#
+#   Runs the parts named (all of them if none is), says every half minute how far it has come, and sums up.
+#   Exit code 1 if a part is red; what a part says is in build/check/PART.log.
+#
+#     werror    everything built with warnings as errors, all tests        build/
+#     headers   every header compiles alone
+#     examples  the examples
+#     fuzz      libFuzzer, 60 s a target
+#     bench     the benchmarks
+#     asan      all tests: memory and undefined behaviour                  build-asan/
+#     tsan      all tests: threads                                         build-tsan/
+#     tidy      clang-tidy                                                 build-tidy/
+
+readonly check_parts="werror headers examples fuzz bench asan tsan tidy"
+
+# Benchmarks, all of them if none is named, on standard output.
+bench() {
+  local file names=("$@") name code=0
+  if ((${#names[@]} == 0)); then
+    for file in "$root"/tests/bench/bench_*.cpp; do names+=("$(basename "$file" .cpp)"); done
+  fi
+  names=("${names[@]/#bench_/}")
+  for name in "${names[@]}"; do
+    [[ -f $root/tests/bench/bench_$name.cpp ]] || fail "bench: unknown benchmark $name"
+  done
+  build benchmarks "${names[@]/#/bench_}"
+  for name in "${names[@]}"; do
+    echo "== bench_$name"
+    "$build/bin/bench_$name" || code=1
+  done
+  return "$code"
+}
+
+# The parts of the long check; each runs on its own and says everything into a log.
+check_preset() { # PRESET FOLDER
+  (cd "$root" && cmake --preset "$1" -B "$2") && ninja -C "$2"
+}
+check_werror() { check_preset ci "$build" && ctest --test-dir "$build" --output-on-failure -j2; }
+check_headers() { ninja -C "$build" all_verify_interface_header_sets; }
+check_examples() { ninja -C "$build" && ctest --test-dir "$build" --output-on-failure --no-tests=error -L example; }
+check_fuzz() {
+  local file name
+  cmake "$build" || return 1 # clang may be new
+  for file in "$root"/tests/fuzz/fuzz_*.cpp; do
+    name=$(basename "$file" .cpp)
+    [[ $name != *_bounded ]] || continue
+    ninja -C "$build" "$name" || return 1
+    "$build/bin/$name" -max_total_time=60 -artifact_prefix="$build/check/" || return 1
+  done
+}
+check_bench() { bench; }
+check_asan() { check_preset asan "$build-asan" && ctest --test-dir "$build-asan" --output-on-failure; }
+check_tsan() { check_preset tsan "$build-tsan" && ctest --test-dir "$build-tsan" --output-on-failure; }
+check_tidy() { check_preset tidy "$build-tidy"; }
+
+check() {
+  local parts=("$@") part begun word summary=() red=0
+  for part in "${parts[@]}"; do
+    [[ " $check_parts " == *" $part "* ]] || fail "check: unknown part '$part': one of $check_parts"
+  done
+  ((${#parts[@]} > 0)) || read -ra parts <<<"$check_parts"
+  [[ -z $(missing_packages programs "${everything[@]}" check) ]] || setup programs "${everything[@]}" check
+  configure "${everything[@]}"
+  mkdir -p "$build/check"
+  for part in "${parts[@]}"; do
+    begun=$SECONDS word=good
+    echo "check: $part ..."
+    "check_$part" </dev/null 2>&1 | progress "check: $part" "$build/check/$part.log" || word=RED
+    summary+=("$(printf '  %-10s %-5s %s' "$part" "$word" "$(duration $((SECONDS - begun)))")")
+    [[ $word == RED ]] || continue
+    red=1 summary[-1]+="   $build/check/$part.log"
+    tail -n 20 "$build/check/$part.log"
+  done
+  echo "check:"
+  printf '%s\n' "${summary[@]}"
+  return "$red"
+}
