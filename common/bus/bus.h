@@ -13,7 +13,7 @@
 #include "common/protocol/site.h"
 #include "common/runtime/version.h"
 #include "netem/core/profile.h"
-#include "netem/drivers/transport.h"
+#include "netem/drivers/receive_path_emulator.h"
 
 namespace telekerf {
 

@@ -14,7 +14,7 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/presence.h"
-#include "netem/drivers/transport.h"
+#include "netem/drivers/receive_path_emulator.h"
 
 namespace telekerf {
 
