@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <filesystem>
 #include <thread>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "common/runtime/results.h"
 #include "master/station.h"
 #include "master/telemetry.h"
+#include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
 
 namespace telekerf::master {
@@ -25,6 +25,7 @@ constexpr Tick kTelemetryTicks = 10;  // between two looks at the values; publis
 
 struct Flags {
   BusFlags bus;
+  netem::NetemFlags netem;
   StationSettings station;
   std::string record;
   bool engage = false;
@@ -83,24 +84,28 @@ void announce(const std::stop_token& stop, const Progress& progress, double dura
 }
 
 void record_run(const Flags& flags, const Station& station, const ContourSubscriber<GuidedContour>& contour,
-                const Bus& bus, const ReaderCounters& states, const LoopStatistics& loop) {
+                const Bus& bus, const netem::ReceivePathEmulator* emulator, const ReaderCounters& states,
+                const LoopStatistics& loop) {
   RunRecord record;
   const ContourMessage message = contour.message();
   for (const auto& point : message.points_m) record.contour_m.push_back({point.x(), point.y()});
   record.contour_closed = message.closed;
   record.words["image"] = message.source;
   record.words["mode"] = message.mode;
-  record.words["netem"] = std::filesystem::path(flags.bus.netem).stem().string();  // results hold no paths
+  record.words["netem"] = flags.netem.name();
   station.report(record);
   add_figures(loop, record.master_figures);
   add_figures(bus.counters(), states, record.master_figures);
+  netem::add_figures(emulator, record.master_figures);
   write_contour(flags.record, record);
   write_master(flags.record, record);
 }
 
 int run(Flags& flags) {
   if (!flags.record.empty()) refuse_unwritable("--record", flags.record);
-  const BusSettings bus_settings = flags.bus.bus_settings(Site::kOperator, "master");
+  BusSettings bus_settings = flags.bus.bus_settings(Site::kOperator, "master");
+  const auto emulator = flags.netem.emulator(bus_settings.site);
+  bus_settings.receive_filter = emulator;
   flags.station.epoch = bus_settings.epoch;
   Station station(flags.station);
   const robot::RobotSupervisor& machine = station.machine();
@@ -114,7 +119,7 @@ int run(Flags& flags) {
   Reader<StateBlock> states(bus);
   Reader<EventMessage> events(bus);
   Writer<CommandBlock> commands(bus);
-  const NetemSwitch netem_switch(bus);
+  const netem::NetemSwitch netem_switch(bus, emulator);
   Writer<TelemetryMessage> telemetry(bus);
   std::atomic<double> wanted_beta{flags.station.beta};
   double beta = flags.station.beta;  // in force; only the watch's own thread needs it
@@ -152,7 +157,7 @@ int run(Flags& flags) {
       if (event.kind == EventMessage::Kind::kSetBeta && event.value >= kSmallestBeta &&
           event.value <= kLargestBeta && event.value != wanted_beta.load()) {
         wanted_beta.store(event.value);
-        contour.again();
+        contour.request_rebuild();
       }
     }
     GuidedContour* const task = contour.current();
@@ -182,7 +187,7 @@ int run(Flags& flags) {
                     flags.wait_s, bus_settings.cell, bus_settings.domain));
   }
   if (!flags.record.empty() && contour.current() != nullptr) {
-    record_run(flags, station, contour, bus, states.counters(), loop);
+    record_run(flags, station, contour, bus, emulator.get(), states.counters(), loop);
   }
   if (machine.lost()) throw StartupError(machine.loss());
   return 0;
@@ -204,6 +209,7 @@ int main(int argc, char** argv) {
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600},
                "with duration_s: give up after this long not engaged");
   flags.bus.declare(settings);
+  flags.netem.declare(settings);
   settings.attach(app);
   telekerf::Action action = [&] {
     settings.fill();

@@ -9,6 +9,7 @@
 #include "common/bus/send_event.h"
 #include "netem/commands.h"
 #include "netem/core/profile.h"
+#include "netem/drivers/netem_flags.h"
 
 namespace telekerf::netem {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 struct Options {
   std::string profile;
   BusFlags bus;
+  NetemFlags netem;
   Settings settings;
 };
 
@@ -25,7 +27,9 @@ int run(Options& options) {
   // The others stand in other folders.
   if (std::filesystem::is_regular_file(options.profile))
     options.profile = std::filesystem::absolute(options.profile).string();
-  Bus bus(options.bus.bus_settings(Site::kOperator, "netem-switch"));
+  BusSettings bus_settings = options.bus.bus_settings(Site::kOperator, "netem-switch");
+  bus_settings.receive_filter = options.netem.emulator(bus_settings.site);
+  Bus bus(bus_settings);
   EventMessage event;
   event.kind = EventMessage::Kind::kSetNetem;
   event.text = options.profile;
@@ -42,6 +46,7 @@ void add_switch_command(CLI::App& app, Action& action) {
   command->add_option("profile", options->profile, "a shipped name, or a file that every process can read")
       ->required();
   options->bus.declare(options->settings);
+  options->netem.declare(options->settings);
   options->settings.attach(*command);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

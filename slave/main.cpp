@@ -12,6 +12,7 @@
 #include "common/bus/endpoints.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/results.h"
+#include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
 #include "slave/machining/process.h"
 #include "slave/station.h"
@@ -21,6 +22,7 @@ namespace {
 
 struct Flags {
   BusFlags bus;
+  netem::NetemFlags netem;
   StationSettings station;
   std::string record;
   bool automatic = false;
@@ -43,7 +45,9 @@ const char* name_of(SlaveMode mode) {
 
 int run(Flags& flags) {
   if (!flags.record.empty()) refuse_unwritable("--record", flags.record);
-  const BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "slave");
+  BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "slave");
+  const auto emulator = flags.netem.emulator(bus_settings.site);
+  bus_settings.receive_filter = emulator;
   flags.station.epoch = bus_settings.epoch;
   if (flags.automatic) {
     return run_automatic(bus_settings, flags.automatic_settings,
@@ -63,7 +67,7 @@ int run(Flags& flags) {
   Reader<CommandBlock> commands(bus);
   Reader<EventMessage> events(bus);
   Writer<StateBlock> states(bus);
-  const NetemSwitch netem_switch(bus);
+  const netem::NetemSwitch netem_switch(bus, emulator);
   ContourSubscriber<Corridor> contour(
       bus, [&](const ContourMessage& message) { return station.prepare(message); });
   fmt::print("slave: ready in {}\n", bus_settings.cell);
@@ -101,6 +105,7 @@ int run(Flags& flags) {
     station.report(record);
     add_figures(loop, record.slave_figures);
     add_figures(bus.counters(), commands.counters(), record.slave_figures);
+    netem::add_figures(emulator.get(), record.slave_figures);
     write_slave(flags.record, record);
   }
   if (contour.refused()) throw StartupError(contour.refusal());
@@ -121,6 +126,7 @@ int main(int argc, char** argv) {
   settings.add("automatic", flags.automatic, "machines the contour that vision publishes, without a master");
   flags.automatic_settings.declare(settings);
   flags.bus.declare(settings);
+  flags.netem.declare(settings);
   settings.attach(app);
   telekerf::Action action = [&] {
     settings.fill();

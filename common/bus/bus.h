@@ -5,23 +5,15 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/bus/receive_filter.h"
 #include "common/protocol/messages.h"
 #include "common/protocol/site.h"
 #include "common/runtime/version.h"
-#include "netem/core/profile.h"
-#include "netem/drivers/receive_path_emulator.h"
 
 namespace telekerf {
-
-/// A network between the sites, imitated on the receiving side of each process.
-struct Emulation {
-  netem::Profile profile;
-  std::uint64_t seed = 1;
-};
 
 struct BusSettings {
   int domain = 0;               ///< 0..232
@@ -31,22 +23,21 @@ struct BusSettings {
   std::string name;                ///< unique in the cell; empty: the role
   std::uint32_t epoch = 0;         ///< of this start of the process; higher than the last one's
   std::vector<std::string> peers;  ///< hosts beyond the reach of multicast
-  std::optional<Emulation> emulation;
+  std::shared_ptr<ReceiveFilter> receive_filter;  ///< null: none
   /// How long a process looks for others before it joins.
-  std::chrono::milliseconds look_around{1000};
+  std::chrono::milliseconds discovery_wait{1000};
   std::uint16_t contract = kContractVersion;  ///< another value only to test refusals
 };
 
 struct BusCounters {
-  std::uint64_t misfits = 0;      ///< processes that came after us and did not fit
-  netem::TransportCounters link;  ///< of the emulated network; zeros without
+  std::uint64_t incompatible = 0;  ///< processes that came after us and did not fit
 };
 
 class Bus {
  public:
-  /// Announces itself, looks around for `look_around`, joins. Throws StartupError: settings out of range, a
-  /// peer that does not resolve, no participant to be had, or somebody in the cell whom it does not fit
-  /// (presence.h).
+  /// Announces itself, looks for others for `discovery_wait`, joins. Throws StartupError: settings out of
+  /// range, a peer that does not resolve, no participant to be had, or somebody in the cell whom it does not
+  /// fit (presence.h).
   explicit Bus(BusSettings settings);
   ~Bus();
   Bus(const Bus&) = delete;
@@ -60,8 +51,6 @@ class Bus {
   /// What the user should know about the environment, one sentence each, e.g. clipped socket buffers.
   const std::vector<std::string>& notes() const;
   BusCounters counters() const;
-  /// Another network from the next datagram on; StartupError if the process runs without emulation.
-  void set_profile(const netem::Profile& profile);
 
   /// The middleware's side of it; complete inside the bus only. Endpoints share its ownership, so the order
   /// of destruction is free.

@@ -16,12 +16,10 @@ struct BusFlags {
   std::string cell = "cell-1";
   std::string name;
   std::string peers;
-  std::string netem = "none";
-  std::uint64_t netem_seed = 1;
 
   void declare(Settings& settings);
   /// Settings for a process of this role; the epoch is taken from the wall clock, so that a later start has a
-  /// higher one. Throws StartupError if the profile cannot be loaded.
+  /// higher one.
   BusSettings bus_settings(Site site, const std::string& role) const;
 };
 

@@ -42,7 +42,7 @@ class ContourSubscriber {
   }
   /// Prepares the newest contour once more, for what has changed in its preparation. Wait-free. If it is
   /// refused now, what was in force stays, and the refusal's sentence goes to stderr.
-  void again() noexcept { again_.store(true, std::memory_order_release); }
+  void request_rebuild() noexcept { rebuild_.store(true, std::memory_order_release); }
   /// The message behind current().
   ContourMessage message() const {
     const std::lock_guard lock(mutex_);
@@ -61,7 +61,7 @@ class ContourSubscriber {
           refused_.store(true, std::memory_order_release);
         }
       }
-      if (again_.exchange(false, std::memory_order_acq_rel) && current() != nullptr) {
+      if (rebuild_.exchange(false, std::memory_order_acq_rel) && current() != nullptr) {
         try {
           take_over(message_);
         } catch (const StartupError& refusal) {
@@ -87,7 +87,7 @@ class ContourSubscriber {
   std::string refusal_;
   std::atomic<Prepared*> current_{nullptr};
   std::atomic<bool> refused_{false};
-  std::atomic<bool> again_{false};
+  std::atomic<bool> rebuild_{false};
   std::jthread thread_;  ///< last: starts when everything else is there, ends first
 };
 

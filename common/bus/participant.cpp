@@ -56,10 +56,7 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
   if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
 
   auto transport = bus::udp_transport();
-  if (settings_.emulation) {
-    link_.emplace(settings_.emulation->profile, settings_.emulation->seed, settings_.site);
-    transport = link_->over(std::move(transport));
-  }
+  if (settings_.receive_filter) transport = settings_.receive_filter->over(std::move(transport));
   const auto qos = bus::participant_qos(settings_, std::move(transport), announced);
   self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
   participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
@@ -84,13 +81,13 @@ Bus::Participant::~Participant() {
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 
-void Bus::Participant::look_around() {
-  const auto end = std::chrono::steady_clock::now() + settings_.look_around;
+void Bus::Participant::wait_for_objections() {
+  const auto end = std::chrono::steady_clock::now() + settings_.discovery_wait;
   std::unique_lock lock(mutex_);
   const auto objection = [&](bool by_the_joined) -> std::optional<std::string> {
     for (const auto& [key, other] : others_) {
       if (by_the_joined != other.presence.joined || !must_give_way(self_, other)) continue;
-      if (auto reason = misfit(self_.presence, other.presence)) return reason;
+      if (auto reason = incompatibility(self_.presence, other.presence)) return reason;
     }
     return std::nullopt;
   };
@@ -104,7 +101,7 @@ void Bus::Participant::look_around() {
 }
 
 void Bus::Participant::join() {
-  look_around();
+  wait_for_objections();
   dds::DomainParticipantQos qos = participant_->get_qos();
   qos.user_data().data_vec(bus::presence_bytes(self_.presence));
   if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
@@ -125,7 +122,7 @@ void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
       others_.erase(key);
     } else if (other.presence.cell == settings_.cell) {
       others_[key] = other;
-      if (self_.presence.joined && misfit(self_.presence, other.presence)) misfits_.insert(key);
+      if (self_.presence.joined && incompatibility(self_.presence, other.presence)) incompatible_.insert(key);
     }
   }
   changed_.notify_all();
@@ -148,16 +145,8 @@ bool Bus::Participant::wait_for_role(const std::string& role, std::chrono::nanos
 }
 
 BusCounters Bus::Participant::counters() const {
-  BusCounters counters;
-  if (link_) counters.link = link_->counters();
   const std::lock_guard lock(mutex_);
-  counters.misfits = misfits_.size();
-  return counters;
-}
-
-void Bus::Participant::set_profile(const netem::Profile& profile) {
-  if (!link_) throw StartupError("this process runs without an emulated network; start it with --netem");
-  link_->set_profile(profile);
+  return {.incompatible = incompatible_.size()};
 }
 
 dds::Topic* Bus::Participant::topic(const char* name, const dds::TypeSupport& type) {
@@ -180,6 +169,5 @@ bool Bus::wait_for_role(const std::string& role, std::chrono::nanoseconds timeou
 }
 const std::vector<std::string>& Bus::notes() const { return participant_->notes(); }
 BusCounters Bus::counters() const { return participant_->counters(); }
-void Bus::set_profile(const netem::Profile& profile) { participant_->set_profile(profile); }
 
 }  // namespace telekerf

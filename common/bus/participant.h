@@ -14,7 +14,6 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/presence.h"
-#include "netem/drivers/receive_path_emulator.h"
 
 namespace telekerf {
 
@@ -23,7 +22,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   explicit Participant(BusSettings settings);
   ~Participant() override;
 
-  /// Looks around and joins; see Bus::Bus.
+  /// Looks for others and joins; see Bus::Bus.
   void join();
 
   const BusSettings& settings() const { return settings_; }
@@ -31,7 +30,6 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   std::vector<PresenceMessage> others() const;
   bool wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const;
   BusCounters counters() const;
-  void set_profile(const netem::Profile& profile);
 
   /// The topic of this name, created at first use; `type` is registered then.
   eprosima::fastdds::dds::Topic* topic(const char* name, const eprosima::fastdds::dds::TypeSupport& type);
@@ -46,11 +44,10 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
 
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
-  void look_around();
+  void wait_for_objections();
 
   BusSettings settings_;
   std::vector<std::string> notes_;
-  std::optional<netem::ReceivePathEmulator> link_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
@@ -60,7 +57,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   mutable std::condition_variable changed_;
   Neighbour self_;
   std::map<Key, Neighbour> others_;
-  std::set<Key> misfits_;  // seen since we joined
+  std::set<Key> incompatible_;  // seen since we joined
 };
 
 }  // namespace telekerf

@@ -12,7 +12,7 @@ bool one_per_cell(const std::string& role) { return role == "master" || role == 
 
 }  // namespace
 
-std::optional<std::string> misfit(const PresenceMessage& self, const PresenceMessage& other) {
+std::optional<std::string> incompatibility(const PresenceMessage& self, const PresenceMessage& other) {
   if (self.cell != other.cell) return std::nullopt;
   if (self.contract != other.contract) {
     return fmt::format(

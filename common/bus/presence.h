@@ -20,7 +20,7 @@ struct Neighbour {
 };
 
 /// Why the two cannot be in one cell, from the view of `self`: a sentence with its remedy. nullopt: they can.
-std::optional<std::string> misfit(const PresenceMessage& self, const PresenceMessage& other);
+std::optional<std::string> incompatibility(const PresenceMessage& self, const PresenceMessage& other);
 
 /// Which of two that do not fit must give way. Who has joined stays; of two that both look around, the lower
 /// epoch stays, then the lower key, so that exactly one of them does. Two that have both joined (they could

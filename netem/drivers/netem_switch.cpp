@@ -5,24 +5,31 @@
 
 #include <cstdio>
 
+#include "common/runtime/startup_error.h"
 #include "netem/core/profile.h"
 
-namespace telekerf {
+namespace telekerf::netem {
 
 void NetemSwitch::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     while (const auto event = events_.take()) {
       if (event->value.kind != EventMessage::Kind::kSetNetem) continue;
       try {
-        bus_.set_profile(netem::load_profile(event->value.text));
-        fmt::print("{}: the network is now '{}'\n", bus_.settings().role, event->value.text);
+        switch_to(event->value.text);
+        fmt::print("{}: the network is now '{}'\n", role_, event->value.text);
         std::fflush(stdout);
       } catch (const StartupError& refusal) {
-        fmt::print(stderr, "{}: the network stays as it is: {}\n", bus_.settings().role, refusal.what());
+        fmt::print(stderr, "{}: the network stays as it is: {}\n", role_, refusal.what());
       }
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
 
-}  // namespace telekerf
+void NetemSwitch::switch_to(const std::string& profile) {
+  const Profile fresh = load_profile(profile);
+  if (!emulator_) throw StartupError("this process runs without an emulated network; start it with --netem");
+  emulator_->set_profile(fresh);
+}
+
+}  // namespace telekerf::netem

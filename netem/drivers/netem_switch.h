@@ -3,29 +3,37 @@
 #pragma once
 
 #include <chrono>
-#include <cstdint>
+#include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "common/bus/endpoints.h"
-#include "common/runtime/startup_error.h"
+#include "netem/drivers/receive_path_emulator.h"
 
-namespace telekerf {
+namespace telekerf::netem {
 
 /// Listens for EventMessage::Kind::kSetNetem, whose text names a profile, and switches this process'
 /// receiving side. A name that cannot be loaded, or a process that runs without emulation, keeps what it has
 /// and says so.
 class NetemSwitch {
  public:
-  explicit NetemSwitch(Bus& bus)
-      : bus_(bus), events_(bus), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+  /// `emulator`: what stands in the process' receive path; null: nothing does.
+  NetemSwitch(Bus& bus, std::shared_ptr<ReceivePathEmulator> emulator)
+      : role_(bus.settings().role),
+        emulator_(std::move(emulator)),
+        events_(bus),
+        thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
  private:
   void run(const std::stop_token& stop);
+  /// Throws StartupError.
+  void switch_to(const std::string& profile);
 
-  Bus& bus_;
+  std::string role_;
+  std::shared_ptr<ReceivePathEmulator> emulator_;
   Reader<EventMessage> events_;
   std::jthread thread_;  ///< last: starts when everything else is there, ends first
 };
 
-}  // namespace telekerf
+}  // namespace telekerf::netem

@@ -297,8 +297,7 @@ ReceivePathEmulator::~ReceivePathEmulator() = default;
 void ReceivePathEmulator::set_profile(const Profile& profile) { state_->set_profile(profile); }
 TransportCounters ReceivePathEmulator::counters() const { return state_->counters(); }
 
-std::shared_ptr<rtps::TransportDescriptorInterface> ReceivePathEmulator::over(
-    std::shared_ptr<rtps::TransportDescriptorInterface> below) const {
+std::shared_ptr<ReceiveFilter::Transport> ReceivePathEmulator::over(std::shared_ptr<Transport> below) {
   return std::make_shared<Descriptor>(std::move(below), state_);
 }
 

@@ -6,12 +6,9 @@
 #include <cstdint>
 #include <memory>
 
+#include "common/bus/receive_filter.h"
 #include "common/protocol/site.h"
 #include "netem/core/profile.h"
-
-namespace eprosima::fastdds::rtps {
-struct TransportDescriptorInterface;
-}
 
 namespace telekerf::netem {
 
@@ -32,21 +29,16 @@ struct TransportCounters {
 /// A damaged datagram reaches the participant only if the damage lies within a stream's payload, where the
 /// bus has a checksum of its own to meet; anywhere else UDP's checksum, which no single flipped bit escapes,
 /// has the word.
-class ReceivePathEmulator {
+class ReceivePathEmulator : public ReceiveFilter {
  public:
   ReceivePathEmulator(const Profile& profile, std::uint64_t seed, Site own_site);
-  ~ReceivePathEmulator();
-  ReceivePathEmulator(const ReceivePathEmulator&) = delete;
-  ReceivePathEmulator& operator=(const ReceivePathEmulator&) = delete;
+  ~ReceivePathEmulator() override;
 
   /// From the next datagram on; what is under way keeps its due time.
   void set_profile(const Profile& profile);
   TransportCounters counters() const;
 
-  /// `below` (UDPv4) with this link on its receiving side. For one participant, which shares ownership of the
-  /// link.
-  std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> over(
-      std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> below) const;
+  std::shared_ptr<Transport> over(std::shared_ptr<Transport> below) override;
 
   class State;
 

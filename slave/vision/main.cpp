@@ -13,6 +13,7 @@
 #include "common/runtime/loop.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/startup_error.h"
+#include "netem/drivers/netem_flags.h"
 #include "slave/vision/camera.h"
 #include "slave/vision/vision_node.h"
 
@@ -21,6 +22,7 @@ namespace {
 
 struct Flags {
   BusFlags bus;
+  netem::NetemFlags netem;
   std::string image = "heart";
   int camera = -1;
   std::string mode = "auto";
@@ -66,7 +68,9 @@ int run(const Flags& flags) {
   if (flags.camera < 0 && node.state() == VisionNode::State::kNoContour) throw StartupError(outcome.remark);
 
   catch_stop_signals();
-  Bus bus(flags.bus.bus_settings(Site::kSlave, "vision"));
+  BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "vision");
+  bus_settings.receive_filter = flags.netem.emulator(bus_settings.site);
+  Bus bus(bus_settings);
   Writer<ContourMessage> writer(bus);
   Writer<TelemetryMessage> telemetry(bus);
   auto report_at = std::chrono::steady_clock::now();
@@ -111,6 +115,7 @@ int main(int argc, char** argv) {
                "all contours together are centred and fitted, not the longest alone");
   settings.add("robot", flags.robot, "the slave's robot: a shipped name or a file");
   flags.bus.declare(settings);
+  flags.netem.declare(settings);
   settings.attach(app);
   telekerf::Action action = [&] {
     settings.fill();

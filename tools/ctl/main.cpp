@@ -10,6 +10,7 @@
 #include "common/bus/send_event.h"
 #include "common/runtime/program.h"
 #include "common/runtime/startup_error.h"
+#include "netem/drivers/netem_flags.h"
 
 namespace telekerf {
 namespace {
@@ -28,13 +29,16 @@ constexpr std::array<Word, 4> kWords{
 
 struct Options {
   BusFlags bus;
+  netem::NetemFlags netem;
   Settings settings;
   EventMessage event;
 };
 
 int run(Options& options) {
   options.settings.fill();
-  Bus bus(options.bus.bus_settings(Site::kOperator, "tell"));
+  BusSettings bus_settings = options.bus.bus_settings(Site::kOperator, "tell");
+  bus_settings.receive_filter = options.netem.emulator(bus_settings.site);
+  Bus bus(bus_settings);
   const std::size_t others = tell(bus, options.event);
   fmt::print("told {} processes of cell '{}'\n", others, bus.settings().cell);
   return 0;
@@ -50,6 +54,7 @@ int main(int argc, char** argv) {
   app.fallthrough();
   Options options;
   options.bus.declare(options.settings);
+  options.netem.declare(options.settings);
   options.settings.attach(app);
   Action action;
   const auto say = [&](Kind kind) {

@@ -23,7 +23,7 @@ inline BusSettings settings(const std::string& role, Site site = Site::kOperator
   settings.cell = "test-" + std::to_string(getpid());
   settings.site = site;
   settings.role = role;
-  settings.look_around = 20ms;
+  settings.discovery_wait = 20ms;
   return settings;
 }
 

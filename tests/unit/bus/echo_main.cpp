@@ -12,7 +12,7 @@ int main(int, char** arguments) {
   settings.cell = arguments[2];
   settings.site = Site::kSlave;
   settings.role = "slave";
-  settings.look_around = std::chrono::milliseconds(20);
+  settings.discovery_wait = std::chrono::milliseconds(20);
   Bus bus(settings);
   Reader<CommandBlock> commands(bus);
   Writer<StateBlock> states(bus);

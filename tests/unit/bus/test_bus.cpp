@@ -132,7 +132,7 @@ TEST(Bus, ASecondMasterIsRefusedAndTheFirstCarriesOn) {
   Bus first(settings("master"));
   auto second = settings("master");
   second.name = "spare";
-  second.look_around = kPatience;  // refused as soon as it sees the first
+  second.discovery_wait = kPatience;  // refused as soon as it sees the first
   try {
     Bus bus(second);
     FAIL() << "two masters";
@@ -140,14 +140,14 @@ TEST(Bus, ASecondMasterIsRefusedAndTheFirstCarriesOn) {
     EXPECT_THAT(refusal.what(), HasSubstr("a second master in cell"));
     EXPECT_THAT(refusal.what(), HasSubstr("'master' already runs"));
   }
-  EXPECT_EQ(first.counters().misfits, 1u);
+  EXPECT_EQ(first.counters().incompatible, 1u);
 }
 
 TEST(Bus, ADuplicateNameIsRefused) {
   Bus first(settings("console"));
   auto second = settings("recorder");
   second.name = "console";
-  second.look_around = kPatience;
+  second.discovery_wait = kPatience;
   EXPECT_THROW(Bus bus(second), StartupError);
 }
 
@@ -155,7 +155,7 @@ TEST(Bus, AnotherContractIsRefused) {
   Bus slave(settings("slave", Site::kSlave));
   auto newer = settings("master");
   newer.contract = kContractVersion + 1;
-  newer.look_around = kPatience;
+  newer.discovery_wait = kPatience;
   try {
     Bus bus(newer);
     FAIL() << "two contracts";
@@ -169,7 +169,7 @@ TEST(Bus, OfTwoMastersThatStartTogetherTheLowerEpochStays) {
     auto master = settings("master");
     master.name = "master-" + std::to_string(epoch);
     master.epoch = epoch;
-    master.look_around = 1500ms;
+    master.discovery_wait = 1500ms;
     return std::make_unique<Bus>(master);
   };
   auto higher = std::async(std::launch::async, start, 8);

@@ -22,29 +22,30 @@ Neighbour process(const std::string& role, const std::string& name, std::uint32_
 }
 
 TEST(Presence, OneMasterACell) {
-  const auto reason = misfit(process("master", "m2").presence, process("master", "m1").presence);
+  const auto reason = incompatibility(process("master", "m2").presence, process("master", "m1").presence);
   ASSERT_TRUE(reason);
   EXPECT_THAT(*reason, HasSubstr("a second master in cell 'cell-1': 'm1'"));
   EXPECT_THAT(*reason, HasSubstr("--cell"));
 }
 
 TEST(Presence, ManyConsolesOfDifferentNames) {
-  EXPECT_FALSE(misfit(process("console", "c1").presence, process("console", "c2").presence));
-  EXPECT_THAT(misfit(process("console", "c1").presence, process("console", "c1").presence).value(),
+  EXPECT_FALSE(incompatibility(process("console", "c1").presence, process("console", "c2").presence));
+  EXPECT_THAT(incompatibility(process("console", "c1").presence, process("console", "c1").presence).value(),
               HasSubstr("--name"));
 }
 
 TEST(Presence, ForeignContractNamesBothAndTheRemedy) {
   auto newer = process("slave", "s").presence;
   newer.contract = 2;
-  EXPECT_THAT(misfit(process("master", "m").presence, newer).value(), HasSubstr("install the same version"));
+  EXPECT_THAT(incompatibility(process("master", "m").presence, newer).value(),
+              HasSubstr("install the same version"));
 }
 
 TEST(Presence, CellsDoNotMeet) {
   auto elsewhere = process("master", "m").presence;
   elsewhere.cell = "cell-2";
   elsewhere.contract = 9;
-  EXPECT_FALSE(misfit(process("master", "m").presence, elsewhere));
+  EXPECT_FALSE(incompatibility(process("master", "m").presence, elsewhere));
 }
 
 TEST(Presence, WhoHasJoinedStays) {

@@ -3,8 +3,11 @@
 // before it is due; how much later it comes is the machine's business.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "common/runtime/clock.h"
-#include "common/runtime/startup_error.h"
+#include "netem/drivers/netem_switch.h"
+#include "netem/drivers/receive_path_emulator.h"
 #include "tests/unit/bus/cell.h"
 #include "tests/unit/bus/samples.h"
 
@@ -20,10 +23,20 @@ netem::Profile constant(double forward_s, double backward_s) {
   return profile;
 }
 
-BusSettings emulated(BusSettings settings, const netem::Profile& profile) {
-  settings.emulation = Emulation{.profile = profile, .seed = 3};
-  return settings;
-}
+/// A process whose receive path the emulator stands in.
+struct EmulatedBus {
+  EmulatedBus(BusSettings settings, const netem::Profile& profile)
+      : emulator(std::make_shared<netem::ReceivePathEmulator>(profile, 3, settings.site)), bus([&] {
+          settings.receive_filter = emulator;
+          return settings;
+        }()) {}
+
+  netem::TransportCounters counters() const { return emulator->counters(); }
+  operator Bus&() { return bus; }  // NOLINT: it is one
+
+  std::shared_ptr<netem::ReceivePathEmulator> emulator;
+  Bus bus;
+};
 
 /// Either side learns of the other in its own time.
 template <class T>
@@ -48,8 +61,8 @@ std::vector<std::int64_t> one_way_ns(Writer<T>& writer, Reader<T>& reader, int c
 
 TEST(Emulation, EachDirectionHasItsOwnDelay) {
   const auto profile = constant(0.030, 0.012);
-  Bus master(emulated(settings("master"), profile));
-  Bus slave(emulated(settings("slave", Site::kSlave), profile));
+  EmulatedBus master(settings("master"), profile);
+  EmulatedBus slave(settings("slave", Site::kSlave), profile);
   Writer<CommandBlock> commands(master);
   Reader<CommandBlock> commands_read(slave);
   Writer<StateBlock> states(slave);
@@ -67,22 +80,22 @@ TEST(Emulation, EachDirectionHasItsOwnDelay) {
   // of ten shows it on any machine that works at all.
   EXPECT_LT(*std::min_element(backward.begin(), backward.end()), (12 + 10) * kMillisecond);
   EXPECT_LT(*std::min_element(forward.begin(), forward.end()), (30 + 10) * kMillisecond);
-  EXPECT_GT(slave.counters().link.emulated, 10u);
-  EXPECT_GE(slave.counters().link.earliest_ns, 0);
-  EXPECT_GE(master.counters().link.earliest_ns, 0);
+  EXPECT_GT(slave.counters().emulated, 10u);
+  EXPECT_GE(slave.counters().earliest_ns, 0);
+  EXPECT_GE(master.counters().earliest_ns, 0);
 }
 
 TEST(Emulation, WithinASiteThereIsNone) {
   const auto profile = constant(0.2, 0.2);
-  Bus vision(emulated(settings("vision", Site::kSlave), profile));
-  Bus slave(emulated(settings("slave", Site::kSlave), profile));
+  EmulatedBus vision(settings("vision", Site::kSlave), profile);
+  EmulatedBus slave(settings("slave", Site::kSlave), profile);
   Writer<StateBlock> writer(vision);
   Reader<StateBlock> reader(slave);
   ASSERT_TRUE(matched(writer, reader));
   const auto times = one_way_ns(writer, reader, 10);
   ASSERT_EQ(times.size(), 10u);
   EXPECT_LT(*std::min_element(times.begin(), times.end()), 200 * kMillisecond);
-  EXPECT_EQ(slave.counters().link.emulated, 0u);
+  EXPECT_EQ(slave.counters().emulated, 0u);
 }
 
 TEST(Emulation, NothingComesBeforeItsDrawnDueTime) {
@@ -92,8 +105,8 @@ TEST(Emulation, NothingComesBeforeItsDrawnDueTime) {
   conditions.delay.delay_s = 0.010;
   conditions.delay.jitter_s = 0.004;
   conditions.duplicate = 0.1;
-  Bus master(emulated(settings("master"), profile));
-  Bus slave(emulated(settings("slave", Site::kSlave), profile));
+  EmulatedBus master(settings("master"), profile);
+  EmulatedBus slave(settings("slave", Site::kSlave), profile);
   Writer<CommandBlock> writer(master);
   Reader<CommandBlock> reader(slave);
   ASSERT_TRUE(matched(writer, reader));
@@ -108,7 +121,7 @@ TEST(Emulation, NothingComesBeforeItsDrawnDueTime) {
     // Least of a uniform law with this mean and standard deviation: 10 - sqrt(3) * 4 ms.
     EXPECT_GE(sample->received_ns - sample->value.sent_ns, 3'071'000);
   }
-  EXPECT_GE(slave.counters().link.earliest_ns, 0);
+  EXPECT_GE(slave.counters().earliest_ns, 0);
 }
 
 TEST(Emulation, BlocksThatWereOvertakenStillArrive) {
@@ -120,7 +133,7 @@ TEST(Emulation, BlocksThatWereOvertakenStillArrive) {
   conditions.delay.jitter_s = 0.0021;
   conditions.order = netem::Order::kFree;
   Bus master(settings("master"));
-  Bus slave(emulated(settings("slave", Site::kSlave), profile));
+  EmulatedBus slave(settings("slave", Site::kSlave), profile);
   Writer<CommandBlock> writer(master);
   Reader<CommandBlock> reader(slave);
   ASSERT_TRUE(matched(writer, reader));
@@ -148,14 +161,14 @@ TEST(Emulation, LostBlocksAreLostAndEventsArriveAll) {
     direction->stages[0].conditions.loss.loss = 0.2;
   }
   Bus master(settings("master"));  // the way back is clean; the forward way is emulated at the slave
-  Bus slave(emulated(settings("slave", Site::kSlave), constant(0.0, 0.0)));
+  EmulatedBus slave(settings("slave", Site::kSlave), constant(0.0, 0.0));
   Writer<EventMessage> events(master);
   Reader<EventMessage> events_read(slave);
   Writer<CommandBlock> commands(master);
   Reader<CommandBlock> commands_read(slave);
   ASSERT_TRUE(matched(events, events_read));
   ASSERT_TRUE(matched(commands, commands_read));
-  slave.set_profile(profile);
+  slave.emulator->set_profile(profile);
 
   for (std::uint32_t i = 0; i < 50; ++i) ASSERT_TRUE(events.write(event(i)));
   for (std::uint32_t i = 0; i < 50; ++i) {
@@ -163,14 +176,14 @@ TEST(Emulation, LostBlocksAreLostAndEventsArriveAll) {
     ASSERT_TRUE(taken) << i;
     EXPECT_EQ(taken->value.epoch, i);
   }
-  const std::uint64_t lost_before = slave.counters().link.lost;
+  const std::uint64_t lost_before = slave.counters().lost;
   CommandBlock block;
   for (int i = 0; i < 200; ++i) {
     ASSERT_TRUE(commands.write(block));
     std::this_thread::sleep_for(200us);
   }
   EXPECT_TRUE(soon([&] {
-    const auto lost = slave.counters().link.lost - lost_before;
+    const auto lost = slave.counters().lost - lost_before;
     return lost > 0 && commands_read.counters().received + lost >= 200;
   }));
   EXPECT_LT(commands_read.counters().received, 200u);
@@ -182,8 +195,8 @@ TEST(Emulation, ALargeContourSurvivesLoss) {
     direction->stages[0].conditions.loss.model = netem::LossModel::kBernoulli;
     direction->stages[0].conditions.loss.loss = 0.05;
   }
-  Bus vision(emulated(settings("vision", Site::kSlave), profile));
-  Bus master(emulated(settings("master"), profile));
+  EmulatedBus vision(settings("vision", Site::kSlave), profile);
+  EmulatedBus master(settings("master"), profile);
   Writer<ContourMessage> writer(vision);
   Reader<ContourMessage> reader(master);
   samples::Random random(4);
@@ -198,11 +211,11 @@ TEST(Emulation, DamagedBlocksAreRefusedAndCounted) {
   netem::Profile profile = constant(0.0, 0.0);
   profile.forward.stages[0].conditions.corrupt = 0.5;
   Bus master(settings("master"));
-  Bus slave(emulated(settings("slave", Site::kSlave), constant(0.0, 0.0)));
+  EmulatedBus slave(settings("slave", Site::kSlave), constant(0.0, 0.0));
   Writer<CommandBlock> writer(master);
   Reader<CommandBlock> reader(slave);
   ASSERT_TRUE(matched(writer, reader));
-  slave.set_profile(profile);
+  slave.emulator->set_profile(profile);
   samples::Random random(1);
   const CommandBlock block = samples::command(random, 40);
   for (int i = 0; i < 400; ++i) {
@@ -213,24 +226,49 @@ TEST(Emulation, DamagedBlocksAreRefusedAndCounted) {
       << reader.counters().received << " whole, " << reader.counters().damaged << " damaged";
   // Flips outside the sample never came; of those inside, only the few in CDR's padding pass.
   EXPECT_TRUE(
-      soon([&] { return 10 * reader.counters().damaged > 9 * slave.counters().link.delivered_corrupted; }));
-  EXPECT_LE(reader.counters().damaged, slave.counters().link.delivered_corrupted);
-  EXPECT_GT(slave.counters().link.corrupted, slave.counters().link.delivered_corrupted);
+      soon([&] { return 10 * reader.counters().damaged > 9 * slave.counters().delivered_corrupted; }));
+  EXPECT_LE(reader.counters().damaged, slave.counters().delivered_corrupted);
+  EXPECT_GT(slave.counters().corrupted, slave.counters().delivered_corrupted);
   // A flip that was accepted hit padding: what came is whole.
   while (const auto sample = reader.take()) ASSERT_TRUE(samples::same(block, sample->value));
 }
 
 TEST(Emulation, TheNetworkChangesWhileItRuns) {
   Bus master(settings("master"));
-  Bus slave(emulated(settings("slave", Site::kSlave), constant(0.0, 0.0)));
+  EmulatedBus slave(settings("slave", Site::kSlave), constant(0.0, 0.0));
   Writer<CommandBlock> writer(master);
   Reader<CommandBlock> reader(slave);
   ASSERT_TRUE(matched(writer, reader));
   const auto before = one_way_ns(writer, reader, 10);
   EXPECT_LT(*std::min_element(before.begin(), before.end()), 50 * kMillisecond);
-  slave.set_profile(constant(0.050, 0.0));
+  slave.emulator->set_profile(constant(0.050, 0.0));
   for (const auto ns : one_way_ns(writer, reader, 5)) EXPECT_GE(ns, 50 * kMillisecond);
-  EXPECT_THROW(master.set_profile(constant(0.0, 0.0)), StartupError);
+}
+
+TEST(Emulation, AnEventSwitchesTheProcessesThatAreEmulated) {
+  EmulatedBus slave(settings("slave", Site::kSlave), constant(0.0, 0.0));
+  Bus master(settings("master"));
+  const netem::NetemSwitch switch_of_slave(slave, slave.emulator);
+  const netem::NetemSwitch switch_of_master(master, nullptr);  // the real network: it stays
+  Bus console(settings("console"));
+  Writer<EventMessage> events(console);
+  Writer<CommandBlock> commands(master);
+  Reader<CommandBlock> commands_read(slave);
+  ASSERT_TRUE(events.wait_for_reader(kPatience, 2));
+  ASSERT_TRUE(matched(commands, commands_read));
+  const std::string file = testing::TempDir() + "/slow.toml";
+  std::ofstream(file) << "[forward]\ndelay_ms = 40\n[backward]\ndelay_ms = 40\n";
+  EventMessage nonsense;
+  nonsense.kind = EventMessage::Kind::kSetNetem;
+  nonsense.text = "no-such-network";
+  ASSERT_TRUE(events.write(nonsense));
+  EventMessage slow = nonsense;
+  slow.text = file;
+  ASSERT_TRUE(events.write(slow));
+  EXPECT_TRUE(soon([&] {
+    const auto times = one_way_ns(commands, commands_read, 1);
+    return !times.empty() && times[0] >= 40 * kMillisecond;
+  }));
 }
 
 }  // namespace

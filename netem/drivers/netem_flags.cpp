@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "netem/drivers/netem_flags.h"
+
+#include <filesystem>
+
+namespace telekerf::netem {
+
+void NetemFlags::declare(Settings& settings) {
+  settings.add("netem", profile,
+               "emulated network between the sites: a profile's name or file, none: the real one");
+  settings.add("netem_seed", seed, {.min = 0, .max = 1e15}, "of the emulated network");
+}
+
+std::shared_ptr<ReceivePathEmulator> NetemFlags::emulator(Site own_site) const {
+  if (profile == "none") return nullptr;
+  return std::make_shared<ReceivePathEmulator>(load_profile(profile), seed, own_site);
+}
+
+std::string NetemFlags::name() const { return std::filesystem::path(profile).stem().string(); }
+
+void add_figures(const ReceivePathEmulator* emulator, Metrics& figures) {
+  const TransportCounters counters = emulator ? emulator->counters() : TransportCounters{};
+  figures["netem_datagrams"] = static_cast<double>(counters.emulated);
+  figures["netem_lost"] = static_cast<double>(counters.lost);
+  figures["netem_overflowed"] = static_cast<double>(counters.overflowed);
+  figures["netem_corrupted"] = static_cast<double>(counters.corrupted);
+  figures["netem_corrupted_to_bus"] = static_cast<double>(counters.delivered_corrupted);
+  figures["netem_latest_ms"] = static_cast<double>(counters.latest_ns) * 1e-6;
+}
+
+}  // namespace telekerf::netem
