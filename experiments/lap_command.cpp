@@ -27,10 +27,9 @@ int run(Options& options) {
   options.lap.network = netem::load_profile(options.netem);
   const RunRecord record = lap::run_lap(options.lap);
   make_folder("--out", options.out);
-  inspect::write_report(options.out, record);
-  const auto report = inspect::make_report(record);
+  const auto report = reporting::write_report(options.out, record);
   fmt::print("{}\n", json_text(report));
-  return inspect::stayed_inside(report) ? 0 : 1;
+  return reporting::stayed_inside(report) ? 0 : 1;
 }
 
 }  // namespace

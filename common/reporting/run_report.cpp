@@ -1,24 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/reporting/run_report.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "common/geometry/nearest.h"
+#include "common/reporting/cut_picture.h"
+#include "common/reporting/picture_file.h"
+#include "common/reporting/run_lookup.h"
+#include "common/reporting/run_trace.h"
 #include "common/runtime/error_statistics.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
-#include "slave/laser/mark_picture.h"
-#include "slave/laser/workpiece.h"
 
-namespace telekerf::inspect {
+namespace telekerf::reporting {
 namespace {
 
 using geometry::Polyline;
@@ -28,18 +25,11 @@ nlohmann::ordered_json um(const ErrorStatistics& spread, const char* rms_um = "r
   return {{rms_um, spread.rms() * 1e6}, {"max_um", spread.max * 1e6}, {"samples", spread.count}};
 }
 
-Vec2 plane(const Triple& point) { return {point[0], point[1]}; }
-
 Polyline contour_of(const RunRecord& record) {
   Polyline line;
   line.closed = record.contour_closed;
   for (const auto& point : record.contour_m) line.points_m.emplace_back(point[0], point[1]);
   return line;
-}
-
-double figure(const Metrics& figures, const std::string& name, double fallback = 0.0) {
-  const auto found = figures.find(name);
-  return found == figures.end() ? fallback : found->second;
 }
 
 /// The sum of figures; null if one of them was never measured.
@@ -55,18 +45,6 @@ nlohmann::ordered_json known(std::initializer_list<std::pair<const Metrics*, con
 std::string word(const RunRecord& record, const std::string& name) {
   const auto found = record.words.find(name);
   return found == record.words.end() ? "" : found->second;
-}
-
-/// One of the master's positions at a tick that may lie between two of its rows.
-std::optional<Vec3> master_at(const RunRecord& record, double tick, Triple MasterRow::*position) {
-  if (record.master.empty()) return std::nullopt;
-  const double place = tick - static_cast<double>(record.master.front().tick);
-  if (!(place >= 0.0) || place > static_cast<double>(record.master.size() - 1)) return std::nullopt;
-  const auto index = static_cast<std::size_t>(place);
-  const double part = place - static_cast<double>(index);
-  const auto& a = record.master[index].*position;
-  const auto& b = record.master[std::min(index + 1, record.master.size() - 1)].*position;
-  return Vec3(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]), a[2] + part * (b[2] - a[2]));
 }
 
 /// The force that reached the master, and how far it was off what the slave estimated at the same tick.
@@ -90,20 +68,8 @@ nlohmann::ordered_json force_json(const RunRecord& record) {
           {"max_n", force.max},
           {"coding_rms_n", coding.rms()},
           {"coding_max_n", coding.max},
-          {"bits_per_sample", figure(record.slave_figures, "force_bits_per_sample")},
+          {"bits_per_sample", metric(record.slave_figures, "force_bits_per_sample")},
           {"samples", samples}};
-}
-
-/// Whether the slave had been brought to the master's motion by that tick.
-bool joined_at(const RunRecord& record, double tick) {
-  if (!master_at(record, tick, &MasterRow::tool_m)) return false;
-  return record.master[static_cast<std::size_t>(tick - static_cast<double>(record.master.front().tick))]
-      .joined;
-}
-
-/// Slave motion = beta x master motion at that tick, which the record holds.
-double beta_at(const RunRecord& record, double tick) {
-  return record.master[static_cast<std::size_t>(tick - static_cast<double>(record.master.front().tick))].beta;
 }
 
 /// Which stretches of the contour the laser reached, in bins of arc length.
@@ -138,14 +104,10 @@ class Coverage {
 };
 
 nlohmann::ordered_json loop_json(const Metrics& figures) {
-  return {{"rate_hz", figure(figures, "rate_hz")},
-          {"slack_us", {{"p50", figure(figures, "slack_p50_us")}, {"p99", figure(figures, "slack_p99_us")}}},
-          {"overruns", static_cast<std::int64_t>(figure(figures, "overruns"))},
-          {"readings_missed", static_cast<std::int64_t>(figure(figures, "readings_missed"))}};
-}
-
-double tick_s(const std::vector<SlaveRow>& rows) {
-  return rows.size() < 2 ? 0.0 : (rows.back().t_s - rows.front().t_s) / static_cast<double>(rows.size() - 1);
+  return {{"rate_hz", metric(figures, "rate_hz")},
+          {"slack_us", {{"p50", metric(figures, "slack_p50_us")}, {"p99", metric(figures, "slack_p99_us")}}},
+          {"overruns", static_cast<std::int64_t>(metric(figures, "overruns"))},
+          {"readings_missed", static_cast<std::int64_t>(metric(figures, "readings_missed"))}};
 }
 
 }  // namespace
@@ -153,12 +115,12 @@ double tick_s(const std::vector<SlaveRow>& rows) {
 nlohmann::ordered_json make_report(const RunRecord& record) {
   if (record.contour_m.size() < 2) throw StartupError("the run has no contour: nothing to report");
   const geometry::NearestIndex contour(contour_of(record));
-  const double dt_s = figure(record.slave_figures, "control_period_s", tick_s(record.slave));
+  const double dt_s = control_period_s(record);
 
   ErrorStatistics constraint;
   for (const auto& row : record.master) {
     // In the master's size: to contour / beta.
-    if (row.guided) constraint.add(contour.find(row.beta * plane(row.tool_m)).distance_m / row.beta);
+    if (row.guided) constraint.add(contour.find(row.beta * in_plane(row.tool_m)).distance_m / row.beta);
   }
 
   ErrorStatistics tracking;
@@ -180,11 +142,11 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
       previous.reset();
       continue;
     }
-    const geometry::Nearest nearest = contour.find(plane(row.tool_m));
+    const geometry::Nearest nearest = contour.find(in_plane(row.tool_m));
     cut.add(nearest.distance_m);
     laser_on_s += dt_s;
-    (nearest.distance_m <= kCorridorM ? inside_j : outside_j) += row.laser_w * dt_s;
-    if (nearest.distance_m <= kCorridorM) {
+    (nearest.distance_m <= kCorridor_m ? inside_j : outside_j) += row.laser_w * dt_s;
+    if (nearest.distance_m <= kCorridor_m) {
       coverage.mark(previous.value_or(nearest), nearest);
       previous = nearest;
     } else {
@@ -206,7 +168,7 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
                        {"closed", record.contour_closed},
                        {"image", word(record, "image")},
                        {"mode", word(record, "mode")}};
-  report["beta"] = figure(record.master_figures, "beta", 1.0);
+  report["beta"] = metric(record.master_figures, "beta", 1.0);
   report["law"] = word(record, "law");
   report["estimator"] = word(record, "estimator");
   report["drive"] = {{"master", words_of(record.master_drive)}, {"slave", words_of(record.slave_drive)}};
@@ -218,108 +180,38 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
                      {{"p50", known({{&m, "rtt_p50_ms"}})},
                       {"p95", known({{&m, "rtt_p95_ms"}})},
                       {"p99", known({{&m, "rtt_p99_ms"}})}}},
-                    {"block_ms", figure(m, "block_ms")},
-                    {"playout_ms", figure(s, "playout_ms")},
+                    {"block_ms", metric(m, "block_ms")},
+                    {"playout_ms", metric(s, "playout_ms")},
                     {"total_ms", known({{&m, "rtt_p50_ms"}, {&m, "block_ms"}, {&s, "playout_ms"}})},
-                    {"lost", static_cast<std::int64_t>(figure(s, "lost") + figure(m, "lost"))},
-                    {"refused", static_cast<std::int64_t>(figure(s, "refused") + figure(m, "refused"))},
-                    {"payload_bytes_per_s", figure(m, "payload_bytes_per_s")},
-                    {"wire_bytes_per_s", figure(m, "wire_bytes_per_s")},
-                    {"packets_per_s", figure(m, "packets_per_s")}};
+                    {"lost", static_cast<std::int64_t>(metric(s, "lost") + metric(m, "lost"))},
+                    {"refused", static_cast<std::int64_t>(metric(s, "refused") + metric(m, "refused"))},
+                    {"payload_bytes_per_s", metric(m, "payload_bytes_per_s")},
+                    {"wire_bytes_per_s", metric(m, "wire_bytes_per_s")},
+                    {"packets_per_s", metric(m, "packets_per_s")}};
   report["codec"] = {{"name", word(record, "codec")},
-                     {"block", static_cast<std::int64_t>(figure(m, "block"))},
-                     {"kept", static_cast<std::int64_t>(figure(m, "keep"))},
-                     {"max_rms", figure(m, "max_rms")},
-                     {"redundancy", static_cast<std::int64_t>(figure(m, "redundancy"))},
-                     {"bits_per_sample", figure(m, "bits_per_sample")}};
+                     {"block", static_cast<std::int64_t>(metric(m, "block"))},
+                     {"kept", static_cast<std::int64_t>(metric(m, "keep"))},
+                     {"max_rms", metric(m, "max_rms")},
+                     {"redundancy", static_cast<std::int64_t>(metric(m, "redundancy"))},
+                     {"bits_per_sample", metric(m, "bits_per_sample")}};
   report["force"] = force_json(record);
   report["loop"] = {{"master", loop_json(m)}, {"slave", loop_json(s)}};
-  report["seed"] = static_cast<std::int64_t>(figure(m, "seed"));
+  report["seed"] = static_cast<std::int64_t>(metric(m, "seed"));
   report["netem"] = word(record, "netem");
   report["version"] = kVersion;
   return report;
 }
 
-namespace {
-
-void write_trace(const std::filesystem::path& file, const RunRecord& record) {
-  std::string out =
-      "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w,"
-      "force_x_n,force_y_n,force_z_n\n";
-  for (const auto& row : record.slave) {
-    // The master's tool at the tick that the slave applies; before the first one there is nothing to show.
-    const auto master =
-        row.applied >= 0.0 ? master_at(record, row.applied, &MasterRow::tool_m) : std::nullopt;
-    if (!master) continue;
-    out += fmt::format(
-        "{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{},{:.5f},{:.5f},{:.5f}\n",
-        row.t_s - record.slave.front().t_s, master->x(), master->y(), master->z(), row.ref_m[0], row.ref_m[1],
-        row.tool_m[0], row.tool_m[1], row.tool_m[2], row.laser_w, row.force_n[0], row.force_n[1],
-        row.force_n[2]);
-  }
-  write_atomically(file, out);
-}
-
-/// Wood, burned where energy went; the contour as a thin blue line, the slave's path without laser as a grey
-/// one.
-cv::Mat draw_cut(const RunRecord& record) {
-  double reach_m = 1e-3;
-  for (const auto& point : record.contour_m) {
-    reach_m = std::max({reach_m, std::abs(point[0]), std::abs(point[1])});
-  }
-  constexpr int kPixels = 1200;
-  slave::Workpiece workpiece({.half_width_m = 1.2 * reach_m, .pixels = kPixels, .spot_radius_m = 60e-6});
-  const double dt_s = figure(record.slave_figures, "control_period_s", tick_s(record.slave));
-  for (const auto& row : record.slave) {
-    if (row.laser_w > 0.0) workpiece.expose(plane(row.tool_m), row.laser_w * dt_s);
-  }
-
-  const slave::Material wood = slave::material("wood");
-  const double full_j = 4.0 * workpiece.pixel_m() * workpiece.pixel_m() * 1e6;  // 4 J/mm^2 chars fully
-  cv::Mat burnt;
-  cv::exp(workpiece.energy_j() * (-3.0 / full_j), burnt);
-  burnt = 1.0 - burnt;
-  cv::Mat picture = slave::mark_picture(burnt, wood);
-
-  constexpr int kShift = 4;
-  const auto pixel = [&](const Vec2& point) {
-    const cv::Point2d p = workpiece.pixel_of(point);
-    return cv::Point(static_cast<int>(std::lround(p.x * (1 << kShift))),
-                     static_cast<int>(std::lround(p.y * (1 << kShift))));
-  };
-  std::vector<cv::Point> path;
-  const auto stroke = [&](const cv::Scalar& colour, bool closed) {
-    if (path.size() > 1) cv::polylines(picture, path, closed, colour, 1, cv::LINE_AA, kShift);
-    path.clear();
-  };
-  for (const auto& row : record.slave) {
-    if (row.laser_w > 0.0) {
-      stroke({140, 130, 120}, false);
-    } else {
-      path.push_back(pixel(plane(row.tool_m)));
-    }
-  }
-  stroke({140, 130, 120}, false);
-  for (const auto& point : record.contour_m) path.push_back(pixel({point[0], point[1]}));
-  stroke({200, 110, 30}, record.contour_closed);
-
-  slave::draw_scale_bar(picture, workpiece.pixel_m(), slave::ink_of(wood));
-  return picture;
-}
-
-}  // namespace
-
 bool stayed_inside(const nlohmann::ordered_json& report) {
   return report["cut"]["energy_outside_corridor_j"].get<double>() == 0.0;
 }
 
-void write_report(const std::filesystem::path& folder, const RunRecord& record) {
-  const auto report = make_report(record);
-  write_trace(folder / "trace.csv", record);
-  if (!cv::imwrite((folder / "cut.png").string(), draw_cut(record))) {
-    throw StartupError(fmt::format("{}: cannot be written", (folder / "cut.png").string()));
-  }
+nlohmann::ordered_json write_report(const std::filesystem::path& folder, const RunRecord& record) {
+  nlohmann::ordered_json report = make_report(record);
+  write_run_trace(folder / "trace.csv", record);
+  write_picture(folder / "cut.png", draw_cut(record));
   write_json(folder / "report.json", report);
+  return report;
 }
 
-}  // namespace telekerf::inspect
+}  // namespace telekerf::reporting

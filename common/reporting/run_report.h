@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the record of a run to its report: the measures of contract.md, the trace, and the picture of the cut.
+// From the record of a run to its report: the measures, the trace, and the picture of the cut.
 #pragma once
 
 #include <filesystem>
@@ -7,18 +7,18 @@
 
 #include "common/recording/run_record.h"
 
-namespace telekerf::inspect {
+namespace telekerf::reporting {
 
 /// Half width of the corridor that the laser may not leave, to either side of the contour.
-inline constexpr double kCorridorM = 0.5e-3;
+inline constexpr double kCorridor_m = 0.5e-3;
 
-/// The report (names: see README, "What a run leaves"). Pure: same record, same bytes.
+/// The report (names: README.md, "What a run leaves"). Pure: same record, same bytes.
 nlohmann::ordered_json make_report(const RunRecord& record);
 
 /// The verdict on a run: the laser burnt nothing beyond the corridor.
 bool stayed_inside(const nlohmann::ordered_json& report);
 
-/// report.json, trace.csv and cut.png into `folder`.
-void write_report(const std::filesystem::path& folder, const RunRecord& record);
+/// report.json, trace.csv and cut.png into `folder`; returns the report. Throws StartupError.
+nlohmann::ordered_json write_report(const std::filesystem::path& folder, const RunRecord& record);
 
-}  // namespace telekerf::inspect
+}  // namespace telekerf::reporting

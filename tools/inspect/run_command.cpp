@@ -57,11 +57,10 @@ void add_run_command(CLI::App& app, Action& action) {
   command->callback([folder, &action] {
     action = [folder] {
       const RunRecord record = read_run(*folder);
-      write_report(*folder, record);
-      const auto report = make_report(record);
+      const auto report = reporting::write_report(*folder, record);
       print_table(report);
       fmt::print("  {0:<34}{1}/report.json, {1}/cut.png, {1}/trace.csv\n", "files", *folder);
-      if (stayed_inside(report)) return 0;
+      if (reporting::stayed_inside(report)) return 0;
       fmt::print("  {:<34}bad: the laser left the corridor\n", "verdict");
       return 1;
     };

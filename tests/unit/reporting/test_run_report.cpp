@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The measures of contract.md on runs whose errors are known by construction.
+// The measures of a run, on runs whose errors are known by construction.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "common/reporting/run_report.h"
 #include "common/runtime/startup_error.h"
 
-namespace telekerf::inspect {
+namespace telekerf::reporting {
 namespace {
 
 /// A circle of 10 mm radius; the master runs on 20 mm (beta 0.5) `out` metres outside, the slave applies each
@@ -172,4 +172,4 @@ TEST(RunRecord, ADamagedFileIsRefusedByNameAndLine) {
 }
 
 }  // namespace
-}  // namespace telekerf::inspect
+}  // namespace telekerf::reporting

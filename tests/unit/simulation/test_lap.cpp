@@ -19,7 +19,7 @@ class LapOnPicture : public testing::TestWithParam<const char*> {};
 TEST_P(LapOnPicture, MeetsTheDemosBarsAt50MsEachWay) {
   LapSettings settings = demo("thesis-constant");
   settings.image = GetParam();
-  const auto report = inspect::make_report(run_lap(settings));
+  const auto report = reporting::make_report(run_lap(settings));
   EXPECT_LE(report["constraint"]["rms_um"].get<double>(), 150.0);
   EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
@@ -33,17 +33,17 @@ INSTANTIATE_TEST_SUITE_P(Pictures, LapOnPicture, testing::Values("heart", "gear"
 TEST(Lap, SameSeedSameReportBitForBit) {
   LapSettings settings = demo("thesis-constant");
   settings.duration_s = 8.0;
-  const auto first = inspect::make_report(run_lap(settings)).dump();
-  EXPECT_EQ(first, inspect::make_report(run_lap(settings)).dump());
+  const auto first = reporting::make_report(run_lap(settings)).dump();
+  EXPECT_EQ(first, reporting::make_report(run_lap(settings)).dump());
   settings.seed = 2;
-  EXPECT_NE(first, inspect::make_report(run_lap(settings)).dump());
+  EXPECT_NE(first, reporting::make_report(run_lap(settings)).dump());
 }
 
 TEST(Lap, JitterAndLossCostDelayButNoLaserOutsideTheCorridor) {
   LapSettings settings;
   settings.network = netem::simple_profile(0.2, 0.02, 0.05);
   settings.duration_s = 20.0;
-  const auto report = inspect::make_report(run_lap(settings));
+  const auto report = reporting::make_report(run_lap(settings));
   EXPECT_GT(report["link"]["lost"].get<int>(), 20);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
   EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
@@ -55,7 +55,7 @@ TEST(Lap, TheThesisControlRateIsOneSettingAway) {
   settings.duration_s = 10.0;
   settings.master.node.control_hz = settings.slave.node.control_hz = 2400.0;
   settings.master.node.stream_hz = settings.slave.node.stream_hz = 1200.0;
-  const auto report = inspect::make_report(run_lap(settings));
+  const auto report = reporting::make_report(run_lap(settings));
   EXPECT_LE(report["constraint"]["rms_um"].get<double>(), 150.0);
   EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
   EXPECT_NEAR(report["link"]["packets_per_s"].get<double>(), 75.0, 1.0);
@@ -65,7 +65,7 @@ TEST(Lap, TheMastersAreScaledByBeta) {
   LapSettings settings = demo("ideal");
   settings.duration_s = 8.0;
   settings.master.beta = 0.8;
-  const auto report = inspect::make_report(run_lap(settings));
+  const auto report = reporting::make_report(run_lap(settings));
   EXPECT_EQ(report["beta"].get<double>(), 0.8);
   EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
 }

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What both ends of a run knew of one tick, and what both of its reports need.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "common/recording/run_record.h"
+#include "common/runtime/vectors.h"
+
+namespace telekerf::reporting {
+
+inline Vec2 in_plane(const Triple& point) { return {point[0], point[1]}; }
+
+/// One of the metrics, or `fallback` if the run has none of that name.
+double metric(const Metrics& metrics, const std::string& name, double fallback = 0.0);
+
+/// Length of the slave's tick, s.
+double control_period_s(const RunRecord& record);
+
+/// One of the master's positions at a tick that may lie between two of its rows; none outside of the record.
+std::optional<Vec3> master_at(const RunRecord& record, double tick, Triple MasterRow::*position);
+
+/// Whether the slave had been brought to the master's motion by that tick.
+bool joined_at(const RunRecord& record, double tick);
+
+/// Slave motion = beta x master motion at that tick, which the record must hold.
+double beta_at(const RunRecord& record, double tick);
+
+}  // namespace telekerf::reporting

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// trace.csv of a run: both tools, the reference, the laser and the force, a row a tick of the slave.
+#pragma once
+
+#include <filesystem>
+
+#include "common/recording/run_record.h"
+
+namespace telekerf::reporting {
+
+/// Metres in the workpiece frame, W, N; t_s since the slave's first row. Throws StartupError.
+void write_run_trace(const std::filesystem::path& file, const RunRecord& record);
+
+}  // namespace telekerf::reporting
