@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/geometry/circle_fit.h"
+#include "common/geometry/smoothing.h"
 #include "common/vision/extraction/along.h"
 #include "common/vision/extraction/corners.h"
 #include "common/vision/extraction/strokes.h"
@@ -212,7 +213,7 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
   for (int pass = 0; pass < 2; ++pass) {
     spacing_px = std::max(1.0, std::floor(width_px / (pass == 0 ? 2.5 : 12.0)));
     space_evenly(p, junction, out.closed, spacing_px);
-    smooth(p, out.closed, std::max(1.0, 0.35 * width_px) / spacing_px);
+    geometry::smooth_keeping_bends(p, out.closed, std::max(1.0, 0.35 * width_px) / spacing_px);
     out.width_px = centre_once(field, p, junction, out.closed, out.width_px, spacing_px);
     bridge(p, junction, out.closed);
   }

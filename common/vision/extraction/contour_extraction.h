@@ -34,10 +34,8 @@ Contours strokes_of(const Field& field, const Outlines& outlines);
 /// background *here*: uneven light shifts a border of one level by a part of its blur.
 void move_to_local_level(const Field& field, double blur_px, std::vector<Vec2>& points);
 
-/// Low-pass along evenly spaced points that leaves circles of more than a few spacings as they are (twice a
-/// Gaussian minus its square); sigma in spacings. What it took away, rms.
-double smooth(std::vector<Vec2>& points, bool closed, double sigma);
-/// The same along any contour, then about one point a pixel. Fills `noise_px`.
+/// Low-pass along a contour that leaves its bends as they are (geometry::smooth_keeping_bends), then about one
+/// point a pixel. Fills `noise_px`.
 void smooth_and_resample(PixelContour& contour, double sigma_px);
 
 }  // namespace telekerf::vision
