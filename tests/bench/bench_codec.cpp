@@ -24,7 +24,7 @@
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
 #include "common/codec/selection.h"
-#include "experiments/codec_traces.h"
+#include "experiments/codec/codec_traces.h"
 
 namespace telekerf::codec {
 namespace {

@@ -22,7 +22,7 @@
 
 #include "common/robot/robot_model.h"
 #ifdef TELEKERF_WITH_MUJOCO
-#include "experiments/kinematics_mujoco.h"
+#include "experiments/kinematics/kinematics_mujoco.h"
 #endif
 
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/codec/baselines/measure.h"
-#include "experiments/codec_traces.h"
+#include "experiments/codec/codec_traces.h"
 
 namespace telekerf::codec {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "experiments/independent_baselines.h"
+#include "experiments/machining/independent_baselines.h"
 #include "slave/laser/kerf.h"
 
 namespace telekerf::experiments {

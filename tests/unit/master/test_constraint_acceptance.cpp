@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "experiments/constraint_acceptance.h"
+#include "experiments/constraint/constraint_acceptance.h"
 
 namespace telekerf::experiments {
 namespace {

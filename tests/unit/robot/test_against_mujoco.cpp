@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/resources.h"
-#include "experiments/kinematics_validation.h"
+#include "experiments/kinematics/kinematics_validation.h"
 
 namespace telekerf::experiments {
 namespace {

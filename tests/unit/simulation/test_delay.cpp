@@ -6,7 +6,7 @@
 #include <random>
 
 #include "common/runtime/resources.h"
-#include "experiments/delay_trial.h"
+#include "experiments/delay/delay_trial.h"
 
 namespace telekerf::experiments {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "common/runtime/resources.h"
-#include "experiments/delay_trial.h"
+#include "experiments/delay/delay_trial.h"
 #include "experiments/simulation/simulation.h"
 #include "experiments/simulation/virtual_link.h"
 #include "master/force_feedback.h"

@@ -13,9 +13,9 @@
 #include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
-#include "experiments/codec_bound.h"
-#include "experiments/codec_recordings.h"
-#include "experiments/codec_traces.h"
+#include "experiments/codec/codec_bound.h"
+#include "experiments/codec/codec_recordings.h"
+#include "experiments/codec/codec_traces.h"
 #include "experiments/commands.h"
 
 namespace telekerf::experiments {

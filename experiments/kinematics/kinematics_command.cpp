@@ -12,7 +12,7 @@
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
-#include "experiments/kinematics_validation.h"
+#include "experiments/kinematics/kinematics_validation.h"
 
 namespace telekerf::experiments {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/constraint_acceptance.h"
+#include "experiments/constraint/constraint_acceptance.h"
 
 #include <algorithm>
 #include <cmath>

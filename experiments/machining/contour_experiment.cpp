@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/contour_experiment.h"
+#include "experiments/machining/contour_experiment.h"
 
 #include <fmt/format.h>
 
@@ -19,8 +19,8 @@
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 #include "common/vision/load.h"
-#include "experiments/contour_run.h"
-#include "experiments/independent_baselines.h"
+#include "experiments/machining/contour_run.h"
+#include "experiments/machining/independent_baselines.h"
 #include "slave/laser/material.h"
 
 namespace telekerf::experiments {

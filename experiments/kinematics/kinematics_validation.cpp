@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/kinematics_validation.h"
+#include "experiments/kinematics/kinematics_validation.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 #include "common/robot/drivers/simulated_robot.h"
 #include "common/runtime/startup_error.h"
-#include "experiments/kinematics_mujoco.h"
+#include "experiments/kinematics/kinematics_mujoco.h"
 
 namespace telekerf::experiments {
 namespace {

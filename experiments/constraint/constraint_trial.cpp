@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/constraint_trial.h"
+#include "experiments/constraint/constraint_trial.h"
 
 #include <cmath>
 #include <limits>

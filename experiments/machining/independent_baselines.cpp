@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/independent_baselines.h"
+#include "experiments/machining/independent_baselines.h"
 
 #include <array>
 #include <cmath>

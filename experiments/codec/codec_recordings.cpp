@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/codec_recordings.h"
+#include "experiments/codec/codec_recordings.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/delay_ideal.h"
+#include "experiments/delay/delay_ideal.h"
 
 #include <algorithm>
 #include <cmath>

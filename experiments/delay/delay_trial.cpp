@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/delay_trial.h"
+#include "experiments/delay/delay_trial.h"
 
 #include <algorithm>
 #include <cmath>

@@ -36,7 +36,7 @@ struct DelayTrial {
   double push_n = 0.0;       ///< on the slave's tool from half-time on
 };
 
-/// Measures of contract.md over the second half of the ticks that were applied while engaged.
+/// Measures (docs/delay.md) over the second half of the ticks that were applied while engaged.
 struct DelayResult {
   double tracking_rmse_um = 0.0;  ///< this and the next four: NaN if nothing was followed
   double tracking_max_um = 0.0;

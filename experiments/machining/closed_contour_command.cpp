@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-experiment closed-contour: thesis 8.2, outlines by contouring control beside independent joints.
-#include "experiments/contour_experiment.h"
+#include "experiments/machining/contour_experiment.h"
 
 namespace telekerf::experiments {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/codec_traces.h"
+#include "experiments/codec/codec_traces.h"
 
 #include <array>
 #include <cmath>

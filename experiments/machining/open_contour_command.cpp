@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-experiment open-contour: thesis 8.1, letters by preview control.
-#include "experiments/contour_experiment.h"
+#include "experiments/machining/contour_experiment.h"
 
 namespace telekerf::experiments {
 

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "experiments/constraint_trial.h"
+#include "experiments/constraint/constraint_trial.h"
 
 namespace telekerf::experiments {
 

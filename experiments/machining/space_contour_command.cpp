@@ -14,7 +14,7 @@
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
-#include "experiments/contour_run.h"
+#include "experiments/machining/contour_run.h"
 
 namespace telekerf::experiments {
 namespace {

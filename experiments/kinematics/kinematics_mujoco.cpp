@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/kinematics_mujoco.h"
+#include "experiments/kinematics/kinematics_mujoco.h"
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>

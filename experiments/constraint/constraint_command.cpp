@@ -13,7 +13,7 @@
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
-#include "experiments/constraint_acceptance.h"
+#include "experiments/constraint/constraint_acceptance.h"
 #include "experiments/simulation/simulation.h"
 
 namespace telekerf::experiments {

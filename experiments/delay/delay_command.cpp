@@ -16,8 +16,8 @@
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
-#include "experiments/delay_ideal.h"
-#include "experiments/delay_trial.h"
+#include "experiments/delay/delay_ideal.h"
+#include "experiments/delay/delay_trial.h"
 
 namespace telekerf::experiments {
 namespace {

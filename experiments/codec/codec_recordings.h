@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "experiments/codec_traces.h"
+#include "experiments/codec/codec_traces.h"
 
 namespace telekerf::experiments {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/codec_bound.h"
+#include "experiments/codec/codec_bound.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "experiments/contour_run.h"
+#include "experiments/machining/contour_run.h"
 
 namespace telekerf::experiments {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "experiments/contour_run.h"
+#include "experiments/machining/contour_run.h"
 
 #include <fmt/format.h>
 
