@@ -173,14 +173,14 @@ int run(Flags& flags) {
                             master_values(out, task ? task->guide.beta : 1.0, node.link().clocks()));
     }
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
-    return !done && !stop_requested() && !contour.refused() && !machine.lost();
+    return !done && !stop_requested() && !contour.refused() && !machine.failed();
   });
   station.release();
   herald.request_stop();
   herald.join();
 
   if (contour.refused()) throw StartupError(contour.refusal());
-  if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !machine.lost()) {
+  if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !machine.failed()) {
     throw StartupError(
         fmt::format("nobody to work with for {:.0f} s in cell '{}' of domain {}: are telekerf-vision and "
                     "telekerf-slave running there?",
@@ -189,7 +189,7 @@ int run(Flags& flags) {
   if (!flags.record.empty() && contour.current() != nullptr) {
     record_run(flags, station, contour, bus, emulator.get(), states.counters(), loop);
   }
-  if (machine.lost()) throw StartupError(machine.loss());
+  if (machine.failed()) throw StartupError(machine.failure());
   return 0;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/protocol/overhead.h"
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/runtime/startup_error.h"
 #include "master/constraint/reach.h"
 
@@ -27,8 +28,8 @@ void StationSettings::declare(Settings& settings) {
   machine.declare(settings);
   settings.add("button", button,
                fmt::format("who holds the laser button while the slave follows ({}); hand: the simulated one",
-                           button_forms()),
-               complaint_about_button);
+                           operator_input_forms()),
+               validate_operator_input);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot and hand");
@@ -97,14 +98,16 @@ StationSettings StationSettings::validated() const {
   return settings;
 }
 
-Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> button)
+Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> input)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
       machine_(model_, settings_.machine, settings_.node.control_hz,
-               drive.robot ? std::move(drive)
-                           : robot::attach(settings_.machine.drive, model_, settings_.node.control_hz,
-                                           {settings_.mismatch, settings_.seed, {}})),
-      button_(button ? std::move(button) : attach_button(settings_.button)),
+               drive.robot
+                   ? std::move(drive)
+                   : robot::open_drive(
+                         settings_.machine.drive,
+                         {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}})),
+      operator_(input ? std::move(input) : open_operator_input(settings_.button)),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
@@ -118,7 +121,7 @@ std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour,
   return std::make_unique<GuidedContour>(GuidedContour{std::move(guide), std::move(hand)});
 }
 
-OperatorSample Station::hand(GuidedContour& task) noexcept {
+HandSample Station::hand(GuidedContour& task) noexcept {
   const auto tool_m = machine_.true_tool_m();
   const auto velocity = machine_.true_tool_velocity_m_per_s();
   if (!tool_m || !velocity) return {};
@@ -134,7 +137,7 @@ MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engag
 
   MasterInputs inputs;
   inputs.joints = machine_.read();
-  const bool pressed = button_ && button_->pressed(now_ns);
+  const OperatorSample told = operator_ ? operator_->sample(now_ns) : OperatorSample{};
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to tell the slave
     node_.heed(events);
     machine_.write(Vec3::Zero());
@@ -145,11 +148,12 @@ MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engag
   inputs.engage = engage;
   inputs.form = form_;
   form_.reset();
-  OperatorSample hand;
+  HandSample hand;
   if (task != nullptr) {
     inputs.guide = &task->guide;
     hand = this->hand(*task);
-    inputs.button = button_ ? pressed : hand.button;
+    if (told.force_n) hand.force_n = *told.force_n;
+    inputs.button = operator_ ? told.trigger : hand.trigger;
   }
   MasterOutputs out = node_.step(now_ns, inputs);
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;

@@ -25,7 +25,7 @@ struct StationSettings {
   MasterSettings node;
   std::string robot = "master-horizontal";
   robot::RobotSupervisorSettings machine;
-  std::string button = "hand";  ///< who holds the laser button, see hand_input.h
+  std::string button = "hand";  ///< who holds the laser button, see operator_input.h
   double beta = 0.5;
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   SimulatedOperatorSettings hand;
@@ -51,9 +51,9 @@ struct GuidedContour {
 
 class Station {
  public:
-  /// `drive`, `button`: others than those that the settings name. Throws StartupError.
+  /// `drive`, `input`: others than those that the settings name. Throws StartupError.
   explicit Station(const StationSettings& settings, robot::Drive drive = {},
-                   std::unique_ptr<OperatorInput> button = {});
+                   std::unique_ptr<OperatorInput> input = {});
 
   /// Allocates: call it outside the loop. `beta`: another one than the settings'. Throws StartupError if the
   /// robot cannot take the scaled contour.
@@ -78,12 +78,12 @@ class Station {
 
  private:
   /// Simulated on a simulated robot; a real hand is felt by the robot alone.
-  OperatorSample hand(GuidedContour& task) noexcept;
+  HandSample hand(GuidedContour& task) noexcept;
 
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
-  std::unique_ptr<OperatorInput> button_;  ///< null: the simulated hand's
+  std::unique_ptr<OperatorInput> operator_;  ///< null: the simulated operator alone
   MasterNode node_;
   Recorder<MasterRow> recorder_;
   bool guided_ = false;

@@ -26,7 +26,7 @@ struct Flags {
   StationSettings station;
   std::string record;
   bool automatic = false;
-  AutomaticSettings automatic_settings;
+  machining::AutomaticSettings automatic_settings;
 };
 
 const char* name_of(SlaveMode mode) {
@@ -50,14 +50,14 @@ int run(Flags& flags) {
   bus_settings.receive_filter = emulator;
   flags.station.epoch = bus_settings.epoch;
   if (flags.automatic) {
-    return run_automatic(bus_settings, flags.automatic_settings,
-                         {flags.station.robot, flags.station.machine, flags.station.mismatch,
-                          flags.station.seed, flags.station.node.laser_w, flags.station.beam},
-                         flags.record);
+    return machining::run_automatic(bus_settings, flags.automatic_settings,
+                                    {flags.station.robot, flags.station.machine, flags.station.mismatch,
+                                     flags.station.seed, flags.station.node.laser_w, flags.station.beam},
+                                    flags.record);
   }
   Station station(flags.station);
   const robot::RobotSupervisor& machine = station.machine();
-  const LaserOutput& beam = station.beam();
+  const laser::LaserOutput& beam = station.beam();
   if (machine.plant() == nullptr) {
     fmt::print("slave: {} is not simulated: what is recorded is the measured tool\n",
                flags.station.machine.drive);
@@ -95,7 +95,7 @@ int run(Flags& flags) {
     const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, arrived_events);
     if (out.state) states.write(*out.state);
     mode.store(out.mode, std::memory_order_relaxed);
-    return !stop_requested() && !contour.refused() && !machine.lost() && !beam.lost();
+    return !stop_requested() && !contour.refused() && !machine.failed() && !beam.failed();
   });
   station.release();
   herald.request_stop();
@@ -109,8 +109,8 @@ int run(Flags& flags) {
     write_slave(flags.record, record);
   }
   if (contour.refused()) throw StartupError(contour.refusal());
-  if (machine.lost()) throw StartupError(machine.loss());
-  if (beam.lost()) throw StartupError(beam.loss());
+  if (machine.failed()) throw StartupError(machine.failure());
+  if (beam.failed()) throw StartupError(beam.failure());
   return 0;
 }
 

@@ -202,18 +202,18 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
 
   const Corridor* corridor = inputs.corridor;
   const bool following = mode_ == SlaveMode::kFollowing && source_generation_ != 0;
-  out.interlock =
-      judge({.stopped = mode_ == SlaveMode::kStopped,
-             .contour_known = corridor != nullptr && intake_.heard() &&
-                              intake_.header().contour_id == corridor->contour_id,
-             .engaged = mode_ == SlaveMode::kFollowing,
-             .fresh = following && state.has_value() && inputs.joints.valid,
-             .inside_workspace = tool.position_m.head<2>().norm() <= model_.workspace.radius_m,
-             .contour_distance_m =
-                 corridor == nullptr ? 1.0 : corridor->contour.find(tool.position_m.head<2>()).distance_m,
-             .speed_m_per_s = tool.velocity_m_per_s.norm(),
-             .tracking_error_m = (tool.position_m - reference_.position_m).norm() + joiner_.offset_m()},
-            settings_.interlock);
+  out.interlock = laser::evaluate_interlock(
+      {.stopped = mode_ == SlaveMode::kStopped,
+       .contour_known =
+           corridor != nullptr && intake_.heard() && intake_.header().contour_id == corridor->contour_id,
+       .engaged = mode_ == SlaveMode::kFollowing,
+       .fresh = following && state.has_value() && inputs.joints.valid,
+       .inside_workspace = tool.position_m.head<2>().norm() <= model_.workspace.radius_m,
+       .contour_distance_m =
+           corridor == nullptr ? 1.0 : corridor->contour.find(tool.position_m.head<2>()).distance_m,
+       .speed_m_per_s = tool.velocity_m_per_s.norm(),
+       .tracking_error_m = (tool.position_m - reference_.position_m).norm() + joiner_.offset_m()},
+      settings_.interlock);
   out.laser_w = out.interlock == Interlock::kReady && button_ ? settings_.laser_w : 0.0;
   out.mode = mode_;
   out.settled = following && joiner_.offset_m() < kSettledM;

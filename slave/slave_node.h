@@ -31,7 +31,7 @@ struct SlaveSettings {
   codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};
   PlayoutSettings playout;
   BumplessTransferSettings joiner;
-  InterlockSettings interlock;
+  laser::InterlockSettings interlock;
 };
 
 /// The contour as the interlock needs it; built outside the loop.

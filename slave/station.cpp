@@ -66,14 +66,16 @@ StationSettings StationSettings::validated() const {
   return settings;
 }
 
-Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<Laser> laser)
+Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<laser::Laser> laser)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
       machine_(model_, settings_.machine, settings_.node.control_hz,
                drive.robot ? std::move(drive)
-                           : robot::attach(settings_.machine.drive, model_, settings_.node.control_hz,
-                                           // Another machine than the master's with the same seed.
-                                           {settings_.mismatch, settings_.seed + 1000, {}})),
+                           : robot::open_drive(settings_.machine.drive,
+                                               {model_,
+                                                settings_.node.control_hz,
+                                                // Another machine than the master's with the same seed.
+                                                {settings_.mismatch, settings_.seed + 1000, {}}})),
       beam_(settings_.beam, settings_.node.laser_w, settings_.node.control_hz, std::move(laser)),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
@@ -143,7 +145,7 @@ void Station::report(RunRecord& record) const {
   f["playout_corrections"] = static_cast<double>(node_.playout().corrections());
   f["playout_ms"] = node_.playout().wait_s() * 1e3;
   f["laser_clipped"] = static_cast<double>(beam_.clipped());
-  f["laser_untold"] = static_cast<double>(beam_.untold());
+  f["laser_untold"] = static_cast<double>(beam_.write_failures());
   f["readings_missed"] = static_cast<double>(machine_.readings_missed());
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
 }

@@ -20,7 +20,7 @@ struct StationSettings {
   SlaveSettings node;
   std::string robot = "slave-keops";
   robot::RobotSupervisorSettings machine;
-  LaserOutputSettings beam;
+  laser::LaserOutputSettings beam;
   std::string codec = "sdct";  ///< of both parts of the state stream
   double mismatch = 0.1;       ///< how far the simulated robot is off its file, as a share
   std::uint64_t seed = 1;
@@ -35,7 +35,7 @@ class Station {
  public:
   /// `drive`, `laser`: others than those that the settings name. Throws StartupError.
   explicit Station(const StationSettings& settings, robot::Drive drive = {},
-                   std::unique_ptr<Laser> laser = {});
+                   std::unique_ptr<laser::Laser> laser = {});
 
   /// Allocates: call it outside the loop. Throws StartupError if the contour leaves the workspace.
   std::unique_ptr<Corridor> prepare(const ContourMessage& contour) const;
@@ -50,7 +50,7 @@ class Station {
   }
   const SlaveNode& node() const { return node_; }
   const robot::RobotSupervisor& machine() const { return machine_; }
-  const LaserOutput& beam() const noexcept { return beam_; }
+  const laser::LaserOutput& beam() const noexcept { return beam_; }
   /// After the last step: beam off, then the robot without current.
   void release() noexcept {
     beam_.off();
@@ -63,7 +63,7 @@ class Station {
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
-  LaserOutput beam_;
+  laser::LaserOutput beam_;
   SlaveNode node_;
   Recorder<SlaveRow> recorder_;
   Tick tick_ = 0;

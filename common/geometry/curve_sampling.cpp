@@ -72,9 +72,9 @@ tl::expected<Steps, std::string> steps_along(const Polyline& line, const SpeedLa
   out.arc_lengths_m.push_back(0.0);
   double last_step = 0.0;
   while (true) {
-    if (out.points_m.size() > settings.most_steps) {
+    if (out.points_m.size() > settings.max_steps) {
       return tl::unexpected(fmt::format("the path needs more than {} steps; go faster or sample more slowly",
-                                        settings.most_steps));
+                                        settings.max_steps));
     }
     const double time_s = static_cast<double>(out.points_m.size() - 1) * settings.period_s;
     const double v = speed(time_s, walker.travelled());

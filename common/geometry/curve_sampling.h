@@ -34,7 +34,7 @@ enum class Remainder {
 struct StepSettings {
   double period_s = 1e-3;
   Remainder remainder = Remainder::kShortStep;
-  std::size_t most_steps = 20'000'000;  ///< a speed of almost zero must not fill the memory
+  std::size_t max_steps = 20'000'000;  ///< a speed of almost zero must not fill the memory
 };
 
 /// References at each period, the first at the line's start; a closed line ends where it began.

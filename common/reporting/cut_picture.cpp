@@ -18,18 +18,18 @@ cv::Mat draw_cut(const RunRecord& record) {
     reach_m = std::max({reach_m, std::abs(point[0]), std::abs(point[1])});
   }
   constexpr int kPixels = 1200;
-  slave::Workpiece workpiece({.half_width_m = 1.2 * reach_m, .pixels = kPixels, .spot_radius_m = 60e-6});
+  laser::Workpiece workpiece({.half_width_m = 1.2 * reach_m, .pixels = kPixels, .spot_radius_m = 60e-6});
   const double dt_s = control_period_s(record);
   for (const auto& row : record.slave) {
     if (row.laser_w > 0.0) workpiece.expose(in_plane(row.tool_m), row.laser_w * dt_s);
   }
 
-  const slave::Material wood = slave::material("wood");
+  const laser::Material wood = laser::material("wood");
   const double full_j = 4.0 * workpiece.pixel_m() * workpiece.pixel_m() * 1e6;  // 4 J/mm^2 chars fully
   cv::Mat burnt;
   cv::exp(workpiece.energy_j() * (-3.0 / full_j), burnt);
   burnt = 1.0 - burnt;
-  cv::Mat picture = slave::mark_picture(burnt, wood);
+  cv::Mat picture = laser::mark_picture(burnt, wood);
 
   constexpr int kShift = 4;
   const auto pixel = [&](const Vec2& point) {
@@ -53,7 +53,7 @@ cv::Mat draw_cut(const RunRecord& record) {
   for (const auto& point : record.contour_m) path.push_back(pixel({point[0], point[1]}));
   stroke({200, 110, 30}, record.contour_closed);
 
-  slave::draw_scale_bar(picture, workpiece.pixel_m(), slave::ink_of(wood));
+  laser::draw_scale_bar(picture, workpiece.pixel_m(), laser::ink_of(wood));
   return picture;
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 
@@ -20,8 +21,7 @@ constexpr std::chrono::seconds kPatience{5};
 }  // namespace
 
 void RobotSupervisorSettings::declare(Settings& settings) {
-  settings.add("drive", drive, fmt::format("what moves the robot ({})", drive_forms()),
-               complaint_about_drive);
+  settings.add("drive", drive, fmt::format("what moves the robot ({})", drive_forms()), validate_drive);
   settings.add("drive_stale_s", drive_stale_s, {.min = 0.002, .max = 10},
                "no reading of the drive for this long: laser off, currents zero, end");
 }
@@ -41,7 +41,7 @@ RobotSupervisor::RobotSupervisor(const RobotModel& nominal, const RobotSuperviso
                     "lower its rate",
                     settings_.drive, most_hz, control_hz));
   }
-  (void)stand();
+  (void)wait_until_ready();
 }
 
 JointReading RobotSupervisor::newest() noexcept {
@@ -51,7 +51,7 @@ JointReading RobotSupervisor::newest() noexcept {
   return reading;
 }
 
-RobotSupervisor::InitialPose RobotSupervisor::stand() {
+RobotSupervisor::InitialPose RobotSupervisor::wait_until_ready() {
   const auto until = std::chrono::steady_clock::now() + kPatience;
   JointReading reading = newest();
   while (!reading.valid) {
@@ -76,11 +76,11 @@ RobotSupervisor::InitialPose RobotSupervisor::stand() {
 
 JointReading RobotSupervisor::read() noexcept {
   JointReading reading = newest();
-  reading.valid = reading.valid && !lost();
+  reading.valid = reading.valid && !failed();
   if (reading.valid) {
     started_ = true;
     missing_ = 0;
-  } else if (!lost()) {
+  } else if (!failed()) {
     ++missing_;
     ++missed_;
   }
@@ -88,14 +88,14 @@ JointReading RobotSupervisor::read() noexcept {
 }
 
 void RobotSupervisor::write(const Vec3& currents_a) noexcept {
-  drive_.robot->write(started_ && !lost() ? currents_a : Vec3(Vec3::Zero()));
+  drive_.robot->write(started_ && !failed() ? currents_a : Vec3(Vec3::Zero()));
 }
 
 void RobotSupervisor::advance() noexcept {
   if (drive_.plant != nullptr) drive_.plant->advance(period_s_);
 }
 
-std::string RobotSupervisor::loss() const {
+std::string RobotSupervisor::failure() const {
   if (drive_.plant != nullptr) {
     return fmt::format(
         "drive = {}: the robot left the poses that it can take, so the laser is off and the currents "

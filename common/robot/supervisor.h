@@ -19,7 +19,7 @@ struct RobotSupervisorSettings {
   RobotSupervisorSettings() =
       default;                      // no aggregate: g++ 12 warns of its text within temporaries of settings
   std::string drive = "simulated";  ///< see drives.h
-  double drive_stale_s = 0.02;      ///< steps of so much time without a new reading: lost
+  double drive_stale_s = 0.02;      ///< steps of so much time without a new reading: failed
   void declare(Settings& settings);
 };
 
@@ -27,8 +27,8 @@ struct RobotSupervisorSettings {
 /// beyond what the drive itself does.
 class RobotSupervisor {
  public:
-  /// A robot that is not simulated must tell where it stands, see stand(), and keep up with the rate. Throws
-  /// StartupError.
+  /// A robot that is not simulated must tell where it stands, see wait_until_ready(), and keep up with the
+  /// rate. Throws StartupError.
   RobotSupervisor(const RobotModel& nominal, const RobotSupervisorSettings& settings, double control_hz,
                   Drive drive);
   ~RobotSupervisor() { release(); }
@@ -41,11 +41,11 @@ class RobotSupervisor {
   };
   /// Where the robot stands before the loop starts; there is no current meanwhile. Waits. Throws StartupError
   /// if it does not tell, or if its file knows no such pose.
-  InitialPose stand();
+  InitialPose wait_until_ready();
 
   /// Valid only if it is new and finite.
   JointReading read() noexcept;
-  /// Nothing but zero reaches the motors before the first reading and after the loss.
+  /// Nothing but zero reaches the motors before the first reading and after the failure.
   void write(const Vec3& currents_a) noexcept;
   /// A plant moves on by one control period; a real machine does so by itself.
   void advance() noexcept;
@@ -55,9 +55,9 @@ class RobotSupervisor {
   /// The loop has had a reading.
   bool started() const noexcept { return started_; }
   /// For good: no reading has come for `drive_stale_s`.
-  bool lost() const noexcept { return missing_ >= patience_; }
-  /// What the loss is and what to do, one sentence.
-  std::string loss() const;
+  bool failed() const noexcept { return missing_ >= patience_; }
+  /// What has failed and what to do, one sentence.
+  std::string failure() const;
 
   /// Steps without a reading, all in all.
   std::uint64_t readings_missed() const noexcept { return missed_; }

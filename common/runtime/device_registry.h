@@ -2,8 +2,6 @@
 // How a user names one of several devices: NAME, or NAME:REST with what that kind of device needs.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,9 +18,10 @@ class DeviceRegistry {
   struct Kind {
     std::string_view name;  ///< what stands before it
     std::string_view form;  ///< as a user writes it
-    /// What the device must be, if it is not; empty: it is.
-    std::string (*complaint)(std::string_view rest);
-    Device (*attach)(std::string_view rest, Needs... needs);
+    /// What is wrong with the rest, and the remedy; empty: nothing.
+    std::string (*validate)(std::string_view rest);
+    /// Throws StartupError.
+    Device (*open)(std::string_view rest, Needs... needs);
   };
 
   /// `key`: of the setting.
@@ -31,21 +30,21 @@ class DeviceRegistry {
   /// How a device may be written, one form after the other.
   std::string forms() const {
     std::string all;
-    for (const Kind& kind : kinds_) all += fmt::format("{}{}", all.empty() ? "" : ", ", kind.form);
+    for (const Kind& kind : kinds_) all.append(all.empty() ? "" : ", ").append(kind.form);
     return all;
   }
 
   /// What is wrong with a device as a user wrote it, and the remedy; empty: nothing.
-  std::string complaint(std::string_view device) const {
-    if (const Kind* kind = kind_of(device)) return kind->complaint(rest_of(device));
-    return fmt::format("must be one of {}; docs/attach-a-drive.md says how to add another", forms());
+  std::string validate(std::string_view device) const {
+    if (const Kind* kind = kind_of(device)) return kind->validate(rest_of(device));
+    return "must be one of " + forms() + "; docs/attach-a-drive.md says how to add another";
   }
 
   /// Throws StartupError.
-  Device attach(std::string_view device, Needs... needs) const {
-    if (const std::string wrong = complaint(device); !wrong.empty())
-      throw StartupError(fmt::format("{} = {}: {}", key_, device, wrong));
-    return kind_of(device)->attach(rest_of(device), needs...);
+  Device open(std::string_view device, Needs... needs) const {
+    if (const std::string wrong = validate(device); !wrong.empty())
+      throw StartupError(std::string(key_).append(" = ").append(device).append(": ").append(wrong));
+    return kind_of(device)->open(rest_of(device), needs...);
   }
 
  private:
@@ -64,8 +63,8 @@ class DeviceRegistry {
   std::span<const Kind> kinds_;
 };
 
-/// Of a kind that is its name and nothing more.
-inline std::string stands_alone(std::string_view rest) {
+/// Validates a kind that is its name and nothing more.
+inline std::string no_argument(std::string_view rest) {
   return rest.empty() ? "" : "stands alone, nothing follows its name";
 }
 

@@ -21,7 +21,7 @@ UdpAddress udp_address(std::string_view text) {
   return address;
 }
 
-std::string complaint_about_udp(std::string_view text) {
+std::string validate_udp(std::string_view text) {
   const UdpAddress address = udp_address(text);
   if (!address.host.empty() && address.port != 0) return "";
   return "udp needs a host and a port within [1, 65535], as in udp:127.0.0.1:7000";

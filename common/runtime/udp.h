@@ -16,7 +16,7 @@ struct UdpAddress {
 
 UdpAddress udp_address(std::string_view text);
 /// What an address must be, if it is not; empty: it is.
-std::string complaint_about_udp(std::string_view text);
+std::string validate_udp(std::string_view text);
 
 /// Opens `socket` so that it never waits, and finds the address (IPv4). `key`: the setting that names the
 /// device. Throws StartupError.

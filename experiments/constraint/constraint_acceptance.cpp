@@ -11,14 +11,14 @@ using master::OperatorDisturbance;
 
 constexpr double kLong = 1000.0;
 
-/// A hand that does nothing but the acts.
-TrialSettings still(std::uint64_t seed, double duration_s, std::vector<OperatorDisturbance> acts) {
+/// A hand that does nothing but disturb.
+TrialSettings still(std::uint64_t seed, double duration_s, std::vector<OperatorDisturbance> disturbances) {
   TrialSettings settings;
   settings.station.seed = seed;
   settings.duration_s = duration_s;
-  acts.insert(acts.begin(),
-              OperatorDisturbance{OperatorDisturbance::Kind::kLetGo, 0.0, kLong, 0.0, 0.0, 0.0});
-  settings.station.hand.acts = std::move(acts);
+  disturbances.insert(disturbances.begin(),
+                      OperatorDisturbance{OperatorDisturbance::Kind::kLetGo, 0.0, kLong, 0.0, 0.0, 0.0});
+  settings.station.hand.disturbances = std::move(disturbances);
   return settings;
 }
 
@@ -115,7 +115,7 @@ double drift_m_per_s(const ContourMessage& contour, std::uint64_t seed) {
   TrialSettings settings;
   settings.station.seed = seed;
   settings.duration_s = 15.0;
-  settings.station.hand.acts = {{OperatorDisturbance::Kind::kLetGo, 3.0, kLong, 0.0, 0.0, 0.0}};
+  settings.station.hand.disturbances = {{OperatorDisturbance::Kind::kLetGo, 3.0, kLong, 0.0, 0.0, 0.0}};
   const Trial trial = run_trial(contour, settings);
   const Clock clock(trial);
   const std::size_t from = clock.row(4.5);
@@ -129,13 +129,14 @@ double letting_go_m(const ContourMessage& contour, std::uint64_t seed) {
   settings.station.hand_speed_mm_s = 30.0;
   settings.duration_s = 30.0;
   // Out of the work, and every second time out of a steady push to one side.
-  auto& acts = settings.station.hand.acts;
+  auto& disturbances = settings.station.hand.disturbances;
   std::vector<double> moments;
   for (int i = 0; 1.0 + 0.9 * i < 27.0; ++i) {
     const double at = 1.0 + 0.9 * i;
     if (i % 2 == 1)
-      acts.push_back({OperatorDisturbance::Kind::kFight, at - 0.2, 0.2, i % 4 == 1 ? 3.0 : -3.0, 0.5, 0.0});
-    acts.push_back({OperatorDisturbance::Kind::kLetGo, at, 0.3, 0.0, 0.0, 0.0});
+      disturbances.push_back(
+          {OperatorDisturbance::Kind::kFight, at - 0.2, 0.2, i % 4 == 1 ? 3.0 : -3.0, 0.5, 0.0});
+    disturbances.push_back({OperatorDisturbance::Kind::kLetGo, at, 0.3, 0.0, 0.0, 0.0});
     moments.push_back(at);
   }
   const Trial trial = run_trial(contour, settings);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "experiments/constraint/constraint_trial.h"
+#include "common/robot/drivers/simulated_robot.h"
 
 #include <cmath>
 #include <limits>

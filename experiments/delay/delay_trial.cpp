@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/runtime/error_statistics.h"
 #include "experiments/simulation/simulation.h"
 #include "experiments/simulation/virtual_link.h"

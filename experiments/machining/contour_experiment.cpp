@@ -50,17 +50,17 @@ struct Options {
   Settings settings;
 };
 
-slave::ControllerKind kind_of(const std::string& name) {
-  if (name == "independent") return slave::ControllerKind::kIndependent;
-  if (name == "preview") return slave::ControllerKind::kPreview;
-  if (name == "contouring") return slave::ControllerKind::kContouring;
-  return slave::ControllerKind::kAuto;
+machining::ControllerKind kind_of(const std::string& name) {
+  if (name == "independent") return machining::ControllerKind::kIndependent;
+  if (name == "preview") return machining::ControllerKind::kPreview;
+  if (name == "contouring") return machining::ControllerKind::kContouring;
+  return machining::ControllerKind::kAuto;
 }
 
-slave::CornerPolicy corner_of(const std::string& name) {
-  if (name == "exact") return slave::CornerPolicy::kExact;
-  if (name == "slow") return slave::CornerPolicy::kSlow;
-  return slave::CornerPolicy::kRounded;
+machining::CornerPolicy corner_of(const std::string& name) {
+  if (name == "exact") return machining::CornerPolicy::kExact;
+  if (name == "slow") return machining::CornerPolicy::kSlow;
+  return machining::CornerPolicy::kRounded;
 }
 
 /// An irregular outline like the ones of figure 8.5: a circle with eleven seeded harmonics, dark on a grey
@@ -155,7 +155,7 @@ Source contour_of(const std::string& image, const Options& options, const robot:
 std::size_t stride_of(const ContourRun& run) { return std::max<std::size_t>(1, run.pass.rows.size() / 4000); }
 
 Line path_line(const ContourRun& run, const std::string& label, Line::Style style, int colour,
-               const std::function<Vec3(const slave::PassRow&)>& point, const Vec2* around = nullptr,
+               const std::function<Vec3(const machining::PassRow&)>& point, const Vec2* around = nullptr,
                double reach_m = 0.0) {
   Line line{label, {}, {}, style, colour};
   const std::size_t stride = around == nullptr ? stride_of(run) : 1;
@@ -169,7 +169,7 @@ Line path_line(const ContourRun& run, const std::string& label, Line::Style styl
 }
 
 Line trace_line(const ContourRun& run, const std::string& label, int colour,
-                const std::function<double(const slave::PassRow&)>& value) {
+                const std::function<double(const machining::PassRow&)>& value) {
   Line line{label, {}, {}, Line::Style::kSolid, colour};
   for (std::size_t i = 0; i < run.pass.rows.size(); i += stride_of(run)) {
     line.x.push_back(static_cast<double>(i) * run.pass.plan->period_s);
@@ -209,8 +209,8 @@ struct Named {
 
 void draw(const std::string& title, const std::vector<Named>& runs, const std::filesystem::path& png) {
   const ContourRun& first = *runs.front().run;
-  const auto reference = [](const slave::PassRow& row) { return row.reference.position_m; };
-  const auto tool = [](const slave::PassRow& row) { return row.tool_m; };
+  const auto reference = [](const machining::PassRow& row) { return row.reference.position_m; };
+  const auto tool = [](const machining::PassRow& row) { return row.tool_m; };
   // Zoom: where the last run (the baseline, if there are two) is farthest off.
   const ContourRun& last = *runs.back().run;
   const auto worst =
@@ -236,10 +236,10 @@ void draw(const std::string& title, const std::vector<Named>& runs, const std::f
   // The baseline lies below.
   for (std::size_t i = runs.size(); i-- > 0;) {
     const auto& [name, run] = runs[i];
-    speed.lines.push_back(trace_line(*run, name, static_cast<int>(i), [](const slave::PassRow& row) {
+    speed.lines.push_back(trace_line(*run, name, static_cast<int>(i), [](const machining::PassRow& row) {
       return 1e3 * row.tool_velocity_m_per_s.dot(row.reference.tangent);
     }));
-    normal.lines.push_back(trace_line(*run, name, static_cast<int>(i), [](const slave::PassRow& row) {
+    normal.lines.push_back(trace_line(*run, name, static_cast<int>(i), [](const machining::PassRow& row) {
       return 1e6 * row.error_in_frame_m[1];
     }));
   }
@@ -260,8 +260,8 @@ ContourRunSettings run_settings(const Options& options, const robot::RobotModel&
   s.plan.tolerance_m = options.tolerance_um * 1e-6;
   s.follower.loop_delay = options.loop_delay;
   s.follower.preview = !options.no_preview;
-  if (options.no_model_ahead) s.follower.model = slave::ModelUse::kNone;
-  s.follower.quiet_for(s.plan.speed_m_per_s, s.plan.corner == slave::CornerPolicy::kSlow);
+  if (options.no_model_ahead) s.follower.model = machining::ModelUse::kNone;
+  s.follower.tune_for_speed(s.plan.speed_m_per_s, s.plan.corner == machining::CornerPolicy::kSlow);
   if (options.along_rad_s > 0.0) s.follower.along_rad_s = options.along_rad_s;
   if (options.across_rad_s > 0.0) s.follower.across_rad_s = options.across_rad_s;
   s.controller = kind_of(options.controller);
@@ -277,7 +277,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
   const ContourRunSettings settings = run_settings(options, model);
   const Source source = contour_of(image, options, model, experiment.closed);
   const geometry::Polyline& contour = source.contour;
-  const auto plan = slave::make_plan(contour, settings.plan);
+  const auto plan = machining::make_timed_path(contour, settings.plan);
   if (!plan) throw StartupError(fmt::format("{}: {}", image, plan.error()));
   const ContourRun run = run_contour(*plan, contour, settings);
   make_folder("--out", out);
@@ -293,14 +293,14 @@ ordered_json one_picture(const std::string& image, const Options& options,
                       {"control_hz", settings.plan.control_hz}};
   result.update(measure(run, settings));
   result["tuning"] = tuning(settings);
-  result["burn"] = slave::burn({&run.pass, 1}, options.material, out);
+  result["burn"] = machining::burn({&run.pass, 1}, options.material, out);
   write_contour_trace(run, out / "trace.csv");
 
   std::vector<Named> runs{{options.controller, &run}};
   ContourRun baseline;
   if (experiment.closed && options.controller != "independent") {
     ContourRunSettings other = settings;
-    other.controller = slave::ControllerKind::kIndependent;
+    other.controller = machining::ControllerKind::kIndependent;
     baseline = run_contour(*plan, contour, other);
     runs.push_back({"independent", &baseline});
     const auto measured = measure(baseline, other);
@@ -321,7 +321,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
       faster.speed_mm_s = speed;
       const ContourRunSettings s = run_settings(faster, model);
       if (s.plan.speed_m_per_s > s.plan.max_speed_m_per_s) break;
-      const auto p = slave::make_plan(contour, s.plan);
+      const auto p = machining::make_timed_path(contour, s.plan);
       if (!p) throw StartupError(p.error());
       const auto m = measure(run_contour(*p, contour, s), s);
       rms.x.push_back(speed);
@@ -387,9 +387,9 @@ void add_contour_experiment(CLI::App& app, Action& action, const ContourExperime
   s.add("corner", o->corner, "what to do at corners", {"exact", "rounded", "slow"});
   s.add("tolerance_um", o->tolerance_um, {.min = 0, .max = 1000}, "rounding of corners");
   s.add("plant", o->plant, "full: friction, mismatch, Hall sensors; ideal: none of them", {"full", "ideal"});
-  s.add("material", o->material, "what the beam meets", slave::material_names());
+  s.add("material", o->material, "what the beam meets", laser::material_names());
   s.add("mismatch", o->mismatch, {.min = 0, .max = 0.5}, "how far the plant is off its file, as a share");
-  s.add("loop_delay", o->loop_delay, {.min = 0, .max = slave::kMostLoopDelay},
+  s.add("loop_delay", o->loop_delay, {.min = 0, .max = machining::kMaxLoopDelay},
         "samples from a reading to the effect of its currents");
   s.add("no_preview", o->no_preview, "accelerations of the same sample, as if the loop had no delay");
   s.add("no_model_ahead", o->no_model_ahead, "no force of the model sent ahead, only the observer");

@@ -12,7 +12,7 @@
 namespace telekerf::experiments {
 namespace {
 
-using slave::Reference;
+using machining::Reference;
 
 /// Held at the start until the observer knows the weight.
 constexpr double kHold_s = 1.5;
@@ -36,13 +36,13 @@ robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunS
   return model;
 }
 
-ContourRun run_contour(const slave::TimedPath& plan, const geometry::Polyline& contour,
+ContourRun run_contour(const machining::TimedPath& plan, const geometry::Polyline& contour,
                        const ContourRunSettings& settings) {
   robot::RobotModel nominal = robot::load_robot(settings.robot);
   if (settings.ideal) nominal = true_robot(nominal, settings);
-  const slave::Trajectory& track = plan.track;
-  for (std::size_t i = 0; i < track.size(); i += 16) {
-    const Vec3 p = track[i].position_m;
+  const machining::Trajectory& trajectory = plan.trajectory;
+  for (std::size_t i = 0; i < trajectory.size(); i += 16) {
+    const Vec3 p = trajectory[i].position_m;
     if (p.head<2>().norm() > nominal.workspace.radius_m ||
         std::abs(p.z()) > 0.5 * nominal.workspace.height_m) {
       throw StartupError(fmt::format(
@@ -54,10 +54,10 @@ ContourRun run_contour(const slave::TimedPath& plan, const geometry::Polyline& c
   }
   const bool closed = plan.path.closed();
   robot::SimulatedRobot robot(true_robot(nominal, settings), settings.seed + 1000,
-                              nominal.in_base(track[0].position_m));
-  slave::PathFollower follower(nominal, slave::drive_settings(settings.controller, settings.follower),
-                               slave::make_controller(settings.controller, closed, settings.follower),
-                               slave::model_use(settings.controller, settings.follower));
+                              nominal.in_base(trajectory[0].position_m));
+  machining::PathFollower follower(nominal, machining::drive_settings(settings.controller, settings.follower),
+                                   machining::make_controller(settings.controller, closed, settings.follower),
+                                   machining::model_use(settings.controller, settings.follower));
   follower.reset(robot.read().joints_m);
 
   ContourRun run;
@@ -65,12 +65,13 @@ ContourRun run_contour(const slave::TimedPath& plan, const geometry::Polyline& c
   const auto hold = static_cast<std::size_t>(kHold_s / plan.period_s);
   std::vector<Vec3> on_the_way(static_cast<std::size_t>(settings.follower.loop_delay), Vec3::Zero());
   std::size_t next = 0;
-  for (std::size_t i = 0; i < hold + track.size(); ++i) {
+  for (std::size_t i = 0; i < hold + trajectory.size(); ++i) {
     const std::size_t tick = i < hold ? 0 : i - hold;
-    const Reference& reference = track[tick];
+    const Reference& reference = trajectory[tick];
     if (i >= hold && reference.beam) {
-      const slave::PassRow row = slave::pass_row(reference, nominal.in_workpiece(robot.true_tool_in_base_m()),
-                                                 robot.true_tool_velocity_m_per_s(), 0.0);
+      const machining::PassRow row =
+          machining::pass_row(reference, nominal.in_workpiece(robot.true_tool_in_base_m()),
+                              robot.true_tool_velocity_m_per_s(), 0.0);
       run.pass.rows.push_back(row);
       const auto& q = robot.true_state().joints_m;
       const bool off_stroke =
@@ -80,7 +81,7 @@ ContourRun run_contour(const slave::TimedPath& plan, const geometry::Polyline& c
         ++run.limit_violations;
       }
     }
-    Vec3 currents = follower.step(robot.read(), track, static_cast<double>(tick));
+    Vec3 currents = follower.step(robot.read(), trajectory, static_cast<double>(tick));
     if (i >= hold && follower.drive().saturated()) ++run.limit_violations;
     if (i >= hold && reference.beam)
       run.pass.rows.back().laser_w = settings.laser_w * follower.beam_power(reference);
@@ -93,13 +94,13 @@ ContourRun run_contour(const slave::TimedPath& plan, const geometry::Polyline& c
   }
   if (robot.broken())
     throw StartupError("the robot left the poses that it can take: the controller is unstable");
-  run.time_s = static_cast<double>(track.size()) * plan.period_s;
+  run.time_s = static_cast<double>(trajectory.size()) * plan.period_s;
   return run;
 }
 
 nlohmann::ordered_json measure(const ContourRun& run, const ContourRunSettings& settings) {
-  const slave::TimedPath& plan = *run.pass.plan;
-  nlohmann::ordered_json out = slave::measure({&run.pass, 1}, settings.plan.speed_m_per_s);
+  const machining::TimedPath& plan = *run.pass.plan;
+  nlohmann::ordered_json out = machining::measure({&run.pass, 1}, settings.plan.speed_m_per_s);
   out["limit_violations"] = run.limit_violations;
   out["time_s"] = run.time_s;
   out["time_estimate_s"] = plan.time_s();
@@ -109,9 +110,9 @@ nlohmann::ordered_json measure(const ContourRun& run, const ContourRunSettings& 
 }
 
 void write_contour_trace(const ContourRun& run, const std::filesystem::path& csv) {
-  slave::write_tool_trace(csv, run.pass.plan->period_s, run.pass.rows.size(), [&](std::size_t i) {
-    const slave::PassRow& row = run.pass.rows[i];
-    return slave::ToolTraceRow{row.reference.position_m, row.tool_m, row.laser_w};
+  machining::write_tool_trace(csv, run.pass.plan->period_s, run.pass.rows.size(), [&](std::size_t i) {
+    const machining::PassRow& row = run.pass.rows[i];
+    return machining::ToolTraceRow{row.reference.position_m, row.tool_m, row.laser_w};
   });
 }
 

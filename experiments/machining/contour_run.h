@@ -14,9 +14,9 @@
 namespace telekerf::experiments {
 
 struct ContourRunSettings {
-  slave::TimedPathSettings plan;
-  slave::PathFollowerSettings follower;
-  slave::ControllerKind controller = slave::ControllerKind::kAuto;
+  machining::TimedPathSettings plan;
+  machining::PathFollowerSettings follower;
+  machining::ControllerKind controller = machining::ControllerKind::kAuto;
   std::string robot = "slave-keops";
   /// true: no friction, no mismatch, ideal sensors; false: all of them, and Hall sensors.
   bool ideal = false;
@@ -27,8 +27,8 @@ struct ContourRunSettings {
 };
 
 struct ContourRun {
-  slave::ContourPass pass;  ///< refers to the plan and the contour that it was given
-  double time_s = 0.0;      ///< run-up, contour, run-out
+  machining::ContourPass pass;  ///< refers to the plan and the contour that it was given
+  double time_s = 0.0;          ///< run-up, contour, run-out
   int limit_violations =
       0;  ///< ticks with a motor, the speed or the acceleration at its limit, or off stroke
 };
@@ -37,7 +37,7 @@ struct ContourRun {
 robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunSettings& settings);
 
 /// Runs a plan. Throws StartupError if the path leaves the workspace.
-ContourRun run_contour(const slave::TimedPath& plan, const geometry::Polyline& contour,
+ContourRun run_contour(const machining::TimedPath& plan, const geometry::Polyline& contour,
                        const ContourRunSettings& settings);
 
 /// The measures of one run against the extracted points (flat contours), names as in docs/machining.md.

@@ -14,19 +14,19 @@ namespace {
 
 using nlohmann::ordered_json;
 
-const char* name_of(slave::ModelUse use) {
+const char* name_of(machining::ModelUse use) {
   switch (use) {
-    case slave::ModelUse::kNone:
+    case machining::ModelUse::kNone:
       return "none";
-    case slave::ModelUse::kJoints:
+    case machining::ModelUse::kJoints:
       return "joints";
-    case slave::ModelUse::kWhole:
+    case machining::ModelUse::kWhole:
       return "whole";
   }
   return "unknown";
 }
 
-ordered_json side_by_side(const slave::TimedPath& plan, const geometry::Polyline& contour,
+ordered_json side_by_side(const machining::TimedPath& plan, const geometry::Polyline& contour,
                           const ContourRunSettings& settings, const ContourRunSettings& independent) {
   const auto ours = measure(run_contour(plan, contour, settings), settings);
   const auto theirs = measure(run_contour(plan, contour, independent), independent);
@@ -40,9 +40,9 @@ ordered_json side_by_side(const slave::TimedPath& plan, const geometry::Polyline
           {"independent_tuning", tuning(independent)}};
 }
 
-ContourRunSettings independent(ContourRunSettings settings, slave::ModelUse model, double observer_rad_s,
+ContourRunSettings independent(ContourRunSettings settings, machining::ModelUse model, double observer_rad_s,
                                double velocity_rad_s) {
-  settings.controller = slave::ControllerKind::kIndependent;
+  settings.controller = machining::ControllerKind::kIndependent;
   settings.follower.independent_model = model;
   settings.follower.observer_rad_s = observer_rad_s;
   settings.follower.velocity_rad_s = velocity_rad_s;
@@ -50,13 +50,13 @@ ContourRunSettings independent(ContourRunSettings settings, slave::ModelUse mode
 }
 
 /// True positions of a joint of unit mass after one wrong reading of 1 m, until the loop has come to rest.
-std::vector<double> answer_to_a_reading(double law_rad_s, const slave::PathFollowerSettings& s) {
+std::vector<double> answer_to_a_reading(double law_rad_s, const machining::PathFollowerSettings& s) {
   constexpr double kSeconds = 2.0;
   const double dt = 1.0 / s.control_hz;
   control::DisturbanceObserver observer({.period_s = dt,
                                          .bandwidth_rad_per_s = s.observer_rad_s,
                                          .velocity_bandwidth_rad_per_s = s.velocity_rad_s});
-  std::array<double, slave::kMostLoopDelay + 1> sent{};
+  std::array<double, machining::kMaxLoopDelay + 1> sent{};
   double position = 0.0, velocity = 0.0;
   std::vector<double> out;
   for (int i = 0; i < static_cast<int>(kSeconds * s.control_hz); ++i) {
@@ -66,7 +66,7 @@ std::vector<double> answer_to_a_reading(double law_rad_s, const slave::PathFollo
     sent[0] = -law_rad_s * law_rad_s * observer.joints_m()[0] -
               2.0 * law_rad_s * observer.joint_velocity_m_per_s()[0] + observer.disturbance_n()[0];
     const double acts = sent[static_cast<std::size_t>(s.loop_delay)];
-    observer.applied({acts, 0.0, 0.0}, slave::Mat3::Identity());
+    observer.applied({acts, 0.0, 0.0}, robot::Mat3::Identity());
     position += dt * velocity + 0.5 * dt * dt * acts;
     velocity += dt * acts;
   }
@@ -75,7 +75,7 @@ std::vector<double> answer_to_a_reading(double law_rad_s, const slave::PathFollo
 
 }  // namespace
 
-double closed_loop_hz(double law_rad_s, const slave::PathFollowerSettings& settings) {
+double closed_loop_hz(double law_rad_s, const machining::PathFollowerSettings& settings) {
   const std::vector<double> answer = answer_to_a_reading(law_rad_s, settings);
   const auto gain = [&](double hz) {
     const std::complex<double> step = std::polar(1.0, -2.0 * std::numbers::pi * hz / settings.control_hz);
@@ -93,21 +93,21 @@ double closed_loop_hz(double law_rad_s, const slave::PathFollowerSettings& setti
 
 ContourRunSettings tuned_independent(ContourRunSettings settings) {
   settings.follower.along_rad_s = 140.0;
-  return independent(settings, slave::ModelUse::kNone, 150.0, 600.0);
+  return independent(settings, machining::ModelUse::kNone, 150.0, 600.0);
 }
 
 ContourRunSettings assisted_independent(const ContourRunSettings& settings) {
-  return independent(settings, slave::ModelUse::kJoints, 1000.0, 1800.0);
+  return independent(settings, machining::ModelUse::kJoints, 1000.0, 1800.0);
 }
 
 ordered_json tuning(const ContourRunSettings& s) {
-  const bool independent = s.controller == slave::ControllerKind::kIndependent;
+  const bool independent = s.controller == machining::ControllerKind::kIndependent;
   ordered_json out{{"along_rad_s", s.follower.along_rad_s}};
   if (!independent) out["across_rad_s"] = s.follower.across_rad_s;
   out.update({{"observer_rad_s", s.follower.observer_rad_s},
               {"velocity_rad_s", s.follower.velocity_rad_s},
               {"closed_loop_along_hz", closed_loop_hz(s.follower.along_rad_s, s.follower)},
-              {"model", name_of(slave::model_use(s.controller, s.follower))},
+              {"model", name_of(machining::model_use(s.controller, s.follower))},
               {"preview", s.follower.preview},
               {"loop_delay", s.follower.loop_delay}});
   return out;
@@ -117,15 +117,15 @@ double normal_error_ratio(const ordered_json& ours, const ordered_json& theirs) 
   return ours["normal_error_um"]["rms"].get<double>() / theirs["normal_error_um"]["rms"].get<double>();
 }
 
-ordered_json equal_terms(const slave::TimedPath& plan, const geometry::Polyline& contour,
+ordered_json equal_terms(const machining::TimedPath& plan, const geometry::Polyline& contour,
                          const ContourRunSettings& used) {
   ordered_json out;
-  for (const auto model : {slave::ModelUse::kNone, slave::ModelUse::kWhole}) {
+  for (const auto model : {machining::ModelUse::kNone, machining::ModelUse::kWhole}) {
     ContourRunSettings settings = used;
     settings.follower.model = settings.follower.independent_model = model;
     ContourRunSettings other = settings;
-    other.controller = slave::ControllerKind::kIndependent;
-    out[model == slave::ModelUse::kNone ? "both_without_model" : "both_with_model"] =
+    other.controller = machining::ControllerKind::kIndependent;
+    out[model == machining::ModelUse::kNone ? "both_without_model" : "both_with_model"] =
         side_by_side(plan, contour, settings, other);
   }
   out["independent_tuned"] = side_by_side(plan, contour, used, tuned_independent(used));

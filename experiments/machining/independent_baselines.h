@@ -11,7 +11,7 @@ namespace telekerf::experiments {
 
 /// Where the closed loop falls to -3 dB, Hz: from the measured to the true position of one joint under a
 /// critically damped law of `law_rad_s` with the observer and the delay of `settings`.
-double closed_loop_hz(double law_rad_s, const slave::PathFollowerSettings& settings);
+double closed_loop_hz(double law_rad_s, const machining::PathFollowerSettings& settings);
 
 /// The thesis' law at its best at 8 mm/s among the loops that are as fast along the path as contouring
 /// control's is there (84 Hz): least product of the errors on cam, gear and octagon over 40-170, 60-1000 and
@@ -26,7 +26,7 @@ ContourRunSettings assisted_independent(const ContourRunSettings& settings);
 nlohmann::ordered_json tuning(const ContourRunSettings& settings);
 
 /// The settings in use beside independent joints of every kind; entries as in docs/machining.md.
-nlohmann::ordered_json equal_terms(const slave::TimedPath& plan, const geometry::Polyline& contour,
+nlohmann::ordered_json equal_terms(const machining::TimedPath& plan, const geometry::Polyline& contour,
                                    const ContourRunSettings& used);
 
 /// Of the errors across the path, rms, in two results of measure().

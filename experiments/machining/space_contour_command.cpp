@@ -28,17 +28,17 @@ struct Options {
   Settings settings;
 };
 
-slave::Surface sphere_cap(const Vec2& p, double radius_m) {
+machining::Surface sphere_cap(const Vec2& p, double radius_m) {
   const double z = std::sqrt(radius_m * radius_m - p.squaredNorm());
-  slave::Surface s;
+  machining::Surface s;
   s.height_m = z - radius_m;
   s.slope = -p / z;
   s.curvature = -Eigen::Matrix2d::Identity() / z - p * p.transpose() / (z * z * z);
   return s;
 }
 
-slave::Surface saddle(const Vec2& p, double radius_m) {
-  slave::Surface s;
+machining::Surface saddle(const Vec2& p, double radius_m) {
+  machining::Surface s;
   s.height_m = (p.x() * p.x() - p.y() * p.y()) / (2.0 * radius_m);
   s.slope = Vec2(p.x(), -p.y()) / radius_m;
   s.curvature = Eigen::Vector2d(1.0, -1.0).asDiagonal();
@@ -77,10 +77,10 @@ int run(Options& options) {
   ContourRunSettings settings;
   settings.plan.speed_m_per_s = options.speed_mm_s * 1e-3;
   settings.follower.loop_delay = 1;
-  settings.follower.quiet_for(settings.plan.speed_m_per_s);
+  settings.follower.tune_for_speed(settings.plan.speed_m_per_s);
   settings.seed = options.seed;
   const geometry::Polyline flat_contour = clover(options.radius_mm * 1e-3);
-  const auto flat = slave::Path::through(flat_contour, slave::path_settings(settings.plan));
+  const auto flat = machining::Path::through(flat_contour, machining::path_settings(settings.plan));
   if (!flat) throw StartupError(flat.error());
 
   nlohmann::ordered_json result{{"experiment", "space-contour"}, {"speed_mm_s", options.speed_mm_s}};
@@ -90,11 +90,11 @@ int run(Options& options) {
   bool good = true;
   for (const std::string name : {"sphere-cap", "saddle"}) {
     const double radius_m = options.curvature_mm * 1e-3;
-    auto path = slave::wrapped(*flat, [&](const Vec2& p) {
+    auto path = machining::wrapped(*flat, [&](const Vec2& p) {
       return name == "saddle" ? saddle(p, radius_m) : sphere_cap(p, radius_m);
     });
     if (!path) throw StartupError(path.error());
-    const auto plan = slave::make_plan(std::move(*path), settings.plan);
+    const auto plan = machining::make_timed_path(std::move(*path), settings.plan);
     if (!plan) throw StartupError(plan.error());
     const ContourRun run = run_contour(*plan, flat_contour, settings);
     double low = 0.0, high = 0.0;

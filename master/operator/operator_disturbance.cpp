@@ -6,16 +6,16 @@
 
 namespace telekerf::master {
 
-Vec3 acted(std::span<const OperatorDisturbance> acts, double since_s, const Vec2& tangent,
-           const Vec3& work_n) noexcept {
+Vec3 disturbed(std::span<const OperatorDisturbance> disturbances, double since_s, const Vec2& tangent,
+               const Vec3& work_n) noexcept {
   Vec3 force = work_n;
-  for (const OperatorDisturbance& act : acts) {
-    const double u = (since_s - act.at_s) / act.for_s;
+  for (const OperatorDisturbance& now : disturbances) {
+    const double u = (since_s - now.at_s) / now.for_s;
     if (!(u >= 0.0 && u < 1.0)) continue;
     Vec3 own;
-    own.head<2>() = act.force_n * Vec2(-tangent.y(), tangent.x()) + act.along_n * tangent;
-    own.z() = act.upwards_n;
-    switch (act.kind) {
+    own.head<2>() = now.force_n * Vec2(-tangent.y(), tangent.x()) + now.along_n * tangent;
+    own.z() = now.upwards_n;
+    switch (now.kind) {
       case OperatorDisturbance::Kind::kPush:
         force += std::sin(std::numbers::pi * u) * own;
         break;

@@ -12,7 +12,7 @@ namespace telekerf::master {
 struct OperatorDisturbance {
   enum class Kind : std::uint8_t {
     kPush,   ///< a knock: half a sine of force, `force_n` at its top, on top of the work
-    kSlip,   ///< the wrist gives way: `force_n` at once, fading over the act, on top of the work
+    kSlip,   ///< the wrist gives way: `force_n` at once, fading over its time, on top of the work
     kLetGo,  ///< no force at all
     kFight,  ///< nothing but `force_n`, from one moment to the next
   };
@@ -25,7 +25,7 @@ struct OperatorDisturbance {
 };
 
 /// The work's force, changed by what happens at `since_s`. `tangent`: unit, of the curve at the pen.
-Vec3 acted(std::span<const OperatorDisturbance> acts, double since_s, const Vec2& tangent,
-           const Vec3& work_n) noexcept;
+Vec3 disturbed(std::span<const OperatorDisturbance> disturbances, double since_s, const Vec2& tangent,
+               const Vec3& work_n) noexcept;
 
 }  // namespace telekerf::master

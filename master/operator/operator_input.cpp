@@ -2,6 +2,7 @@
 #include "master/operator/operator_input.h"
 
 #include "common/runtime/device_registry.h"
+#include "common/runtime/udp.h"
 #include "master/operator/udp_foot_switch.h"
 
 namespace telekerf::master {
@@ -9,29 +10,27 @@ namespace {
 
 class AlwaysPressed final : public OperatorInput {
  public:
-  bool pressed(std::int64_t) noexcept override { return true; }
+  OperatorSample sample(std::int64_t) noexcept override { return {.trigger = true}; }
 };
 
 std::unique_ptr<OperatorInput> hand(std::string_view) { return nullptr; }
 std::unique_ptr<OperatorInput> pressed(std::string_view) { return std::make_unique<AlwaysPressed>(); }
-std::unique_ptr<OperatorInput> udp(std::string_view rest) {
-  return std::make_unique<UdpFootSwitch>(udp_address(rest));
-}
 
-using Table = DeviceRegistry<std::unique_ptr<OperatorInput>>;
-constexpr Table::Kind kKinds[] = {
-    {"hand", "hand", stands_alone, hand},
-    {"pressed", "pressed", stands_alone, pressed},
-    {"udp", "udp:HOST:PORT", complaint_about_udp, udp},
+// A device of your own: one row.
+using Registry = DeviceRegistry<std::unique_ptr<OperatorInput>>;
+constexpr Registry::Kind kKinds[] = {
+    {"hand", "hand", no_argument, hand},
+    {"pressed", "pressed", no_argument, pressed},
+    {"udp", "udp:HOST:PORT", validate_udp, open_udp_foot_switch},
 };
-constexpr Table kButtons("button", kKinds);
+constexpr Registry kInputs("button", kKinds);
 
 }  // namespace
 
-std::string button_forms() { return kButtons.forms(); }
+std::string operator_input_forms() { return kInputs.forms(); }
 
-std::string complaint_about_button(const std::string& button) { return kButtons.complaint(button); }
+std::string validate_operator_input(const std::string& button) { return kInputs.validate(button); }
 
-std::unique_ptr<OperatorInput> attach_button(const std::string& button) { return kButtons.attach(button); }
+std::unique_ptr<OperatorInput> open_operator_input(const std::string& button) { return kInputs.open(button); }
 
 }  // namespace telekerf::master

@@ -34,8 +34,8 @@ void SimulatedOperator::choose_button(double now_s) noexcept {
   button_until_s_ = now_s + (button_ ? press_s : press_s * pause_share);
 }
 
-OperatorSample SimulatedOperator::sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s,
-                                         bool guided) noexcept {
+HandSample SimulatedOperator::sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s,
+                                     bool guided) noexcept {
   const double dt_s = last_s_ ? now_s - *last_s_ : 0.0;
   last_s_ = now_s;
   if (!guided) {
@@ -84,16 +84,16 @@ OperatorSample SimulatedOperator::sample(double now_s, const Vec3& tool_m, const
   const Vec2 to_goal = goal.point_m - tool;
   Vec2 pull =
       settings_.stiffness_n_per_m * (lead_m * ahead + to_goal - ahead.dot(to_goal) * ahead) +
-      settings_.damping_ns_per_m * (way_ * settings_.speed_m_per_s * ahead - velocity_m_per_s.head<2>());
+      settings_.damping_n_s_per_m * (way_ * settings_.speed_m_per_s * ahead - velocity_m_per_s.head<2>());
   if (pull.norm() > kMaxPull) pull *= kMaxPull / pull.norm();
   const Vec2 left(-ahead.y(), ahead.x());
   const double push = std::clamp(sideways_n_ + settings_.tremor_n * std::sin(tremor_phase_rad_),
                                  -settings_.max_sideways_n, settings_.max_sideways_n);
-  OperatorSample hand;
+  HandSample hand;
   hand.force_n.head<2>() = pull + push * left;
   hand.force_n.z() = 0.2 * push;  // a hand never pushes quite level
-  hand.force_n = acted(settings_.acts, now_s - guided_since_s_, place_.tangent, hand.force_n);
-  hand.button = button_;
+  hand.force_n = disturbed(settings_.disturbances, now_s - guided_since_s_, place_.tangent, hand.force_n);
+  hand.trigger = button_;
   return hand;
 }
 

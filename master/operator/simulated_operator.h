@@ -12,22 +12,22 @@
 
 namespace telekerf::master {
 
-/// What the hand does to the pen.
-struct OperatorSample {
-  Vec3 force_n = Vec3::Zero();  ///< on the tool, master workpiece frame
-  bool button = false;          ///< laser button
+/// What the simulated hand does to the pen.
+struct HandSample {
+  Vec3 force_n = Vec3::Zero();  ///< on the tool, master's workpiece frame
+  bool trigger = false;         ///< the laser is wanted
 };
 
 struct SimulatedOperatorSettings {
   double speed_m_per_s = 0.02;       ///< mean along the curve
   double stiffness_n_per_m = 250.0;  ///< of the arm
-  double damping_ns_per_m = 8.0;
-  double lead_m = 3e-3;                   ///< the hand aims at most this far ahead of the pen
-  double max_sideways_n = 3.0;            ///< how hard it pushes off the curve at most
-  double wander_n = 2.0;                  ///< rms of the sideways push
-  double tremor_n = 0.05;                 ///< amplitude, 9 Hz
-  double press_share = 0.8;               ///< of the time that the button is held, in stretches
-  std::vector<OperatorDisturbance> acts;  ///< beside the work
+  double damping_n_s_per_m = 8.0;
+  double lead_m = 3e-3;                           ///< the hand aims at most this far ahead of the pen
+  double max_sideways_n = 3.0;                    ///< how hard it pushes off the curve at most
+  double wander_n = 2.0;                          ///< rms of the sideways push
+  double tremor_n = 0.05;                         ///< amplitude, 9 Hz
+  double press_share = 0.8;                       ///< of the time that the button is held, in stretches
+  std::vector<OperatorDisturbance> disturbances;  ///< beside the work
 };
 
 /// An arm that wants to go round and round the curve (to and fro on an open one) but wanders off it:
@@ -39,7 +39,7 @@ class SimulatedOperator {
                     std::uint64_t seed);
   /// `tool_m`, `velocity_m_per_s`: the pen's true state, master workpiece frame. `guided`: the constraint
   /// holds the pen.
-  OperatorSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s, bool guided) noexcept;
+  HandSample sample(double now_s, const Vec3& tool_m, const Vec3& velocity_m_per_s, bool guided) noexcept;
 
  private:
   double uniform() noexcept;

@@ -23,7 +23,7 @@ UdpFootSwitch::UdpFootSwitch(const UdpAddress& address) : socket_(context_) {
   }
 }
 
-bool UdpFootSwitch::pressed(std::int64_t now_ns) noexcept {
+OperatorSample UdpFootSwitch::sample(std::int64_t now_ns) noexcept {
   constexpr int kMostAtOnce = 64;  // bounds the step, whatever is in the queue
   for (int i = 0; i < kMostAtOnce; ++i) {
     UdpButton told;
@@ -36,7 +36,7 @@ bool UdpFootSwitch::pressed(std::int64_t now_ns) noexcept {
       hear(told, from, now_ns);
     }
   }
-  return held_ && let_go_ && now_ns - heard_ns_ < kSilence_ns;
+  return {.trigger = held_ && let_go_ && now_ns - heard_ns_ < kSilence_ns};
 }
 
 void UdpFootSwitch::hear(const UdpButton& told, const udp::endpoint& from, std::int64_t now_ns) noexcept {
@@ -50,6 +50,10 @@ void UdpFootSwitch::hear(const UdpButton& told, const udp::endpoint& from, std::
   heard_ns_ = now_ns;
   held_ = told.held == 1;
   let_go_ = let_go_ || !held_;
+}
+
+std::unique_ptr<OperatorInput> open_udp_foot_switch(std::string_view rest) {
+  return std::make_unique<UdpFootSwitch>(udp_address(rest));
 }
 
 }  // namespace telekerf::master

@@ -7,6 +7,8 @@
 #include <boost/asio/ip/udp.hpp>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <string_view>
 
 #include "common/runtime/udp.h"
 #include "master/operator/operator_input.h"
@@ -32,7 +34,7 @@ class UdpFootSwitch final : public OperatorInput {
 
   /// `address`: of this host, where the pedal's datagrams arrive; port 0: any free one. Throws StartupError.
   explicit UdpFootSwitch(const UdpAddress& address);
-  bool pressed(std::int64_t now_ns) noexcept override;
+  OperatorSample sample(std::int64_t now_ns) noexcept override;
 
   std::uint16_t port() const { return socket_.local_endpoint().port(); }
 
@@ -47,5 +49,8 @@ class UdpFootSwitch final : public OperatorInput {
   bool held_ = false;
   bool let_go_ = false;  ///< since the last silence
 };
+
+/// `rest`: HOST:PORT, as the user wrote it. Throws StartupError.
+std::unique_ptr<OperatorInput> open_udp_foot_switch(std::string_view rest);
 
 }  // namespace telekerf::master

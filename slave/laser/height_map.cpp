@@ -10,7 +10,7 @@
 
 #include "slave/laser/mark_picture.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 namespace {
 
 /// Below the raster in pictures, for the bar that shows the scale.
@@ -136,4 +136,4 @@ cv::Mat HeightMap::depth_picture(int pixels) const {
   return out;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -9,7 +9,7 @@
 #include "slave/laser/material.h"
 #include "slave/laser/pulsed_source.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 struct HeightMapSettings {
   Vec2 centre_m = Vec2::Zero();
@@ -61,4 +61,4 @@ class HeightMap {
   EnergyStatistics energy_;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

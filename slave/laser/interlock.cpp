@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/laser/interlock.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 const char* name_of(Interlock state) noexcept {
   switch (state) {
@@ -25,4 +25,4 @@ const char* name_of(Interlock state) noexcept {
   return "unknown";
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -4,7 +4,7 @@
 
 #include "common/protocol/messages.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 struct InterlockSettings {
   double corridor_m = 0.5e-3;    ///< half width, judged at the beam's centre (contract.md, "Corridor")
@@ -25,7 +25,7 @@ struct InterlockInputs {
 };
 
 /// Pure judgement, made anew at every control step.
-inline Interlock judge(const InterlockInputs& now, const InterlockSettings& settings) noexcept {
+inline Interlock evaluate_interlock(const InterlockInputs& now, const InterlockSettings& settings) noexcept {
   if (now.stopped) return Interlock::kStopped;
   if (!now.contour_known) return Interlock::kNoContour;
   if (!now.engaged) return Interlock::kNotEngaged;
@@ -40,4 +40,4 @@ inline Interlock judge(const InterlockInputs& now, const InterlockSettings& sett
 
 const char* name_of(Interlock state) noexcept;
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

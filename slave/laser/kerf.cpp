@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 namespace {
 
 constexpr double kSpacing_m = 10e-6;
@@ -110,4 +110,4 @@ tl::expected<geometry::Polyline, std::string> compensated(const geometry::Polyli
   return out;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -8,7 +8,7 @@
 #include "common/geometry/polyline.h"
 #include "slave/laser/height_map.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 struct MarkAlongPath {
   double kerf_m = 0.0;           ///< mean width of what is deeper than half the mean depth
@@ -26,4 +26,4 @@ MarkAlongPath measure_mark(const HeightMap& map, const geometry::Polyline& path,
 tl::expected<geometry::Polyline, std::string> compensated(const geometry::Polyline& contour, double kerf_m,
                                                           bool hole);
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -5,40 +5,31 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
-#include "common/runtime/device_registry.h"
 #include "common/runtime/settings.h"
 #include "slave/laser/udp_laser.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 namespace {
-
-std::unique_ptr<Laser> simulated(std::string_view, double) { return std::make_unique<SimulatedLaser>(); }
-
-std::unique_ptr<Laser> udp(std::string_view rest, double control_hz) {
-  return std::make_unique<UdpLaser>(udp_address(rest), control_hz);
-}
 
 // A distant host says once a second at most that nobody listens, a near one every time.
 constexpr double kMemory_s = 4.0;
 constexpr double kEnough = 3.0;
 
-using Table = DeviceRegistry<std::unique_ptr<Laser>, double>;
-constexpr Table::Kind kKinds[] = {
-    {"simulated", "simulated", stands_alone, simulated},
-    {"udp", "udp:HOST:PORT", complaint_about_udp, udp},
+// A laser of your own: its header above, and one row.
+constexpr LaserKind kKinds[] = {
+    kSimulatedLaser,
+    kUdpLaser,
 };
-constexpr Table kLasers("laser", kKinds);
+constexpr LaserRegistry kLasers("laser", kKinds);
 
 }  // namespace
 
-std::string complaint_about_laser(const std::string& laser) { return kLasers.complaint(laser); }
+std::string validate_laser(const std::string& laser) { return kLasers.validate(laser); }
 
 void LaserOutputSettings::declare(Settings& settings) {
-  settings.add("laser", laser, fmt::format("what makes the beam ({})", kLasers.forms()),
-               complaint_about_laser);
+  settings.add("laser", laser, fmt::format("what makes the beam ({})", kLasers.forms()), validate_laser);
   settings.add("laser_max_w", laser_max_w, {.min = 0, .max = 1000},
                "power that the laser is never asked to exceed");
 }
@@ -52,7 +43,7 @@ LaserOutput::LaserOutput(const LaserOutputSettings& settings, double laser_w, do
                     "laser_max_w if the laser can give more",
                     laser_w, max_w_));
   }
-  laser_ = laser ? std::move(laser) : kLasers.attach(settings.laser, control_hz);
+  laser_ = laser ? std::move(laser) : kLasers.open(settings.laser, control_hz);
   off();
 }
 
@@ -62,21 +53,21 @@ double LaserOutput::emit(double power_w, bool pilot) noexcept {
     power_w = max_w_;
     ++clipped_;
   }
-  if (lost_) power_w = 0.0;
-  if (laser_->emit(power_w, pilot && !lost_)) {
+  if (failed_) power_w = 0.0;
+  if (laser_->emit(power_w, pilot && !failed_)) {
     doubts_ = std::max(0.0, doubts_ - forgotten_a_step_);
   } else {
-    ++untold_;
-    lost_ = lost_ || ++doubts_ >= kEnough;
+    ++write_failures_;
+    failed_ = failed_ || ++doubts_ >= kEnough;
   }
   return power_w;
 }
 
-std::string LaserOutput::loss() const {
+std::string LaserOutput::failure() const {
   return fmt::format(
       "laser = {}: it no longer hears what it is told, so nothing is cut any more; is it switched on, "
       "connected, and its port right?",
       name_);
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

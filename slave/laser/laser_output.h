@@ -12,17 +12,17 @@ namespace telekerf {
 class Settings;
 }
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 struct LaserOutputSettings {
   LaserOutputSettings() = default;  // no aggregate, see RobotSupervisorSettings
-  std::string laser = "simulated";  ///< a row of the table in beam.cpp
+  std::string laser = "simulated";  ///< a row of the registry in laser_output.cpp
   double laser_max_w = 1000.0;      ///< more is never asked for
   void declare(Settings& settings);
 };
 
 /// What is wrong with a `laser` as a user wrote it, and the remedy; empty: nothing.
-std::string complaint_about_laser(const std::string& laser);
+std::string validate_laser(const std::string& laser);
 
 class LaserOutput {
  public:
@@ -43,12 +43,12 @@ class LaserOutput {
   /// Steps in which more than `laser_max_w` was asked for.
   std::uint64_t clipped() const noexcept { return clipped_; }
   /// Steps in which the laser was not told, as far as is known.
-  std::uint64_t untold() const noexcept { return untold_; }
+  std::uint64_t write_failures() const noexcept { return write_failures_; }
 
-  /// Not told time and again, from then on and for good: `loss()` says so in a sentence for the user. The
+  /// Not told time and again, from then on and for good: `failure()` says so in a sentence for the user. The
   /// laser is told to be off from then on, in case it hears.
-  bool lost() const noexcept { return lost_; }
-  std::string loss() const;
+  bool failed() const noexcept { return failed_; }
+  std::string failure() const;
 
  private:
   std::string name_;
@@ -56,9 +56,9 @@ class LaserOutput {
   double forgotten_a_step_;
   std::unique_ptr<Laser> laser_;
   std::uint64_t clipped_ = 0;
-  std::uint64_t untold_ = 0;
-  double doubts_ = 0.0;  ///< steps untold, less what was forgotten of them since
-  bool lost_ = false;
+  std::uint64_t write_failures_ = 0;
+  double doubts_ = 0.0;  ///< steps write_failures, less what was forgotten of them since
+  bool failed_ = false;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 cv::Mat mark_picture(const cv::Mat& burnt, const Material& material) {
   cv::Mat out(burnt.size(), CV_8UC3);
@@ -35,4 +35,4 @@ void draw_scale_bar(cv::Mat& picture, double pixel_m, const cv::Scalar& colour_b
               0.7, colour_bgr, 2, cv::LINE_AA);
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

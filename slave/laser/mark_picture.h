@@ -6,7 +6,7 @@
 
 #include "slave/laser/material.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 /// The material's colours by the burnt share of each pixel (CV_32F, 0..1), with a little grain; CV_8UC3.
 cv::Mat mark_picture(const cv::Mat& burnt, const Material& material);
@@ -20,4 +20,4 @@ inline cv::Scalar ink_of(const Material& material) {
 /// of the picture's width. `pixel_m`: size of one of the picture's pixels.
 void draw_scale_bar(cv::Mat& picture, double pixel_m, const cv::Scalar& colour_bgr);
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

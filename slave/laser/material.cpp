@@ -3,7 +3,7 @@
 
 #include "common/runtime/startup_error.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 namespace {
 
 // Orders of magnitude from the ablation literature; the thesis gives none. Wood at 2 mm/s and 10 W: about 1
@@ -47,4 +47,4 @@ std::vector<std::string> material_names() {
   return names;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 /// Ablation by heating: of a pulse's fluence F (J/m^2 absorbed) the part above the threshold removes
 /// depth = (F - threshold) / heat_of_removal. Many pulses overlap, so the depth along a line is
@@ -32,4 +32,4 @@ struct Material {
 Material material(const std::string& name);
 std::vector<std::string> material_names();
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 struct PulsedSourceSettings {
   double max_power_w = 20.0;
@@ -51,4 +51,4 @@ class PulsedSource {
   double phase_ = 0.0;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

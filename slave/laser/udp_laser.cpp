@@ -7,7 +7,7 @@
 #include <cmath>
 #include <thread>
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "datagrams are little endian");
@@ -46,4 +46,8 @@ bool UdpLaser::emit(double power_w, bool pilot) noexcept {
   return told;
 }
 
-}  // namespace telekerf::slave
+std::unique_ptr<Laser> open_udp_laser(std::string_view rest, double control_hz) {
+  return std::make_unique<UdpLaser>(udp_address(rest), control_hz);
+}
+
+}  // namespace telekerf::laser

@@ -7,11 +7,13 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cstdint>
+#include <memory>
+#include <string_view>
 
 #include "common/runtime/udp.h"
 #include "slave/laser/laser.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 /// Controller -> laser, little endian. docs/attach-a-drive.md says what the laser must do by itself.
 struct UdpPower {
@@ -47,4 +49,7 @@ class UdpLaser final : public Laser {
   UdpPower outgoing_;
 };
 
-}  // namespace telekerf::slave
+std::unique_ptr<Laser> open_udp_laser(std::string_view rest, double control_hz);
+inline constexpr LaserKind kUdpLaser{"udp", "udp:HOST:PORT", validate_udp, open_udp_laser};
+
+}  // namespace telekerf::laser

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 Workpiece::Workpiece(const WorkpieceSettings& settings)
     : settings_(settings), energy_(cv::Mat::zeros(settings.pixels, settings.pixels, CV_32F)) {}
@@ -42,4 +42,4 @@ void Workpiece::expose(const Vec2& tool_m, double energy_j) noexcept {
   }
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -6,7 +6,7 @@
 
 #include "common/protocol/messages.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 struct WorkpieceSettings {
   double half_width_m = 0.02;    ///< the raster covers a square about the workspace centre
@@ -35,4 +35,4 @@ class Workpiece {
   double outside_j_ = 0.0;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -12,7 +12,7 @@
 #include "slave/laser/kerf.h"
 #include "slave/machining/contouring_control.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 using geometry::NearestIndex;
@@ -153,7 +153,7 @@ ordered_json burn(std::span<const ContourPass> passes, const std::string& materi
   for (const ContourPass& pass : passes)
     all.insert(all.end(), pass.contour->points_m.begin(), pass.contour->points_m.end());
   const geometry::Box box = geometry::bounding_box(all);
-  PulsedSourceSettings source;
+  laser::PulsedSourceSettings source;
   double most_w = source.max_power_w;
   for (const ContourPass& pass : passes) {
     for (const PassRow& row : pass.rows) most_w = std::max(most_w, row.laser_w);
@@ -161,9 +161,9 @@ ordered_json burn(std::span<const ContourPass> passes, const std::string& materi
   // A stronger laser has more pulses of the same energy.
   source.repetition_hz *= most_w / source.max_power_w;
   source.max_power_w = most_w;
-  HeightMap map(
+  laser::HeightMap map(
       {.centre_m = box.centre(), .half_width_m = 0.5 * box.size().maxCoeff() + 0.5e-3, .pixel_m = 7.5e-6},
-      material(material_name), source);
+      laser::material(material_name), source);
   std::vector<Polyline> paths;
   for (const ContourPass& pass : passes) {
     const NearestIndex corridor(*pass.contour);
@@ -176,11 +176,11 @@ ordered_json burn(std::span<const ContourPass> passes, const std::string& materi
     }
   }
   // Only when everything is burned: a later contour may cross an earlier one.
-  MarkAlongPath whole;
+  laser::MarkAlongPath whole;
   double length = 0.0;
   for (const Polyline& path : paths) {
     if (path.size() < 3) continue;
-    const MarkAlongPath mark = measure_mark(map, path, source.spot_radius_m);
+    const laser::MarkAlongPath mark = laser::measure_mark(map, path, source.spot_radius_m);
     const double share = geometry::length_m(path);
     whole.depth_m += share * mark.depth_m;
     whole.kerf_m += share * mark.kerf_m;
@@ -191,7 +191,7 @@ ordered_json burn(std::span<const ContourPass> passes, const std::string& materi
       !cv::imwrite((folder / "depth.png").string(), map.depth_picture())) {
     throw StartupError(folder.string() + ": cannot be written");
   }
-  const EnergyStatistics& energy = map.energy();
+  const laser::EnergyStatistics& energy = map.energy();
   return {{"material", material_name},
           {"depth_um", length > 0.0 ? 1e6 * whole.depth_m / length : 0.0},
           {"depth_variation_percent", 100.0 * whole.depth_variation},
@@ -201,4 +201,4 @@ ordered_json burn(std::span<const ContourPass> passes, const std::string& materi
           {"absorbed_j", energy.absorbed_j}};
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -11,7 +11,7 @@
 
 #include "slave/machining/timed_path.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 /// One tick with the beam released, workpiece frame; tool and its velocity are the truth where it is known.
 struct PassRow {
@@ -44,4 +44,4 @@ nlohmann::ordered_json burn(std::span<const ContourPass> passes, const std::stri
 /// Vertices where the contour turns by more than 30 degrees within 0.3 mm.
 std::vector<Vec2> corners_of(const geometry::Polyline& contour);
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

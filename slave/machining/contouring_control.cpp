@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 /// A vector and its first two derivatives by arc length.
@@ -47,8 +47,8 @@ MovingFrame moving_frame(const Reference& r) noexcept {
 }
 
 Vec3 ContouringControl::update(const Tracking& now) const noexcept {
-  const Reference reference = now.track.at(now.tick);
-  const Vec3 ahead = now.track.at(now.tick + acceleration_ahead).acceleration_m_per_s2;
+  const Reference reference = now.trajectory.at(now.tick);
+  const Vec3 ahead = now.trajectory.at(now.tick + acceleration_ahead).acceleration_m_per_s2;
   MovingFrame frame = moving_frame(reference);
   // Errors that are turned along with a fast frame ask for centrifugal forces that come too late, round after
   // round and corner after corner; and what is along the path now is across it when the currents act.
@@ -67,4 +67,4 @@ Vec3 ContouringControl::update(const Tracking& now) const noexcept {
   return now.measured.joint_acceleration(desired);
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

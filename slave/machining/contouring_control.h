@@ -14,7 +14,7 @@
 
 #include "slave/machining/tracking.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 /// The moving frame: rows are tangent, normal, binormal; derivatives by time.
 struct MovingFrame {
@@ -42,4 +42,4 @@ struct ContouringControl {
   Vec3 update(const Tracking& now) const noexcept;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -10,7 +10,7 @@
 #include "slave/machining/independent_control.h"
 #include "slave/machining/preview_control.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 using Controller = std::variant<IndependentControl, PreviewControl, ContouringControl>;
 
@@ -27,4 +27,4 @@ inline Vec3 desired_acceleration(const Controller& controller, const Tracking& n
   }
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

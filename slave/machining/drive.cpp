@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 Drive::Drive(const robot::RobotModel& nominal, const DriveSettings& settings) noexcept
     : model_(nominal), kinematics_(nominal.geometry), settings_(settings), observer_(settings.observer) {
-  settings_.loop_delay = std::clamp(settings_.loop_delay, 0, kMostLoopDelay);
+  settings_.loop_delay = std::clamp(settings_.loop_delay, 0, kMaxLoopDelay);
   sent_n_.fill(Vec3::Zero());
 }
 
@@ -41,4 +41,4 @@ Vec3 Drive::currents(const Vec3& desired_joint_acceleration_m_per_s2, const Vec3
   return force / model_.motor.force_constant_n_per_a;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

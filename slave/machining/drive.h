@@ -9,13 +9,13 @@
 #include "common/robot/dynamics.h"
 #include "common/robot/robot.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 using robot::DeltaState;
 using robot::Mat3;
 
 /// Most samples between a reading and the effect of the currents that answer it.
-inline constexpr int kMostLoopDelay = 4;
+inline constexpr int kMaxLoopDelay = 4;
 
 /// A_n of eq. 21.
 enum class NominalInertia : std::uint8_t {
@@ -27,7 +27,7 @@ struct DriveSettings {
   control::DisturbanceObserver::Gains observer{
       .period_s = 1.0 / 2400.0, .bandwidth_rad_per_s = 300.0, .velocity_bandwidth_rad_per_s = 700.0};
   NominalInertia inertia = NominalInertia::kModel;
-  int loop_delay = 0;  ///< samples, 0..kMostLoopDelay
+  int loop_delay = 0;  ///< samples, 0..kMaxLoopDelay
 };
 
 /// Order within a step: observe(reading), compute a desired acceleration from state(), currents(...), write.
@@ -57,8 +57,8 @@ class Drive {
   control::DisturbanceObserver observer_;
   DeltaState state_;
   Mat3 diagonal_kg_ = Mat3::Identity();
-  std::array<Vec3, kMostLoopDelay + 1> sent_n_;  ///< on their way, beyond the known ones, newest first
+  std::array<Vec3, kMaxLoopDelay + 1> sent_n_;  ///< on their way, beyond the known ones, newest first
   bool saturated_ = false;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

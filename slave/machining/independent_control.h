@@ -8,7 +8,7 @@
 
 #include "slave/machining/tracking.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 struct IndependentControl {
   double bandwidth_rad_s = 60.0;    ///< K_p1 = bandwidth^2
@@ -16,9 +16,10 @@ struct IndependentControl {
   double acceleration_ahead = 0.0;  ///< samples, as in preview control
 
   Vec3 update(const Tracking& now) const noexcept {
-    const JointReference q = joint_reference(now, now.track.at(now.tick));
-    const JointReference a =
-        acceleration_ahead == 0.0 ? q : joint_reference(now, now.track.at(now.tick + acceleration_ahead));
+    const JointReference q = joint_reference(now, now.trajectory.at(now.tick));
+    const JointReference a = acceleration_ahead == 0.0
+                                 ? q
+                                 : joint_reference(now, now.trajectory.at(now.tick + acceleration_ahead));
     if (!q.good || !a.good) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     return a.acceleration_m_per_s2 +
            2.0 * damping * bandwidth_rad_s * (q.velocity_m_per_s - now.measured.joint_velocity_m_per_s) +
@@ -26,4 +27,4 @@ struct IndependentControl {
   }
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

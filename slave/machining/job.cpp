@@ -7,7 +7,7 @@
 #include "common/geometry/cutting_order.h"
 #include "slave/laser/kerf.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 /// References under construction; moves are straight, at rest at both ends, of least jerk.
@@ -50,13 +50,13 @@ class Writer {
     here_m_ = to_m;
   }
 
-  void follow(const Trajectory& track) {
-    for (std::size_t i = 0; i < track.size(); ++i) push(track[i], JobPhase::kCut);
-    here_m_ = track[track.size() - 1].position_m;
+  void follow(const Trajectory& trajectory) {
+    for (std::size_t i = 0; i < trajectory.size(); ++i) push(trajectory[i], JobPhase::kCut);
+    here_m_ = trajectory[trajectory.size() - 1].position_m;
   }
 
   void follow(const Job& job) {
-    for (std::size_t i = 0; i < job.track.size(); ++i) push(job.track[i], job.phases[i]);
+    for (std::size_t i = 0; i < job.trajectory.size(); ++i) push(job.trajectory[i], job.phases[i]);
   }
 
   std::vector<Reference> points;
@@ -93,10 +93,10 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
   std::vector<Vec2> all;
   double length_m = 0.0;
   for (const std::size_t which : order) {
-    auto line = compensated(contours[which], settings.kerf_m, is_hole(contours, which));
+    auto line = laser::compensated(contours[which], settings.kerf_m, is_hole(contours, which));
     if (!line) return tl::unexpected(line.error());
     lines.push_back(std::move(*line));
-    auto plan = make_plan(lines.back(), settings.plan);
+    auto plan = make_timed_path(lines.back(), settings.plan);
     if (!plan) return tl::unexpected(plan.error());
     length_m += plan->path.length_m();
     plans.push_back(std::move(*plan));
@@ -119,9 +119,9 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
   }
   bool first = !settings.framing;
   for (const TimedPath& plan : plans) {
-    writer.move(plan.track[0].position_m, first ? JobPhase::kApproach : JobPhase::kTravel);
+    writer.move(plan.trajectory[0].position_m, first ? JobPhase::kApproach : JobPhase::kTravel);
     writer.wait(settings.settle_s, JobPhase::kTravel);
-    writer.follow(plan.track);
+    writer.follow(plan.trajectory);
     first = false;
   }
   writer.move(home_m, JobPhase::kReturn);
@@ -136,12 +136,12 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
 
 Job approached_from(const Vec3& tool_m, const Job& job, const JobSettings& settings) {
   Writer writer(settings, tool_m);
-  writer.move(job.track[0].position_m, JobPhase::kApproach);
+  writer.move(job.trajectory[0].position_m, JobPhase::kApproach);
   writer.follow(job);
   Job whole = job;
-  whole.track = Trajectory(std::move(writer.points));
+  whole.trajectory = Trajectory(std::move(writer.points));
   whole.phases = std::move(writer.phases);
   return whole;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole piece of work as one track: approach, framing by the pilot beam, contours from the inside out,
+// A whole piece of work as one trajectory: approach, framing by the pilot beam, contours from the inside out,
 // return.
 #pragma once
 
@@ -7,7 +7,7 @@
 
 #include "slave/machining/timed_path.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 struct JobSettings {
   TimedPathSettings plan;
@@ -22,14 +22,14 @@ struct JobSettings {
 enum class JobPhase : std::uint8_t { kApproach, kFraming, kTravel, kCut, kReturn };
 
 struct Job {
-  Trajectory track;
+  Trajectory trajectory;
   std::vector<JobPhase> phases;           ///< one a tick
   std::vector<std::size_t> order;         ///< contours as they are cut
   std::vector<TimedPath> plans;           ///< in that order
   std::vector<geometry::Polyline> lines;  ///< what each of them cuts: the contour, moved by half the kerf
   double period_s = 0.0;
   double cut_length_m = 0.0;
-  double time_s() const noexcept { return period_s * static_cast<double>(track.size()); }
+  double time_s() const noexcept { return period_s * static_cast<double>(trajectory.size()); }
 };
 
 /// Starts and ends at rest at `home_m`. What lies inside another contour is cut first. The error is one
@@ -40,4 +40,4 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
 /// The same job for a tool that rests elsewhere: it is brought to the job's start first.
 Job approached_from(const Vec3& tool_m, const Job& job, const JobSettings& settings);
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
-JobExecutor::JobExecutor(const robot::RobotModel& nominal, const Job& job, const MachinistSettings& settings)
+JobExecutor::JobExecutor(const robot::RobotModel& nominal, const Job& job,
+                         const JobExecutorSettings& settings)
     : job_(job),
       corridors_(job.lines.begin(), job.lines.end()),
       controllers_{make_controller(settings.controller, false, settings.follower),
@@ -23,34 +24,35 @@ void JobExecutor::turn_to(std::size_t contour) noexcept {
   follower_.use(controllers_[job_.plans[contour].path.closed() ? 1 : 0]);
 }
 
-MachinistOutputs JobExecutor::step(const robot::JointReading& reading, bool stop) noexcept {
-  MachinistOutputs out;
-  const std::size_t last = job_.track.size() - 1;
+JobExecutorOutputs JobExecutor::step(const robot::JointReading& reading, bool stop) noexcept {
+  JobExecutorOutputs out;
+  const std::size_t last = job_.trajectory.size() - 1;
   if (stop && !stopped_) {
     stopped_ = true;
     Reference rest;
-    rest.position_m = job_.track[tick_].position_m;
-    rest.tangent = job_.track[tick_].tangent;
+    rest.position_m = job_.trajectory[tick_].position_m;
+    rest.tangent = job_.trajectory[tick_].tangent;
     hold_.replace(0, rest);
   }
-  const Reference& reference = stopped_ ? hold_[0] : job_.track[tick_];
+  const Reference& reference = stopped_ ? hold_[0] : job_.trajectory[tick_];
   out.currents_a = stopped_ ? follower_.step(reading, hold_, 0.0)
-                            : follower_.step(reading, job_.track, static_cast<double>(tick_));
+                            : follower_.step(reading, job_.trajectory, static_cast<double>(tick_));
   out.saturated = follower_.drive().saturated();
   out.tool_m = follower_.tool_m();
   out.tool_velocity_m_per_s = follower_.drive().state().tool_velocity_m_per_s;
   out.reference_m = reference.position_m;
   out.tick = tick_;
   out.phase = job_.phases[tick_];
-  out.interlock = judge({.stopped = stopped_,
-                         .contour_known = true,
-                         .engaged = out.phase == JobPhase::kCut,
-                         .fresh = reading.valid,
-                         .inside_workspace = out.tool_m.head<2>().norm() <= workspace_radius_m_,
-                         .contour_distance_m = corridors_[contour_].find(out.tool_m.head<2>()).distance_m,
-                         .speed_m_per_s = reference.speed_m_per_s,
-                         .tracking_error_m = (out.tool_m - reference.position_m).norm()},
-                        settings_.interlock);
+  out.interlock = laser::evaluate_interlock(
+      {.stopped = stopped_,
+       .contour_known = true,
+       .engaged = out.phase == JobPhase::kCut,
+       .fresh = reading.valid,
+       .inside_workspace = out.tool_m.head<2>().norm() <= workspace_radius_m_,
+       .contour_distance_m = corridors_[contour_].find(out.tool_m.head<2>()).distance_m,
+       .speed_m_per_s = reference.speed_m_per_s,
+       .tracking_error_m = (out.tool_m - reference.position_m).norm()},
+      settings_.interlock);
   if (out.interlock == Interlock::kReady && reference.beam)
     out.laser_w = settings_.laser_w * follower_.beam_power(reference);
   out.pilot = out.phase == JobPhase::kFraming && reading.valid && !stopped_;
@@ -65,4 +67,4 @@ MachinistOutputs JobExecutor::step(const robot::JointReading& reading, bool stop
   return out;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -10,22 +10,22 @@
 #include "slave/machining/job.h"
 #include "slave/machining/path_follower.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
-struct MachinistSettings {
+struct JobExecutorSettings {
   PathFollowerSettings follower;
   ControllerKind controller = ControllerKind::kAuto;
   double laser_w = 10.0;
-  InterlockSettings interlock;
+  laser::InterlockSettings interlock;
 };
 
-struct MachinistOutputs {
+struct JobExecutorOutputs {
   Vec3 currents_a = Vec3::Zero();
   double laser_w = 0.0;
   bool pilot = false;  ///< the visible beam that shows where the work will be
   JobPhase phase = JobPhase::kApproach;
   Interlock interlock = Interlock::kNoContour;
-  std::size_t tick = 0;   ///< of the job's track
+  std::size_t tick = 0;   ///< of the job's trajectory
   double progress = 0.0;  ///< share of the job's time
   bool done = false;
   bool saturated = false;  ///< a motor at its limit
@@ -36,13 +36,13 @@ struct MachinistOutputs {
 
 class JobExecutor {
  public:
-  /// The job must outlive the machinist.
-  JobExecutor(const robot::RobotModel& nominal, const Job& job, const MachinistSettings& settings);
+  /// The job must outlive the executor.
+  JobExecutor(const robot::RobotModel& nominal, const Job& job, const JobExecutorSettings& settings);
 
   /// At rest at the job's start.
   void reset(const Vec3& joints_m) noexcept { follower_.reset(joints_m); }
   /// `stop` latches: beam off, the tool is held where it is.
-  MachinistOutputs step(const robot::JointReading& reading, bool stop) noexcept;
+  JobExecutorOutputs step(const robot::JointReading& reading, bool stop) noexcept;
 
  private:
   /// The contour that is cut, or that comes next.
@@ -51,7 +51,7 @@ class JobExecutor {
   const Job& job_;
   std::vector<geometry::NearestIndex> corridors_;  ///< of the job's lines
   std::array<Controller, 2> controllers_;          ///< for open lines, for closed ones
-  MachinistSettings settings_;
+  JobExecutorSettings settings_;
   double workspace_radius_m_;
   PathFollower follower_;
   Trajectory hold_;  ///< one point: where the tool is held after a stop
@@ -60,4 +60,4 @@ class JobExecutor {
   bool stopped_ = false;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -9,7 +9,7 @@
 #include "common/geometry/cubic_spline.h"
 #include "common/geometry/elliptic_fourier.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 using geometry::Polyline;
@@ -122,7 +122,7 @@ tl::expected<Path, std::string> open_path(const Polyline& line, double sigma_m) 
 }  // namespace
 
 double smoothing_for(const Polyline& line, const PathSettings& settings) {
-  const double spacing = settings.least_smoothing_m / 2.0;
+  const double spacing = settings.min_smoothing_m / 2.0;
   const auto segments = std::clamp<std::size_t>(
       static_cast<std::size_t>(std::ceil(geometry::length_m(line) / spacing)), 16, 200'000);
   const Polyline even = geometry::resampled_to(line, segments);
@@ -142,8 +142,8 @@ double smoothing_for(const Polyline& line, const PathSettings& settings) {
     }
     return worst;
   };
-  double low = settings.least_smoothing_m;
-  double high = settings.most_smoothing_m;
+  double low = settings.min_smoothing_m;
+  double high = settings.max_smoothing_m;
   if (moved(high) <= settings.tolerance_m) return high;
   for (int i = 0; i < 6; ++i) {
     const double middle = 0.5 * (low + high);
@@ -238,4 +238,4 @@ tl::expected<Path, std::string> wrapped(const Path& flat_path, const SurfaceLaw&
   return Path::through(nodes, flat_path.closed());
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -11,7 +11,7 @@
 #include "common/geometry/polyline.h"
 #include "common/protocol/messages.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 /// A point of the way and its derivatives by arc length, workpiece frame; `first` is the unit tangent.
 struct PathPoint {
@@ -30,10 +30,10 @@ struct PathNode {
 };
 
 struct PathSettings {
-  /// Corners are rounded until the way is this far from the points, and no further than `most_smoothing_m`.
+  /// Corners are rounded until the way is this far from the points, and no further than `max_smoothing_m`.
   double tolerance_m = 15e-6;
-  double least_smoothing_m = 12e-6;  ///< standard deviation of the Gaussian, along the arc
-  double most_smoothing_m = 40e-6;
+  double min_smoothing_m = 12e-6;  ///< standard deviation of the Gaussian, along the arc
+  double max_smoothing_m = 40e-6;
 };
 
 /// A curve in space, twice continuously differentiable by arc length: quintic Hermite pieces between nodes.
@@ -76,4 +76,4 @@ tl::expected<Path, std::string> wrapped(const Path& flat, const SurfaceLaw& surf
 /// Standard deviation of the Gaussian that keeps every point within `tolerance_m` of where it was.
 double smoothing_for(const geometry::Polyline& line, const PathSettings& settings);
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 ControllerKind resolved(ControllerKind kind, bool closed) noexcept {
@@ -13,9 +13,9 @@ ControllerKind resolved(ControllerKind kind, bool closed) noexcept {
 
 }  // namespace
 
-void PathFollowerSettings::quiet_for(double speed_m_per_s, bool brisk) noexcept {
-  observer_rad_s = std::clamp(37.5e3 * speed_m_per_s, brisk ? 200.0 : 60.0, 400.0);
-  velocity_rad_s = std::clamp(112.5e3 * speed_m_per_s, brisk ? 600.0 : 220.0, 900.0);
+void PathFollowerSettings::tune_for_speed(double speed_m_per_s, bool stiff) noexcept {
+  observer_rad_s = std::clamp(37.5e3 * speed_m_per_s, stiff ? 200.0 : 60.0, 400.0);
+  velocity_rad_s = std::clamp(112.5e3 * speed_m_per_s, stiff ? 600.0 : 220.0, 900.0);
   along_rad_s = std::clamp(20.0 + 17.5e3 * speed_m_per_s, 50.0, 70.0);
 }
 
@@ -62,7 +62,7 @@ void PathFollower::reset(const Vec3& joints_m) noexcept {
 /// Forces of the robot's file at the reference, where the currents will act.
 Vec3 PathFollower::expected_force(const Tracking& now) const noexcept {
   if (model_use_ == ModelUse::kNone) return Vec3::Zero();
-  const JointReference q = joint_reference(now, now.track.at(now.tick + ahead_));
+  const JointReference q = joint_reference(now, now.trajectory.at(now.tick + ahead_));
   if (!q.good) return Vec3::Zero();
   const Vec3 friction = robot::friction_force(model_.friction, q.velocity_m_per_s);
   if (model_use_ == ModelUse::kJoints) return weight_n_ + friction;
@@ -77,11 +77,12 @@ double PathFollower::beam_power(const Reference& reference) const noexcept {
   return reference.power * std::clamp(speed / reference.speed_m_per_s, 0.0, 1.5);
 }
 
-Vec3 PathFollower::step(const robot::JointReading& reading, const Trajectory& track, double tick) noexcept {
+Vec3 PathFollower::step(const robot::JointReading& reading, const Trajectory& trajectory,
+                        double tick) noexcept {
   drive_.observe(reading);
-  const Tracking now{kinematics_, drive_.state(), track, tick, origin_in_base_m_};
+  const Tracking now{kinematics_, drive_.state(), trajectory, tick, origin_in_base_m_};
   const Vec3 desired = desired_acceleration(controller_, now);
   return drive_.currents(desired.allFinite() ? desired : Vec3(Vec3::Zero()), expected_force(now));
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

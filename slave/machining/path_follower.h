@@ -4,7 +4,7 @@
 
 #include "slave/machining/controller.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 enum class ControllerKind : std::uint8_t {
   kAuto,  ///< contouring on closed contours, preview on open ones
@@ -32,10 +32,10 @@ struct PathFollowerSettings {
   ModelUse independent_model = ModelUse::kNone;  ///< as in the thesis (eq. 21, 32)
 
   /// Bandwidths of the observer that fit a speed: sensor noise makes the same ripple in m/s at any speed, so
-  /// slow paths get a quieter loop; there friction changes its direction more slowly, too. `brisk` keeps the
+  /// slow paths get a quieter loop; there friction changes its direction more slowly, too. `stiff` keeps the
   /// observer faster than that: at corners friction changes at once, and an even burn matters more than
   /// ripple.
-  void quiet_for(double speed_m_per_s, bool brisk = false) noexcept;
+  void tune_for_speed(double speed_m_per_s, bool stiff = false) noexcept;
 };
 
 /// The controller of a kind with gains and preview that match the loop.
@@ -59,7 +59,7 @@ class PathFollower {
   /// Another law from the next step on; at rest it is taken over without a jump.
   void use(const Controller& controller) noexcept { controller_ = controller; }
   /// Currents in A. A reference that is no pose of the robot gives the currents that hold it where it is.
-  Vec3 step(const robot::JointReading& reading, const Trajectory& track, double tick) noexcept;
+  Vec3 step(const robot::JointReading& reading, const Trajectory& trajectory, double tick) noexcept;
   /// Observed tool, workpiece frame.
   Vec3 tool_m() const noexcept { return drive_.state().tool_m - origin_in_base_m_; }
   /// Share of the beam's power that gives each millimetre the same energy: what was planned, corrected by the
@@ -80,4 +80,4 @@ class PathFollower {
   Controller controller_;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

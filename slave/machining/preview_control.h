@@ -13,7 +13,7 @@
 
 #include "slave/machining/tracking.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 struct PreviewControl {
   double convergence_rad_s = 60.0;  ///< lambda of eq. 30
@@ -33,10 +33,10 @@ struct PreviewControl {
   }
 
   Vec3 update(const Tracking& now) const noexcept {
-    const JointReference q = joint_reference(now, now.track.at(now.tick));
+    const JointReference q = joint_reference(now, now.trajectory.at(now.tick));
     const JointReference v =
-        velocity_ahead == 0.0 ? q : joint_reference(now, now.track.at(now.tick + velocity_ahead));
-    const JointReference a = joint_reference(now, now.track.at(now.tick + acceleration_ahead));
+        velocity_ahead == 0.0 ? q : joint_reference(now, now.trajectory.at(now.tick + velocity_ahead));
+    const JointReference a = joint_reference(now, now.trajectory.at(now.tick + acceleration_ahead));
     if (!q.good || !v.good || !a.good) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     const Vec3 position_error = q.position_m - now.measured.joints_m;
     const Vec3 velocity_error = v.velocity_m_per_s - now.measured.joint_velocity_m_per_s;
@@ -52,4 +52,4 @@ struct PreviewControl {
   }
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

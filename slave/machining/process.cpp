@@ -18,7 +18,7 @@
 #include "slave/machining/job_executor.h"
 #include "slave/machining/work_report.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 constexpr double kHold_s = 0.1;
@@ -68,8 +68,8 @@ std::unique_ptr<Job> prepare(const ContourMessage& message, const robot::RobotMo
   for (const ContourLine& line : message.further) contours.push_back({line.points_m, line.closed});
   auto job = make_job(contours, settings);
   if (!job) throw StartupError("the contour cannot be machined: " + job.error());
-  for (std::size_t i = 0; i < job->track.size(); i += 8) {
-    const Vec3 p = job->track[i].position_m;
+  for (std::size_t i = 0; i < job->trajectory.size(); i += 8) {
+    const Vec3 p = job->trajectory[i].position_m;
     if (p.head<2>().norm() > model.workspace.radius_m * (1.0 + 1e-9)) {
       throw StartupError(
           fmt::format("the work reaches {:.1f} mm from the workspace's centre, but {} reaches {:.1f} "
@@ -141,11 +141,11 @@ const Job* awaited(const ContourSubscriber<Job>& contour, const BusSettings& bus
   return contour.current();
 }
 
-MachinistSettings machinist_settings(const AutomaticSettings& settings, const TimedPathSettings& plan,
-                                     double laser_w) {
-  MachinistSettings out;
+JobExecutorSettings executor_settings(const AutomaticSettings& settings, const TimedPathSettings& plan,
+                                      double laser_w) {
+  JobExecutorSettings out;
   out.follower.control_hz = settings.machining_hz;
-  out.follower.quiet_for(plan.speed_m_per_s, plan.corner == CornerPolicy::kSlow);
+  out.follower.tune_for_speed(plan.speed_m_per_s, plan.corner == CornerPolicy::kSlow);
   out.controller = kind_of(settings.controller);
   out.laser_w = laser_w;
   return out;
@@ -157,7 +157,7 @@ void AutomaticSettings::declare(Settings& settings) {
   settings.add("speed_mm_s", speed_mm_s, {.min = 0.1, .max = 100}, "automatic: tangential speed");
   settings.add("controller", controller, "automatic: law", {"auto", "independent", "preview", "contouring"});
   settings.add("corner", corner, "automatic: what to do at corners", {"exact", "rounded", "slow"});
-  settings.add("material", material, "automatic: what the beam meets", material_names());
+  settings.add("material", material, "automatic: what the beam meets", laser::material_names());
   settings.add("sensor", sensor, "automatic: what reads the joints", {"hall", "encoder"});
   settings.add("kerf_um", kerf_um, {.min = 0, .max = 2000}, "automatic: width of the cut to compensate");
   settings.add("no_framing", no_framing, "automatic: no run round the work with the pilot beam");
@@ -172,10 +172,12 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   using Sensor = robot::Sensor::Kind;
   robot::RobotSupervisor machine(
       model, options.machine, settings.machining_hz,
-      robot::attach(options.machine.drive, model, settings.machining_hz,
-                    {options.mismatch, options.seed + 1000,
-                     settings.sensor == "hall" ? Sensor::kHall : Sensor::kEncoder}));
-  LaserOutput beam(options.beam, options.laser_w, settings.machining_hz);
+      robot::open_drive(options.machine.drive,
+                        {model,
+                         settings.machining_hz,
+                         {options.mismatch, options.seed + 1000,
+                          settings.sensor == "hall" ? Sensor::kHall : Sensor::kEncoder}}));
+  laser::LaserOutput beam(options.beam, options.laser_w, settings.machining_hz);
   WorkRecord work{.controller = settings.controller,
                   .corner = settings.corner,
                   .sensor = settings.sensor,
@@ -194,16 +196,16 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
   const Job* const published = awaited(contour, bus_settings, settings.wait_s);
   if (published == nullptr) return 1;
   if (!folder.empty()) make_folder("--record", folder);
-  const robot::RobotSupervisor::InitialPose stand = machine.stand();
+  const robot::RobotSupervisor::InitialPose initial = machine.wait_until_ready();
   std::optional<Job> from_there;
-  if ((stand.tool_m - published->track[0].position_m).norm() > kAtHome_m)
-    from_there = approached_from(stand.tool_m, *published, jobs);
+  if ((initial.tool_m - published->trajectory[0].position_m).norm() > kAtHome_m)
+    from_there = approached_from(initial.tool_m, *published, jobs);
   const Job& job = from_there ? *from_there : *published;
 
-  JobExecutor machinist(model, job, machinist_settings(settings, jobs.plan, options.laser_w));
-  machinist.reset(stand.joints_m);
+  JobExecutor executor(model, job, executor_settings(settings, jobs.plan, options.laser_w));
+  executor.reset(initial.joints_m);
   const auto hold_ticks = static_cast<std::size_t>(kHold_s * settings.machining_hz);
-  work.rows.reserve(job.track.size() + hold_ticks);
+  work.rows.reserve(job.trajectory.size() + hold_ticks);
   std::optional<Herald> herald(std::in_place, job.time_s());
   bool stop = false, done = false;
   std::size_t held = 0;
@@ -215,7 +217,7 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
     stop = stop || stop_requested();
     const auto true_tool_m = machine.true_tool_m();
     const auto true_velocity = machine.true_tool_velocity_m_per_s();
-    const MachinistOutputs out = machinist.step(machine.read(), stop);
+    const JobExecutorOutputs out = executor.step(machine.read(), stop);
     const double laser_w = beam.emit(out.laser_w, out.pilot);
     machine.write(out.currents_a);
     machine.advance();
@@ -226,13 +228,13 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
     done = out.done;
     // A stopped tool is held until it stands.
     if (stop) ++held;
-    return !done && !machine.lost() && !beam.lost() && held < hold_ticks &&
+    return !done && !machine.failed() && !beam.failed() && held < hold_ticks &&
            work.rows.size() < work.rows.capacity();
   });
   beam.off();
   machine.release();
   herald.reset();
-  work.finished = done && !stop && !machine.lost() && !beam.lost();
+  work.finished = done && !stop && !machine.failed() && !beam.failed();
   fmt::print("slave: {}\n", work.finished ? "finished" : "stopped");
   bool inside = true;
   if (!folder.empty()) {
@@ -244,13 +246,13 @@ int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& sett
                                       {"overruns", loop.overruns},
                                       {"readings_missed", machine.readings_missed()},
                                       {"laser_clipped", beam.clipped()},
-                                      {"laser_untold", beam.untold()}});
+                                      {"laser_untold", beam.write_failures()}});
     fmt::print("{}\n", json_text(result));
   }
-  if (machine.lost()) throw StartupError(machine.loss());
-  if (beam.lost()) throw StartupError(beam.loss());
+  if (machine.failed()) throw StartupError(machine.failure());
+  if (beam.failed()) throw StartupError(beam.failure());
   if (!inside) fmt::print("slave: bad: the laser left the corridor\n");
   return work.finished && inside ? 0 : 1;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

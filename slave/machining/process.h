@@ -9,7 +9,7 @@
 #include "common/runtime/settings.h"
 #include "slave/laser/laser_output.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 struct AutomaticSettings {
   double speed_mm_s = 8.0;
@@ -31,7 +31,7 @@ struct AutomaticRobot {
   double mismatch = 0.1;
   std::uint64_t seed = 1;
   double laser_w = 10.0;
-  LaserOutputSettings beam;
+  laser::LaserOutputSettings beam;
 };
 
 /// Waits for a picture's contours, works them off, writes result.json, timing.json, trace.csv, mark.png and
@@ -40,4 +40,4 @@ struct AutomaticRobot {
 int run_automatic(const BusSettings& bus_settings, const AutomaticSettings& settings,
                   const AutomaticRobot& robot, const std::string& folder);
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

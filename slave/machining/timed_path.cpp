@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <utility>
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 constexpr double kGrid_m = 0.5e-6;  ///< an acute tip is rounded within a few of these
@@ -199,8 +199,8 @@ void TimedPathSettings::keep_within(const robot::ToolLimits& limits) noexcept {
   max_speed_m_per_s = std::min(max_speed_m_per_s, 0.9 * limits.velocity_m_per_s);
 }
 
-tl::expected<TimedPath, std::string> make_plan(const geometry::Polyline& contour,
-                                               const TimedPathSettings& settings) {
+tl::expected<TimedPath, std::string> make_timed_path(const geometry::Polyline& contour,
+                                                     const TimedPathSettings& settings) {
   const double size = geometry::all_finite(contour.points_m) && contour.size() > 0
                           ? geometry::bounding_box(contour.points_m).size().maxCoeff()
                           : INFINITY;  // refused below
@@ -212,10 +212,10 @@ tl::expected<TimedPath, std::string> make_plan(const geometry::Polyline& contour
   }
   auto path = Path::through(contour, path_settings(settings));
   if (!path) return tl::unexpected(path.error());
-  return make_plan(std::move(*path), settings);
+  return make_timed_path(std::move(*path), settings);
 }
 
-tl::expected<TimedPath, std::string> make_plan(Path path, const TimedPathSettings& s) {
+tl::expected<TimedPath, std::string> make_timed_path(Path path, const TimedPathSettings& s) {
   if (!(s.speed_m_per_s > 0.0)) return tl::unexpected<std::string>("the speed must be greater than zero");
   if (s.speed_m_per_s > s.max_speed_m_per_s) {
     return tl::unexpected(
@@ -287,4 +287,4 @@ tl::expected<TimedPath, std::string> make_plan(Path path, const TimedPathSetting
   return plan;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

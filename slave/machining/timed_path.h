@@ -10,7 +10,7 @@
 #include "slave/laser/pulsed_source.h"
 #include "slave/machining/path.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 /// What to do where the contour has a corner.
 enum class CornerPolicy : std::uint8_t {
@@ -32,7 +32,7 @@ struct TimedPathSettings {
   double settle_s = 0.15;                    ///< at full speed before the beam comes on, but ...
   double settle_m = 2e-3;                    ///< ... not longer than this
   double overlap_m = 0.2e-3;                 ///< a closed contour is cut this far beyond its start
-  double spot_radius_m = PulsedSourceSettings{}.spot_radius_m;  ///< of the beam, for an even burn
+  double spot_radius_m = laser::PulsedSourceSettings{}.spot_radius_m;  ///< of the beam, for an even burn
 
   /// For a machine of these limits. Half of its acceleration and nine tenths of its speed are planned with,
   /// the rest is for following.
@@ -57,7 +57,7 @@ struct Reference {
   double power = 0.0;
 };
 
-/// References at equal ticks; beyond its ends the track stands still.
+/// References at equal ticks; beyond its ends the trajectory stands still.
 class Trajectory {
  public:
   explicit Trajectory(std::vector<Reference> points) : points_(std::move(points)) {}
@@ -73,19 +73,19 @@ class Trajectory {
 
 struct TimedPath {
   Path path;
-  Trajectory track;
+  Trajectory trajectory;
   double period_s = 0.0;
   double cut_s = 0.0;               ///< time with the beam on
   double mean_speed_m_per_s = 0.0;  ///< with the beam on
   double slowest_m_per_s = 0.0;
-  double time_s() const noexcept { return period_s * static_cast<double>(track.size()); }
+  double time_s() const noexcept { return period_s * static_cast<double>(trajectory.size()); }
 };
 
 /// How far the path may leave the contour's points under a policy.
 PathSettings path_settings(const TimedPathSettings& settings) noexcept;
 /// The error is one sentence. Speeds above what the machine's acceleration allows are lowered, never refused.
-tl::expected<TimedPath, std::string> make_plan(Path path, const TimedPathSettings& settings);
-tl::expected<TimedPath, std::string> make_plan(const geometry::Polyline& contour,
-                                               const TimedPathSettings& settings);
+tl::expected<TimedPath, std::string> make_timed_path(Path path, const TimedPathSettings& settings);
+tl::expected<TimedPath, std::string> make_timed_path(const geometry::Polyline& contour,
+                                                     const TimedPathSettings& settings);
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -7,7 +7,7 @@
 
 #include "common/runtime/results.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 void write_tool_trace(const std::filesystem::path& file, double period_s, std::size_t count,
                       const std::function<ToolTraceRow(std::size_t)>& row) {
@@ -21,4 +21,4 @@ void write_tool_trace(const std::filesystem::path& file, double period_s, std::s
   write_atomically(file, text);
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -7,7 +7,7 @@
 
 #include "slave/machining/path.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 /// Metres, workpiece frame.
 struct ToolTraceRow {
@@ -19,4 +19,4 @@ struct ToolTraceRow {
 void write_tool_trace(const std::filesystem::path& file, double period_s, std::size_t count,
                       const std::function<ToolTraceRow(std::size_t)>& row);
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -6,13 +6,13 @@
 #include "slave/machining/drive.h"
 #include "slave/machining/timed_path.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
-/// All in the base frame but the track, which is in the workpiece frame; `origin_in_base_m` moves it.
+/// All in the base frame but the trajectory, which is in the workpiece frame; `origin_in_base_m` moves it.
 struct Tracking {
   const robot::DeltaKinematics& kinematics;
   const DeltaState& measured;
-  const Trajectory& track;
+  const Trajectory& trajectory;
   double tick = 0.0;
   Vec3 origin_in_base_m = Vec3::Zero();
 };
@@ -40,4 +40,4 @@ inline JointReference joint_reference(const Tracking& now, const Reference& refe
   return out;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -5,7 +5,7 @@
 #include "slave/machining/contour_pass.h"
 #include "slave/machining/tool_trace.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 /// What was cut of each contour.
@@ -16,7 +16,7 @@ std::vector<ContourPass> passes_of(const Job& job, const std::vector<WorkRow>& r
     const bool cut = job.phases[row.tick] == JobPhase::kCut;
     if (cut && !cutting) passes.push_back({&job.plans[passes.size()], &job.lines[passes.size()], {}});
     cutting = cut;
-    const Reference& reference = job.track[row.tick];
+    const Reference& reference = job.trajectory[row.tick];
     if (cut && reference.beam)
       passes.back().rows.push_back(pass_row(reference, row.tool_m, row.tool_velocity_m_per_s, row.laser_w));
   }
@@ -45,10 +45,10 @@ nlohmann::ordered_json report_work(const std::filesystem::path& folder, const Jo
   result["burn"] = burn(passes, work.material, folder);
   write_tool_trace(folder / "trace.csv", job.period_s, work.rows.size(), [&](std::size_t i) {
     const WorkRow& row = work.rows[i];
-    return ToolTraceRow{job.track[row.tick].position_m, row.tool_m, row.laser_w};
+    return ToolTraceRow{job.trajectory[row.tick].position_m, row.tool_m, row.laser_w};
   });
   write_json(folder / "result.json", result);
   return result;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

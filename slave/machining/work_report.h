@@ -10,11 +10,11 @@
 #include "common/recording/run_record.h"
 #include "slave/machining/job.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 
 /// One tick of the work.
 struct WorkRow {
-  std::size_t tick;                    ///< of the job's track
+  std::size_t tick;                    ///< of the job's trajectory
   Vec3 tool_m, tool_velocity_m_per_s;  ///< the truth, or what is measured if nobody knows it
   double laser_w;
 };
@@ -33,4 +33,4 @@ struct WorkRecord {
 nlohmann::ordered_json report_work(const std::filesystem::path& folder, const Job& job,
                                    const WorkRecord& work);
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -75,9 +75,9 @@ class LaserAtWork {
     }
   }
 
-  slave::LaserSocket socket_;
-  slave::LaserDevice device_{20.0};
-  slave::UdpPower newest_;
+  laser::LaserSocket socket_;
+  laser::LaserDevice device_{20.0};
+  laser::UdpPower newest_;
   long told_ = 0, refused_ = 0, lit_ = 0;
   std::atomic<bool> on_ = false;
   std::jthread listener_{[this](const std::stop_token& stop) { listen(stop); }};
@@ -222,7 +222,7 @@ TEST(LaserProcesses, ALaserThatGoesAwayEndsTheMachining) {
 TEST(LaserProcesses, ALaserThatIsNotThereIsRefused) {
   std::string laser;
   {
-    const slave::LaserSocket closed;
+    const laser::LaserSocket closed;
     laser = closed.laser();
   }
   for (const auto& mode : {std::vector<std::string>{}, std::vector<std::string>{"--automatic"}}) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/robot/drivers/udp_robot.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/settings.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "common/runtime/startup_error.h"
 
@@ -148,6 +149,15 @@ void SimulatedRobot::advance(double dt_s) noexcept {
   const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kInnerStep_s - 1e-6)));
   for (int i = 0; i < steps && !broken_; ++i) inner_step(dt_s / steps);
   time_s_ += dt_s;
+}
+
+Drive open_simulated_drive(std::string_view, const DriveNeeds& needs) {
+  const auto& [mismatch, seed, sensor] = needs.simulation;
+  RobotModel truth = mismatched(needs.nominal, mismatch, seed);
+  truth.sensor.kind = sensor.value_or(truth.sensor.kind);
+  auto robot = std::make_unique<SimulatedRobot>(truth, seed, needs.nominal.in_base(Vec3::Zero()));
+  SimulatedRobot* const plant = robot.get();
+  return {std::move(robot), plant};
 }
 
 }  // namespace telekerf::robot

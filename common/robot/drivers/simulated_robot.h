@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
+#include "common/robot/drivers/drive.h"
 #include "common/robot/dynamics.h"
 #include "common/robot/hall_sensor.h"
 #include "common/robot/robot.h"
@@ -62,5 +64,8 @@ class SimulatedRobot final : public Robot {
   std::uint64_t reads_ = 0;
   bool broken_ = false;
 };
+
+Drive open_simulated_drive(std::string_view rest, const DriveNeeds& needs);
+inline constexpr DriveKind kSimulatedDrive{"simulated", "simulated", no_argument, open_simulated_drive};
 
 }  // namespace telekerf::robot

@@ -7,6 +7,7 @@
 #include <boost/asio/buffer.hpp>
 #include <cmath>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
@@ -121,6 +122,10 @@ std::uint64_t UdpDrive::serve_for(double seconds) {
   context_.run_for(
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds)));
   return steps_;
+}
+
+Drive open_udp_drive(std::string_view rest, const DriveNeeds& needs) {
+  return {.robot = std::make_unique<UdpRobot>(udp_address(rest), 1.0 / needs.control_hz)};
 }
 
 }  // namespace telekerf::robot

@@ -11,8 +11,9 @@
 #include <boost/asio/ip/udp.hpp>
 #include <chrono>
 #include <cstdint>
+#include <string_view>
 
-#include "common/robot/drivers/simulated_robot.h"
+#include "common/robot/drivers/drive.h"
 #include "common/robot/robot.h"
 #include "common/runtime/udp.h"
 
@@ -88,5 +89,8 @@ class UdpDrive {
   std::uint64_t last_sequence_ = 0;
   std::uint64_t steps_ = 0;
 };
+
+Drive open_udp_drive(std::string_view rest, const DriveNeeds& needs);
+inline constexpr DriveKind kUdpDrive{"udp", "udp:HOST:PORT", validate_udp, open_udp_drive};
 
 }  // namespace telekerf::robot

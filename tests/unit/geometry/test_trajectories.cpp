@@ -269,7 +269,7 @@ TEST(Stepping, RefusesWhatHasNoEnd) {
   const Polyline line{{{0, 0}, {1, 0}}, false};
   EXPECT_FALSE(arc_steps(line, constant_speed(0.0), {}));
   EXPECT_FALSE(arc_steps(line, constant_speed(NAN), {}));
-  EXPECT_FALSE(arc_steps(line, constant_speed(1e-6), {.most_steps = 1000}));
+  EXPECT_FALSE(arc_steps(line, constant_speed(1e-6), {.max_steps = 1000}));
   EXPECT_FALSE(arc_steps({{{0, 0}, {0, 0}}, false}, constant_speed(1.0), {}));
   EXPECT_FALSE(chord_steps({{{0, 0}, {NAN, 0}}, false}, constant_speed(1.0), {}));
 }

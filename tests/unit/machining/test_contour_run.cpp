@@ -32,7 +32,7 @@ Polyline wave(double length_m) {
 }
 
 nlohmann::ordered_json measured(const Polyline& contour, const ContourRunSettings& settings) {
-  const auto plan = slave::make_plan(contour, settings.plan);
+  const auto plan = machining::make_timed_path(contour, settings.plan);
   EXPECT_TRUE(plan);
   return measure(run_contour(*plan, contour, settings), settings);
 }
@@ -41,14 +41,14 @@ ContourRunSettings at(double speed_m_per_s) {
   ContourRunSettings settings;
   settings.plan.speed_m_per_s = speed_m_per_s;
   settings.follower.loop_delay = 1;
-  settings.follower.quiet_for(speed_m_per_s);
+  settings.follower.tune_for_speed(speed_m_per_s);
   return settings;
 }
 
 TEST(ContourRun, ContouringHoldsItsBarsAndBeatsIndependentJoints) {
   ContourRunSettings settings = at(8e-3);
   const auto contouring = measured(octagon(6e-3), settings);
-  settings.controller = slave::ControllerKind::kIndependent;
+  settings.controller = machining::ControllerKind::kIndependent;
   const auto independent = measured(octagon(6e-3), settings);
   const double normal = contouring["normal_error_um"]["rms"];
   EXPECT_LT(normal, 5.0);
@@ -92,9 +92,9 @@ TEST(ContourRun, CornersCloseToEachOtherAndSmallHolesDoNotShakeTheToolOff) {
 TEST(ContourRun, WithoutAnyModelContouringStillBeatsIndependentJoints) {
   // The thesis' terms (eq. 21-24, 32, 57): the same drive for both, a constant diagonal inertia.
   ContourRunSettings settings = at(8e-3);
-  settings.follower.model = slave::ModelUse::kNone;
+  settings.follower.model = machining::ModelUse::kNone;
   const auto contouring = measured(octagon(6e-3), settings);
-  settings.controller = slave::ControllerKind::kIndependent;
+  settings.controller = machining::ControllerKind::kIndependent;
   const auto independent = measured(octagon(6e-3), settings);
   const double normal = contouring["normal_error_um"]["rms"];
   EXPECT_LT(normal, 5.0);
@@ -104,7 +104,7 @@ TEST(ContourRun, WithoutAnyModelContouringStillBeatsIndependentJoints) {
 TEST(ContourRun, ContouringBeatsIndependentJointsAtTheirBest) {
   const ContourRunSettings settings = at(8e-3);
   ContourRunSettings thesis = settings;
-  thesis.controller = slave::ControllerKind::kIndependent;
+  thesis.controller = machining::ControllerKind::kIndependent;
   const auto tuned = measured(octagon(6e-3), tuned_independent(settings));
   const double best = tuned["normal_error_um"]["rms"];
   EXPECT_LT(best, 0.8 * measured(octagon(6e-3), thesis)["normal_error_um"]["rms"].get<double>());
@@ -132,7 +132,8 @@ TEST(ContourRun, RivalsAreAsFastAlongThePath) {
   EXPECT_GT(hz(assisted_independent(settings)), 1.9 * hz(settings));
   // Where the observer is far faster than the law and not delayed, a law of w alone remains: T falls to -3 dB
   // at 2.48 w (two poles at w and the zero of its damping).
-  slave::PathFollowerSettings fast{.control_hz = 24000.0, .observer_rad_s = 0.01, .velocity_rad_s = 20000.0};
+  machining::PathFollowerSettings fast{
+      .control_hz = 24000.0, .observer_rad_s = 0.01, .velocity_rad_s = 20000.0};
   EXPECT_NEAR(closed_loop_hz(70.0, fast), 2.482 * 70.0 / (2.0 * std::numbers::pi), 0.5);
 }
 
@@ -177,23 +178,23 @@ struct Cut {
 /// that stays begins: inside of the groove, or outside of it for a hole.
 Cut cut(const Polyline& drawn, double compensation_m, bool hole) {
   const ContourRunSettings settings = at(8e-3);
-  const Polyline line = *slave::compensated(drawn, compensation_m, hole);
-  const auto plan = slave::make_plan(line, settings.plan);
+  const Polyline line = *laser::compensated(drawn, compensation_m, hole);
+  const auto plan = machining::make_timed_path(line, settings.plan);
   EXPECT_TRUE(plan);
   const ContourRun run = run_contour(*plan, line, settings);
-  const slave::PulsedSourceSettings source;
-  slave::HeightMap map({.half_width_m = 5e-3, .pixel_m = 4e-6}, slave::material("wood"), source);
+  const laser::PulsedSourceSettings source;
+  laser::HeightMap map({.half_width_m = 5e-3, .pixel_m = 4e-6}, laser::material("wood"), source);
   Polyline tool{{}, true};
   for (std::size_t i = 0; i + 1 < run.pass.rows.size(); ++i) {
-    const slave::PassRow& row = run.pass.rows[i];
+    const machining::PassRow& row = run.pass.rows[i];
     map.expose(row.tool_m.head<2>(), run.pass.rows[i + 1].tool_m.head<2>(), row.laser_w, plan->period_s);
     if (row.reference.arc_length_m < plan->path.length_m()) tool.points_m.emplace_back(row.tool_m.head<2>());
   }
-  const slave::MarkAlongPath mark = slave::measure_mark(map, tool, source.spot_radius_m);
+  const laser::MarkAlongPath mark = laser::measure_mark(map, tool, source.spot_radius_m);
 
   Cut out;
   out.kerf_m = mark.kerf_m;
-  const auto corners = slave::corners_of(drawn);
+  const auto corners = machining::corners_of(drawn);
   const geometry::NearestIndex index(drawn);
   int count = 0;
   for (double s = 0.0; s < index.length_m(); s += 20e-6) {

@@ -7,12 +7,12 @@
 
 #include "slave/machining/controller.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 using robot::DeltaKinematics;
 
-/// A circle of 5 mm in the workspace, at constant speed, as a track.
+/// A circle of 5 mm in the workspace, at constant speed, as a trajectory.
 Reference on_circle(double t, double radius = 5e-3, double speed = 20e-3, double climb = 0.0) {
   // A helix when `climb` is not zero: the frame turns in space.
   const double w = speed / std::hypot(radius, climb);
@@ -68,9 +68,9 @@ class IdealPlant : public testing::TestWithParam<int> {
     const double h = 1e-4;
     const auto slope = [&](double t, const Vec3& at_q, const Vec3& at_qd) {
       const DeltaState state = *kinematics.state(at_q, at_qd);
-      const Trajectory track({on_circle(t)});
+      const Trajectory trajectory({on_circle(t)});
       // One point at its start: derivatives are kept.
-      return desired_acceleration(controller, Tracking{kinematics, state, track, 0.0, origin});
+      return desired_acceleration(controller, Tracking{kinematics, state, trajectory, 0.0, origin});
     };
     for (double t = 0.0; t < duration; t += h) {
       const auto r = on_circle(t);
@@ -130,11 +130,11 @@ TEST(Controllers, AReferenceOutOfReachIsNotFinite) {
   const DeltaState state = *kinematics.state(*kinematics.inverse(origin), Vec3::Zero());
   Reference far;
   far.position_m = {1, 0, 0};
-  const Trajectory track({far});
-  const Tracking now{kinematics, state, track, 0.0, origin};
+  const Trajectory trajectory({far});
+  const Tracking now{kinematics, state, trajectory, 0.0, origin};
   EXPECT_FALSE(desired_acceleration(IndependentControl{}, now).allFinite());
   EXPECT_FALSE(desired_acceleration(PreviewControl{}, now).allFinite());
 }
 
 }  // namespace
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

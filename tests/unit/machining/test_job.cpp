@@ -6,7 +6,7 @@
 #include "common/robot/drivers/simulated_robot.h"
 #include "slave/machining/job_executor.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 geometry::Polyline square(double side_m) {
@@ -18,17 +18,17 @@ TEST(Job, WhatLiesInsideIsCutFirstAndEverythingIsOneSteadyMotion) {
   const auto job = make_job({square(10e-3), square(4e-3)}, JobSettings{});
   ASSERT_TRUE(job) << job.error();
   EXPECT_EQ(job->order, (std::vector<std::size_t>{1, 0}));
-  ASSERT_EQ(job->phases.size(), job->track.size());
-  for (std::size_t i = 1; i < job->track.size(); ++i) {
-    const Reference& a = job->track[i - 1];
-    const Reference& b = job->track[i];
+  ASSERT_EQ(job->phases.size(), job->trajectory.size());
+  for (std::size_t i = 1; i < job->trajectory.size(); ++i) {
+    const Reference& a = job->trajectory[i - 1];
+    const Reference& b = job->trajectory[i];
     ASSERT_LT((b.position_m - a.position_m).norm(), 31e-3 * job->period_s) << i;
     ASSERT_LT((b.velocity_m_per_s - a.velocity_m_per_s).norm(), 10.0 * job->period_s) << i;
     if (b.beam) {
       EXPECT_EQ(job->phases[i], JobPhase::kCut);
     }
   }
-  EXPECT_LT(job->track[job->track.size() - 1].position_m.norm(), 1e-9);
+  EXPECT_LT(job->trajectory[job->trajectory.size() - 1].position_m.norm(), 1e-9);
 }
 
 TEST(Job, KeepsASlowMachinesLimitsOnItsWaysToo) {
@@ -36,9 +36,9 @@ TEST(Job, KeepsASlowMachinesLimitsOnItsWaysToo) {
   settings.plan.keep_within({.velocity_m_per_s = 10e-3, .acceleration_m_per_s2 = 0.4});
   const auto job = make_job({square(10e-3), square(4e-3)}, settings);
   ASSERT_TRUE(job) << job.error();
-  for (std::size_t i = 0; i < job->track.size(); ++i) {
-    ASSERT_LT(job->track[i].velocity_m_per_s.norm(), 10e-3 * (1.0 + 1e-9)) << i;
-    ASSERT_LT(job->track[i].acceleration_m_per_s2.norm(), 0.4) << i;
+  for (std::size_t i = 0; i < job->trajectory.size(); ++i) {
+    ASSERT_LT(job->trajectory[i].velocity_m_per_s.norm(), 10e-3 * (1.0 + 1e-9)) << i;
+    ASSERT_LT(job->trajectory[i].acceleration_m_per_s2.norm(), 0.4) << i;
   }
 }
 
@@ -56,10 +56,10 @@ TEST(Job, FramingStaysWithinReach) {
   settings.reach_m = 6e-3;
   const auto job = make_job({square(10e-3)}, settings);
   ASSERT_TRUE(job) << job.error();
-  for (std::size_t i = 0; i < job->track.size(); ++i) {
+  for (std::size_t i = 0; i < job->trajectory.size(); ++i) {
     if (job->phases[i] == JobPhase::kFraming) {
-      ASSERT_LT(job->track[i].position_m.norm(), 6e-3 + 1e-9);
-      ASSERT_FALSE(job->track[i].beam);
+      ASSERT_LT(job->trajectory[i].position_m.norm(), 6e-3 + 1e-9);
+      ASSERT_FALSE(job->trajectory[i].beam);
     }
   }
 }
@@ -75,13 +75,13 @@ class AtWork : public testing::Test {
 };
 
 TEST_F(AtWork, TheBeamIsOnAlongTheContourOnly) {
-  JobExecutor machinist(model, *job, {});
-  machinist.reset(plant.read().joints_m);
+  JobExecutor executor(model, *job, {});
+  executor.reset(plant.read().joints_m);
   double lit_m = 0.0;
   bool framed = false, done = false;
-  for (std::size_t i = 0; i < job->track.size() && !done; ++i) {
+  for (std::size_t i = 0; i < job->trajectory.size() && !done; ++i) {
     const Vec3 before = model.in_workpiece(plant.true_tool_in_base_m());
-    const auto out = machinist.step(plant.read(), false);
+    const auto out = executor.step(plant.read(), false);
     plant.write(out.currents_a);
     plant.advance(job->period_s);
     if (out.laser_w > 0.0) {
@@ -108,13 +108,13 @@ TEST_F(AtWork, EveryContourIsCutWithinItsOwnCorridor) {
   ASSERT_EQ(job->order, (std::vector<std::size_t>{1, 0}));
   const geometry::NearestIndex corridors[] = {geometry::NearestIndex(stroke),
                                               geometry::NearestIndex(square(3e-3))};
-  JobExecutor machinist(model, *job, {});
-  machinist.reset(plant.read().joints_m);
+  JobExecutor executor(model, *job, {});
+  executor.reset(plant.read().joints_m);
   std::vector<double> lit_m;
   bool cutting = false;
-  for (std::size_t i = 0; i < job->track.size(); ++i) {
+  for (std::size_t i = 0; i < job->trajectory.size(); ++i) {
     const Vec3 before = model.in_workpiece(plant.true_tool_in_base_m());
-    const auto out = machinist.step(plant.read(), false);
+    const auto out = executor.step(plant.read(), false);
     plant.write(out.currents_a);
     plant.advance(job->period_s);
     if (out.phase == JobPhase::kCut && !cutting) lit_m.push_back(0.0);
@@ -133,15 +133,15 @@ TEST_F(AtWork, AToolThatRestsElsewhereIsBroughtToTheStartFirst) {
   const Vec3 elsewhere_m(2e-3, -3e-3, -1e-3);
   plant = robot::SimulatedRobot(robot::mismatched(model, 0.1, 7), 7, model.in_base(elsewhere_m));
   const Job whole = approached_from(elsewhere_m, *job, JobSettings{});
-  ASSERT_EQ(whole.phases.size(), whole.track.size());
-  ASSERT_GT(whole.track.size(), job->track.size() + 240u);
-  EXPECT_EQ(whole.track[0].position_m, elsewhere_m);
+  ASSERT_EQ(whole.phases.size(), whole.trajectory.size());
+  ASSERT_GT(whole.trajectory.size(), job->trajectory.size() + 240u);
+  EXPECT_EQ(whole.trajectory[0].position_m, elsewhere_m);
   EXPECT_EQ(whole.phases.front(), JobPhase::kApproach);
-  JobExecutor machinist(model, whole, {});
-  machinist.reset(plant.read().joints_m);
+  JobExecutor executor(model, whole, {});
+  executor.reset(plant.read().joints_m);
   double lit_s = 0.0;
-  for (std::size_t i = 0; i < whole.track.size(); ++i) {
-    const auto out = machinist.step(plant.read(), false);
+  for (std::size_t i = 0; i < whole.trajectory.size(); ++i) {
+    const auto out = executor.step(plant.read(), false);
     EXPECT_LT((out.tool_m - out.reference_m).norm(), 100e-6) << i;
     plant.write(out.currents_a);
     plant.advance(whole.period_s);
@@ -151,25 +151,26 @@ TEST_F(AtWork, AToolThatRestsElsewhereIsBroughtToTheStartFirst) {
 }
 
 TEST_F(AtWork, ThePilotBeamIsOffWithoutAReadingAndAfterAStop) {
-  JobExecutor machinist(model, *job, {});
-  machinist.reset(plant.read().joints_m);
-  MachinistOutputs out;
-  for (std::size_t i = 0; i < job->track.size() && !out.pilot; ++i) out = machinist.step(plant.read(), false);
+  JobExecutor executor(model, *job, {});
+  executor.reset(plant.read().joints_m);
+  JobExecutorOutputs out;
+  for (std::size_t i = 0; i < job->trajectory.size() && !out.pilot; ++i)
+    out = executor.step(plant.read(), false);
   ASSERT_TRUE(out.pilot);
-  EXPECT_FALSE(machinist.step({}, false).pilot);
-  EXPECT_TRUE(machinist.step(plant.read(), false).pilot);
-  EXPECT_FALSE(machinist.step(plant.read(), true).pilot);
-  EXPECT_FALSE(machinist.step(plant.read(), false).pilot);
+  EXPECT_FALSE(executor.step({}, false).pilot);
+  EXPECT_TRUE(executor.step(plant.read(), false).pilot);
+  EXPECT_FALSE(executor.step(plant.read(), true).pilot);
+  EXPECT_FALSE(executor.step(plant.read(), false).pilot);
 }
 
 TEST_F(AtWork, AStopPutsTheBeamOutAtOnceAndHoldsTheToolForGood) {
-  JobExecutor machinist(model, *job, {});
-  machinist.reset(plant.read().joints_m);
+  JobExecutor executor(model, *job, {});
+  executor.reset(plant.read().joints_m);
   bool lit = false;
   int after = 0;
   Vec3 held = Vec3::Zero();
-  for (std::size_t i = 0; i < job->track.size() && after < 2400; ++i) {
-    const auto out = machinist.step(plant.read(), lit);
+  for (std::size_t i = 0; i < job->trajectory.size() && after < 2400; ++i) {
+    const auto out = executor.step(plant.read(), lit);
     if (lit) {
       EXPECT_EQ(out.laser_w, 0.0);
       EXPECT_EQ(out.interlock, Interlock::kStopped);
@@ -186,4 +187,4 @@ TEST_F(AtWork, AStopPutsTheBeamOutAtOnceAndHoldsTheToolForGood) {
 }
 
 }  // namespace
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -7,7 +7,7 @@
 #include "common/runtime/startup_error.h"
 #include "slave/laser/kerf.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 namespace {
 
 /// A straight mark along x.
@@ -151,4 +151,4 @@ TEST(Material, UnknownOnesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

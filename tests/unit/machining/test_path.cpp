@@ -7,7 +7,7 @@
 #include "common/geometry/nearest.h"
 #include "slave/machining/path.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 using geometry::Polyline;
@@ -106,4 +106,4 @@ TEST(Path, RefusesWhatHasNoDirection) {
 }
 
 }  // namespace
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -6,25 +6,25 @@
 
 #include "slave/machining/timed_path.h"
 
-namespace telekerf::slave {
+namespace telekerf::machining {
 namespace {
 
 const geometry::Polyline kSquare{{{0, 0}, {10e-3, 0}, {10e-3, 10e-3}, {0, 10e-3}}, true};
 
 TEST(TimedPath, ConstantSpeedWithTheBeamOnAndRestAtBothEnds) {
-  const auto plan = make_plan(kSquare, TimedPathSettings{});
+  const auto plan = make_timed_path(kSquare, TimedPathSettings{});
   ASSERT_TRUE(plan) << plan.error();
   EXPECT_NEAR(plan->mean_speed_m_per_s, 8e-3, 8e-6);
   EXPECT_NEAR(plan->cut_s, plan->path.length_m() / 8e-3, 0.05);
-  const Trajectory& track = plan->track;
-  EXPECT_EQ(track[0].speed_m_per_s, 0.0);
-  EXPECT_NEAR(track[track.size() - 1].speed_m_per_s, 0.0, 1e-6);
-  for (std::size_t i = 0; i < track.size(); ++i) {
-    if (track[i].beam) {
-      EXPECT_NEAR(track[i].speed_m_per_s, 8e-3, 8e-6) << i;
+  const Trajectory& trajectory = plan->trajectory;
+  EXPECT_EQ(trajectory[0].speed_m_per_s, 0.0);
+  EXPECT_NEAR(trajectory[trajectory.size() - 1].speed_m_per_s, 0.0, 1e-6);
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    if (trajectory[i].beam) {
+      EXPECT_NEAR(trajectory[i].speed_m_per_s, 8e-3, 8e-6) << i;
     }
-    if (!track[i].beam) {
-      EXPECT_EQ(track[i].power, 0.0);
+    if (!trajectory[i].beam) {
+      EXPECT_EQ(trajectory[i].power, 0.0);
     }
   }
 }
@@ -33,9 +33,9 @@ TEST(TimedPath, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
   for (const CornerPolicy corner : {CornerPolicy::kRounded, CornerPolicy::kSlow}) {
     TimedPathSettings settings;
     settings.corner = corner;
-    const auto plan = make_plan(kSquare, settings);
+    const auto plan = make_timed_path(kSquare, settings);
     ASSERT_TRUE(plan);
-    const Trajectory& t = plan->track;
+    const Trajectory& t = plan->trajectory;
     const double dt = plan->period_s;
     double worst = 0.0;
     for (std::size_t i = 2; i + 2 < t.size(); ++i) {
@@ -54,12 +54,12 @@ TEST(TimedPath, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
 TEST(TimedPath, SlowCornersKeepTheAccelerationAndThePowerFollowsTheSpeed) {
   TimedPathSettings settings;
   settings.corner = CornerPolicy::kSlow;
-  const auto plan = make_plan(kSquare, settings);
+  const auto plan = make_timed_path(kSquare, settings);
   ASSERT_TRUE(plan);
   EXPECT_LT(plan->slowest_m_per_s, 0.8 * settings.speed_m_per_s);
   double worst = 0.0;
-  for (std::size_t i = 0; i < plan->track.size(); ++i) {
-    const Reference& r = plan->track[i];
+  for (std::size_t i = 0; i < plan->trajectory.size(); ++i) {
+    const Reference& r = plan->trajectory[i];
     if (!r.beam || r.arc_length_m < 1e-3 || r.arc_length_m > plan->path.length_m() - 1e-3) continue;
     worst = std::max(worst, r.acceleration_m_per_s2.norm());
     const double power = r.speed_m_per_s / settings.speed_m_per_s;
@@ -78,10 +78,11 @@ TEST(TimedPath, TheMachinesAccelerationIsNeverPassedHoweverFast) {
     TimedPathSettings settings;
     settings.corner = corner;
     settings.speed_m_per_s = 0.1;
-    const auto plan = make_plan(kSquare, settings);
+    const auto plan = make_timed_path(kSquare, settings);
     ASSERT_TRUE(plan);
-    for (std::size_t i = 0; i < plan->track.size(); ++i) {
-      ASSERT_LT(plan->track[i].acceleration_m_per_s2.norm(), 1.25 * settings.max_acceleration_m_per_s2) << i;
+    for (std::size_t i = 0; i < plan->trajectory.size(); ++i) {
+      ASSERT_LT(plan->trajectory[i].acceleration_m_per_s2.norm(), 1.25 * settings.max_acceleration_m_per_s2)
+          << i;
     }
   }
 }
@@ -92,25 +93,26 @@ TEST(TimedPath, NorIsItAtAnAcuteTip) {
   for (const double speed : {8e-3, 50e-3}) {
     TimedPathSettings settings;
     settings.speed_m_per_s = speed;
-    const auto plan = make_plan(tip, settings);
+    const auto plan = make_timed_path(tip, settings);
     ASSERT_TRUE(plan);
     const double rate = settings.control_hz;
-    for (std::size_t i = 1; i + 1 < plan->track.size(); ++i) {
-      const Vec3 moved =
-          plan->track[i + 1].position_m - 2.0 * plan->track[i].position_m + plan->track[i - 1].position_m;
+    for (std::size_t i = 1; i + 1 < plan->trajectory.size(); ++i) {
+      const Vec3 moved = plan->trajectory[i + 1].position_m - 2.0 * plan->trajectory[i].position_m +
+                         plan->trajectory[i - 1].position_m;
       ASSERT_LT(moved.norm() * rate * rate, settings.max_acceleration_m_per_s2) << i;
-      ASSERT_LT(plan->track[i].acceleration_m_per_s2.norm(), 1.25 * settings.max_acceleration_m_per_s2) << i;
+      ASSERT_LT(plan->trajectory[i].acceleration_m_per_s2.norm(), 1.25 * settings.max_acceleration_m_per_s2)
+          << i;
     }
   }
 }
 
 TEST(TimedPath, TheSeamOfAClosedContourGetsAsMuchEnergyAsTheRest) {
-  const auto plan = make_plan(kSquare, TimedPathSettings{});
+  const auto plan = make_timed_path(kSquare, TimedPathSettings{});
   ASSERT_TRUE(plan);
   const double length = plan->path.length_m();
   std::vector<double> energy(20, 0.0);  // bins of 10 um from the start
-  for (std::size_t i = 0; i < plan->track.size(); ++i) {
-    const Reference& r = plan->track[i];
+  for (std::size_t i = 0; i < plan->trajectory.size(); ++i) {
+    const Reference& r = plan->trajectory[i];
     const double place = std::fmod(r.arc_length_m + length, length);
     if (r.beam && place < 0.2e-3) energy[static_cast<std::size_t>(place / 10e-6)] += r.power;
   }
@@ -122,14 +124,14 @@ TEST(TimedPath, AnAcuteTipGetsNoMoreEnergyThanItsLegs) {
   const geometry::Polyline tip{{{0, 0}, {5e-3, 0}, {0.67e-3, 2.5e-3}}, false};
   TimedPathSettings settings;
   settings.corner = CornerPolicy::kSlow;
-  const auto plan = make_plan(tip, settings);
+  const auto plan = make_timed_path(tip, settings);
   ASSERT_TRUE(plan);
   const double w = settings.spot_radius_m;
   const auto dose_at = [&](double arc_m) {
     const Vec2 place = plan->path.at(arc_m).position_m.head<2>();
     double dose = 0.0;
-    for (std::size_t i = 0; i < plan->track.size(); ++i) {
-      const Reference& r = plan->track[i];
+    for (std::size_t i = 0; i < plan->trajectory.size(); ++i) {
+      const Reference& r = plan->trajectory[i];
       dose += r.power * std::exp(-2.0 * (r.position_m.head<2>() - place).squaredNorm() / (w * w));
     }
     return dose;
@@ -142,7 +144,7 @@ TEST(TimedPath, AnAcuteTipGetsNoMoreEnergyThanItsLegs) {
 TEST(TimedPath, RefusesWhatIsSmallerThanTheBeam) {
   geometry::Polyline small = kSquare;
   for (Vec2& p : small.points_m) p *= 50e-6 / geometry::bounding_box(kSquare.points_m).size().maxCoeff();
-  const auto plan = make_plan(small, TimedPathSettings{});
+  const auto plan = make_timed_path(small, TimedPathSettings{});
   ASSERT_FALSE(plan);
   EXPECT_NE(plan.error().find("--width-mm"), std::string::npos) << plan.error();
 }
@@ -151,15 +153,15 @@ TEST(TimedPath, KeepsWithinAMachinesLimits) {
   TimedPathSettings settings;
   settings.speed_m_per_s = 20e-3;
   settings.keep_within({.velocity_m_per_s = 0.025, .acceleration_m_per_s2 = 0.5});
-  const auto plan = make_plan(kSquare, settings);
+  const auto plan = make_timed_path(kSquare, settings);
   ASSERT_TRUE(plan) << plan.error();
   double most = 0.0;
-  for (std::size_t i = 0; i < plan->track.size(); ++i)
-    most = std::max(most, plan->track[i].acceleration_m_per_s2.norm());
+  for (std::size_t i = 0; i < plan->trajectory.size(); ++i)
+    most = std::max(most, plan->trajectory[i].acceleration_m_per_s2.norm());
   EXPECT_LT(most, 0.5);
   EXPECT_GT(most, 0.1) << "and uses them";
   settings.keep_within({.velocity_m_per_s = 0.02, .acceleration_m_per_s2 = 0.5});
-  const auto faster = make_plan(kSquare, settings);
+  const auto faster = make_timed_path(kSquare, settings);
   ASSERT_FALSE(faster);
   EXPECT_NE(faster.error().find("20 mm/s is more than the 18 mm/s"), std::string::npos) << faster.error();
 }
@@ -167,15 +169,15 @@ TEST(TimedPath, KeepsWithinAMachinesLimits) {
 TEST(TimedPath, RefusesASpeedOfZero) {
   TimedPathSettings settings;
   settings.speed_m_per_s = 0.0;
-  EXPECT_FALSE(make_plan(kSquare, settings));
+  EXPECT_FALSE(make_timed_path(kSquare, settings));
 }
 
 TEST(Trajectory, ReadAheadStopsAtTheEnd) {
-  const auto plan = make_plan(kSquare, TimedPathSettings{});
-  const Reference end = plan->track.at(1e9);
+  const auto plan = make_timed_path(kSquare, TimedPathSettings{});
+  const Reference end = plan->trajectory.at(1e9);
   EXPECT_EQ(end.velocity_m_per_s.norm(), 0.0);
-  EXPECT_EQ(end.position_m, plan->track[plan->track.size() - 1].position_m);
+  EXPECT_EQ(end.position_m, plan->trajectory[plan->trajectory.size() - 1].position_m);
 }
 
 }  // namespace
-}  // namespace telekerf::slave
+}  // namespace telekerf::machining

@@ -42,7 +42,7 @@ TEST(ConstraintBars, LettingGoMovesTheToolByLessThanATenthOfAMillimetre) {
 double under(const master::OperatorDisturbance& act) {
   TrialSettings settings;
   settings.duration_s = 6.0;
-  settings.station.hand.acts = {act};
+  settings.station.hand.disturbances = {act};
   const Trial trial = run_trial(rounded_outline(1e-3, 20e-3), settings);
   EXPECT_FALSE(trial.saturated);
   EXPECT_FALSE(trial.broken);
@@ -66,8 +66,9 @@ TEST(ConstraintBars, AWristThatSlipsMovesTheToolLittle) {
 TEST(ConstraintBars, AHandThatFightsInACorridorDoesNotGetToTheEndOfARail) {
   TrialSettings settings;
   settings.duration_s = 5.0;
-  settings.station.hand.acts = {{master::OperatorDisturbance::Kind::kFight, 0.5, 1.5, 35.0, 0.0, 0.0},
-                                {master::OperatorDisturbance::Kind::kLetGo, 2.0, 100.0, 0.0, 0.0, 0.0}};
+  settings.station.hand.disturbances = {
+      {master::OperatorDisturbance::Kind::kFight, 0.5, 1.5, 35.0, 0.0, 0.0},
+      {master::OperatorDisturbance::Kind::kLetGo, 2.0, 100.0, 0.0, 0.0, 0.0}};
   settings.station.corridor_mm = 2.0;
   const Trial trial = run_trial(circle_outline(8e-3), settings);
   EXPECT_FALSE(trial.broken);

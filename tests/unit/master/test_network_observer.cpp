@@ -115,7 +115,7 @@ TEST(NetworkObserver, APlayOutThatWaitsOrSkipsAndLostMeasurementsCostAlmostNothi
   };
   double largest = 0.0;
   for (std::int64_t k = 0; k < 3000; ++k) {
-    const auto untold = [&](std::int64_t event) { return k >= event && k < event + kDelay + 15; };
+    const auto write_failures = [&](std::int64_t event) { return k >= event && k < event + kDelay + 15; };
     const std::int64_t index = k <= 1500 ? k : k <= 1700 ? k - 1 : k;
     applied.push_back(index);
     observer.sent(k, KinematicState{}, command(k));
@@ -128,7 +128,7 @@ TEST(NetworkObserver, APlayOutThatWaitsOrSkipsAndLostMeasurementsCostAlmostNothi
       observer.measured(std::span(&sample, 1));
     }
     const KinematicState predicted = observer.prediction(KinematicState{});
-    if (k > 1000 && !untold(1500) && !untold(1700)) {
+    if (k > 1000 && !write_failures(1500) && !write_failures(1700)) {
       // Where the slave is when the command after this one acts, without waiting or skipping meanwhile.
       KinematicState ahead = truth.back();
       for (std::int64_t i = index; i <= k; ++i) {

@@ -30,10 +30,10 @@ struct Trace {
       const Vec3 tool(0.02 * std::cos(angle), 0.02 * std::sin(angle), 0);
       const Vec3 left(-std::cos(angle), -std::sin(angle), 0);
       const Vec3 along(-std::sin(angle), std::cos(angle), 0);
-      const OperatorSample sample = hand.sample(n * 1e-3, tool, Vec3::Zero(), true);
+      const HandSample sample = hand.sample(n * 1e-3, tool, Vec3::Zero(), true);
       angle += along.dot(sample.force_n) / 20.0 / 0.02 * 1e-3;
       largest_push = std::max(largest_push, std::abs(left.dot(sample.force_n)));
-      pressed_s += sample.button ? 1e-3 : 0.0;
+      pressed_s += sample.trigger ? 1e-3 : 0.0;
       sum_force += sample.force_n.sum();
     }
   }
@@ -55,9 +55,9 @@ TEST(SimulatedOperator, GoesRoundTheCurvePushesSidewaysAndPressesInStretches) {
 TEST(SimulatedOperator, DoesNothingUntilItIsGuided) {
   SimulatedOperator hand(circle(), {}, 1);
   for (int n = 0; n < 100; ++n) {
-    const OperatorSample sample = hand.sample(n * 1e-3, Vec3(0, 0, 0), Vec3::Zero(), false);
+    const HandSample sample = hand.sample(n * 1e-3, Vec3(0, 0, 0), Vec3::Zero(), false);
     EXPECT_TRUE(sample.force_n.isZero());
-    EXPECT_FALSE(sample.button);
+    EXPECT_FALSE(sample.trigger);
   }
 }
 

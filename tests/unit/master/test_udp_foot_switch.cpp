@@ -15,7 +15,7 @@ constexpr std::int64_t kMs = 1'000'000;
 
 std::string refusal_of(const std::string& button) {
   try {
-    (void)attach_button(button);
+    (void)open_operator_input(button);
   } catch (const StartupError& refusal) {
     return refusal.what();
   }
@@ -24,14 +24,14 @@ std::string refusal_of(const std::string& button) {
 
 TEST(Button, WhatIsNoneIsRefusedWithWhatItMustBe) {
   for (const char* wrong : {"", "Hand", "held", "usb:1"}) {
-    EXPECT_NE(complaint_about_button(wrong).find("must be one of hand, pressed, udp:HOST:PORT"),
+    EXPECT_NE(validate_operator_input(wrong).find("must be one of hand, pressed, udp:HOST:PORT"),
               std::string::npos)
         << wrong;
   }
-  EXPECT_EQ(complaint_about_button("pressed:1"), "stands alone, nothing follows its name");
-  EXPECT_NE(complaint_about_button("udp:7300").find("within [1, 65535]"), std::string::npos);
-  EXPECT_EQ(attach_button("hand"), nullptr) << "the simulated one's";
-  EXPECT_TRUE(attach_button("pressed")->pressed(0));
+  EXPECT_EQ(validate_operator_input("pressed:1"), "stands alone, nothing follows its name");
+  EXPECT_NE(validate_operator_input("udp:7300").find("within [1, 65535]"), std::string::npos);
+  EXPECT_EQ(open_operator_input("hand"), nullptr) << "the simulated one's";
+  EXPECT_TRUE(open_operator_input("pressed")->sample(0).trigger);
   const UdpFootSwitch there({"127.0.0.1", 0});
   const std::string taken = "udp:127.0.0.1:" + std::to_string(there.port());
   EXPECT_EQ(refusal_of(taken), "button = " + taken +
@@ -52,7 +52,7 @@ class Pedal : public ::testing::Test {
                  {boost::asio::ip::address_v4::loopback(), pedal.port()});
   }
   void tell(std::uint64_t sequence, std::uint32_t held) { tell(foot, sequence, held); }
-  bool pressed() { return pedal.pressed(now_ns); }
+  bool pressed() { return pedal.sample(now_ns).trigger; }
 
   UdpFootSwitch pedal{{"127.0.0.1", 0}};
   boost::asio::io_context context;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/robot/supervisor.h"
 #include "common/runtime/startup_error.h"
 
@@ -15,28 +16,27 @@ namespace {
 
 TEST(Drives, WhatIsNoDriveIsRefusedWithWhatItMustBe) {
   for (const char* wrong : {"", "Simulated", "ethercat", "ethercat:0", ":7000"}) {
-    EXPECT_NE(complaint_about_drive(wrong).find("must be one of simulated, udp:HOST:PORT"), std::string::npos)
+    EXPECT_NE(validate_drive(wrong).find("must be one of simulated, udp:HOST:PORT"), std::string::npos)
         << wrong;
   }
-  EXPECT_EQ(complaint_about_drive("simulated:2"), "stands alone, nothing follows its name");
+  EXPECT_EQ(validate_drive("simulated:2"), "stands alone, nothing follows its name");
   for (const char* wrong : {"udp", "udp:", "udp:7000", "udp::7000", "udp:host", "udp:host:", "udp:host:0",
                             "udp:host:65536", "udp:host:-1", "udp:host:7000x", "udp:host:1e3"}) {
-    EXPECT_NE(complaint_about_drive(wrong).find("within [1, 65535], as in udp:127.0.0.1:7000"),
-              std::string::npos)
+    EXPECT_NE(validate_drive(wrong).find("within [1, 65535], as in udp:127.0.0.1:7000"), std::string::npos)
         << wrong;
   }
   for (const char* right : {"simulated", "udp:127.0.0.1:7000", "udp:robot.local:1", "udp:host:65535"}) {
-    EXPECT_EQ(complaint_about_drive(right), "") << right;
+    EXPECT_EQ(validate_drive(right), "") << right;
   }
 }
 
 TEST(Drives, OnlyWhatIsSimulatedHereHasAPlant) {
   const RobotModel model = load_robot("slave-keops");
-  const Drive simulated = attach("simulated", model, 1000.0, {});
+  const Drive simulated = open_drive("simulated", {model, 1000.0, {}});
   EXPECT_EQ(simulated.plant, simulated.robot.get());
-  EXPECT_EQ(attach("udp:127.0.0.1:9", model, 1000.0, {}).plant, nullptr);
+  EXPECT_EQ(open_drive("udp:127.0.0.1:9", {model, 1000.0, {}}).plant, nullptr);
   try {
-    (void)attach("udp:127.0.0.1:99999", model, 1000.0, {});
+    (void)open_drive("udp:127.0.0.1:99999", {model, 1000.0, {}});
     FAIL() << "accepted";
   } catch (const StartupError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("drive = udp:127.0.0.1:99999: "), std::string::npos);
@@ -69,12 +69,12 @@ JointReading reading(std::uint64_t tick, double joint_m = 0.02) {
 
 class Watched : public testing::Test {
  protected:
-  std::unique_ptr<Machine> machine() {
+  std::unique_ptr<RobotSupervisor> machine() {
     RobotSupervisorSettings settings;
     settings.drive = "scripted";
     settings.drive_stale_s = 0.003;
-    return std::make_unique<Machine>(load_robot("slave-keops"), settings, 1000.0,
-                                     Drive{std::make_unique<Scripted>(told), nullptr});
+    return std::make_unique<RobotSupervisor>(load_robot("slave-keops"), settings, 1000.0,
+                                             Drive{std::make_unique<Scripted>(told), nullptr});
   }
   Scripted::Told told;
   const Vec3 current_a = Vec3(1, -2, 3);
@@ -110,7 +110,7 @@ TEST_F(Watched, TakesNoReadingTwiceAndNoneThatIsNotFinite) {
   EXPECT_FALSE(robot->read().valid);
   EXPECT_TRUE(robot->read().valid);
   EXPECT_EQ(robot->readings_missed(), 3u);
-  EXPECT_FALSE(robot->lost());
+  EXPECT_FALSE(robot->failed());
 }
 
 TEST_F(Watched, IsLostForGoodAfterItsPatience) {
@@ -120,16 +120,16 @@ TEST_F(Watched, IsLostForGoodAfterItsPatience) {
   for (int i = 0; i < 2; ++i) EXPECT_FALSE(robot->read().valid);
   EXPECT_TRUE(robot->read().valid);  // two steps are bridged
   for (int i = 0; i < 3; ++i) {
-    EXPECT_FALSE(robot->lost()) << i;
+    EXPECT_FALSE(robot->failed()) << i;
     EXPECT_FALSE(robot->read().valid);
     robot->write(current_a);
     EXPECT_EQ(told.written_a.back(), i < 2 ? current_a : Vec3(Vec3::Zero())) << i;
   }
-  EXPECT_TRUE(robot->lost());
+  EXPECT_TRUE(robot->failed());
   EXPECT_FALSE(robot->read().valid) << "it does not come back by itself";
   robot->write(current_a);
   EXPECT_EQ(told.written_a.back(), Vec3::Zero());
-  EXPECT_NE(robot->loss().find("drive = scripted: no reading for 0.003 s (drive_stale_s)"),
+  EXPECT_NE(robot->failure().find("drive = scripted: no reading for 0.003 s (drive_stale_s)"),
             std::string::npos);
 }
 
@@ -166,18 +166,18 @@ TEST_F(Watched, MustKeepUpWithTheController) {
   }
 }
 
-TEST(Machine, ASimulatedRobotThatRanOffIsLostToo) {
+TEST(RobotSupervisor, ASimulatedRobotThatRanOffHasFailedToo) {
   const RobotModel model = load_robot("slave-keops");
-  Machine robot(model, {}, 1000.0, attach("simulated", model, 1000.0, {}));
+  RobotSupervisor robot(model, {}, 1000.0, open_drive("simulated", {model, 1000.0, {}}));
   EXPECT_TRUE(robot.read().valid);
   robot.plant()->set_tool_force({1e6, 0, 0});
-  for (int i = 0; i < 1000 && !robot.lost(); ++i) {
+  for (int i = 0; i < 1000 && !robot.failed(); ++i) {
     robot.write(Vec3::Zero());
     robot.advance();
     (void)robot.read();
   }
-  EXPECT_TRUE(robot.lost());
-  EXPECT_NE(robot.loss().find("left the poses"), std::string::npos);
+  EXPECT_TRUE(robot.failed());
+  EXPECT_NE(robot.failure().find("left the poses"), std::string::npos);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "common/control/acceleration_control.h"
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/robot/drivers/udp_robot.h"
 #include "common/runtime/startup_error.h"
 

@@ -50,7 +50,7 @@ TEST(ControlPath, NorDoesOneWithRobotAndLaserInAnotherProcess) {
   robot::SimulatedRobot plant(model, 1, model.in_base(Vec3::Zero()));
   robot::UdpDrive drive(plant, 0);
   settings.machine.drive = "udp:127.0.0.1:" + std::to_string(drive.port());
-  slave::LaserSocket laser;
+  laser::LaserSocket laser;
   settings.beam.laser = laser.laser();
   std::jthread answering([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) drive.serve_for(0.01);
@@ -67,7 +67,7 @@ TEST(ControlPath, NorDoesOneWithRobotAndLaserInAnotherProcess) {
     for (int i = 0; i < 1000 && drive.serve_for(0.0) == 0; ++i) std::this_thread::yield();
   }
   EXPECT_TRUE(slave.machine().started());
-  EXPECT_FALSE(slave.machine().lost());
+  EXPECT_FALSE(slave.machine().failed());
   EXPECT_EQ(in_steps, 0u);
   RunRecord record;
   slave.report(record);

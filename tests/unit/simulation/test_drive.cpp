@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "experiments/simulation/simulation.h"
 
 namespace telekerf::lap {
@@ -43,7 +44,7 @@ robot::Drive foreign(Foreign::World& world, const std::string& name, std::uint64
 }
 
 /// Remembers what it was told.
-class Lamp : public slave::Laser {
+class Lamp : public laser::Laser {
  public:
   explicit Lamp(std::vector<double>& told_w) : told_w_(told_w) {}
   bool emit(double power_w, bool) noexcept override {
@@ -57,7 +58,7 @@ class Lamp : public slave::Laser {
 
 /// Held and let go by the world.
 struct Foot : master::OperatorInput {
-  bool pressed(std::int64_t) noexcept override { return down; }
+  master::OperatorSample sample(std::int64_t) noexcept override { return {.trigger = down}; }
   bool down = false;
 };
 
@@ -162,13 +163,13 @@ TEST_F(AtWork, ADrivesLossPutsTheBeamOutAtOnceAndTheCurrentsSoon) {
 
   world.broken_line = true;
   for (int n = 1; n <= 20; ++n) {
-    EXPECT_FALSE(slave.machine().lost()) << n;
+    EXPECT_FALSE(slave.machine().failed()) << n;
     out = cell.step(slave);
     EXPECT_EQ(out.laser_w, 0.0) << n;
     EXPECT_EQ(out.interlock, Interlock::kStale) << n;
     EXPECT_EQ(world.written_a.isZero(0.0), n == 20) << n;
   }
-  EXPECT_TRUE(slave.machine().lost());
+  EXPECT_TRUE(slave.machine().failed());
 
   world.broken_line = false;
   for (int n = 0; n < 100; ++n) {
@@ -211,7 +212,7 @@ TEST(Laser, IsToldEachStepWhatTheRecordHoldsAndIsOffAtEveryEnd) {
     if (what == "stop") (void)slave->step(cell.tick * kMs, cell.corridor.get(), {}, {&stop, 1});
     if (what == "loss") world.plant->set_tool_force({1e6, 0, 0});
     if (what == "no reading") world.broken_line = true;
-    for (int n = 0; n < 100 && what == "loss" && !slave->machine().lost(); ++n) cell.step(*slave);
+    for (int n = 0; n < 100 && what == "loss" && !slave->machine().failed(); ++n) cell.step(*slave);
     if (what == "no reading") cell.step(*slave);
     EXPECT_GT(told_w.size(), before) << end;
     EXPECT_EQ(told_w.back(), 0.0) << end;

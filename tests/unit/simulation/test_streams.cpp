@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/runtime/resources.h"
 #include "experiments/delay/delay_trial.h"
 #include "experiments/simulation/simulation.h"

@@ -13,7 +13,7 @@
 
 #include "slave/laser/udp_laser.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 
 class LaserDevice {
  public:
@@ -80,4 +80,4 @@ class LaserSocket {
   boost::asio::ip::udp::socket socket_;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -5,7 +5,7 @@
 
 #include "slave/laser/interlock.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 namespace {
 
 InterlockInputs good() {
@@ -16,45 +16,46 @@ InterlockInputs good() {
 
 TEST(Interlock, EveryDoubtForbidsTheBeamAndSaysWhy) {
   const InterlockSettings settings;
-  EXPECT_EQ(judge(good(), settings), Interlock::kReady);
+  EXPECT_EQ(evaluate_interlock(good(), settings), Interlock::kReady);
   auto inputs = good();
   inputs.contour_known = false;
-  EXPECT_EQ(judge(inputs, settings), Interlock::kNoContour);
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kNoContour);
   inputs = good();
   inputs.engaged = false;
-  EXPECT_EQ(judge(inputs, settings), Interlock::kNotEngaged);
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kNotEngaged);
   inputs = good();
   inputs.fresh = false;
-  EXPECT_EQ(judge(inputs, settings), Interlock::kStale);
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kStale);
   inputs = good();
   inputs.inside_workspace = false;
-  EXPECT_EQ(judge(inputs, settings), Interlock::kOutsideWorkspace);
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kOutsideWorkspace);
   inputs = good();
   inputs.contour_distance_m = 0.49e-3;
-  EXPECT_EQ(judge(inputs, settings), Interlock::kOutsideCorridor) << "the sensors' allowance counts";
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kOutsideCorridor)
+      << "the sensors' allowance counts";
   inputs = good();
   inputs.tracking_error_m = 1e-3;
-  EXPECT_EQ(judge(inputs, settings), Interlock::kTracking);
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kTracking);
   inputs.stopped = true;
-  EXPECT_EQ(judge(inputs, settings), Interlock::kStopped);
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kStopped);
 }
 
 TEST(Interlock, AFastToolIsStoppedEarlier) {
   auto inputs = good();
   inputs.contour_distance_m = 0.4e-3;
-  EXPECT_EQ(judge(inputs, {}), Interlock::kReady);
+  EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kReady);
   inputs.speed_m_per_s = 0.05;
-  EXPECT_EQ(judge(inputs, {}), Interlock::kOutsideCorridor);
+  EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kOutsideCorridor);
 }
 
 TEST(Interlock, NotANumberForbids) {
   auto inputs = good();
   inputs.contour_distance_m = std::nan("");
-  EXPECT_EQ(judge(inputs, {}), Interlock::kOutsideCorridor);
+  EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kOutsideCorridor);
   inputs = good();
   inputs.tracking_error_m = std::nan("");
-  EXPECT_EQ(judge(inputs, {}), Interlock::kTracking);
+  EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kTracking);
 }
 
 }  // namespace
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

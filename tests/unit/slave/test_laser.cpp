@@ -10,7 +10,7 @@
 #include "tests/unit/allocations.h"
 #include "tests/unit/slave/laser_device.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -33,14 +33,14 @@ std::string refusal_of(const LaserOutputSettings& settings, double laser_w) {
 
 TEST(Laser, WhatIsNoneIsRefusedWithWhatItMustBe) {
   for (const char* wrong : {"", "Simulated", "spi", "spi:0"}) {
-    EXPECT_NE(complaint_about_laser(wrong).find("must be one of simulated, udp:HOST:PORT"), std::string::npos)
+    EXPECT_NE(validate_laser(wrong).find("must be one of simulated, udp:HOST:PORT"), std::string::npos)
         << wrong;
   }
-  EXPECT_EQ(complaint_about_laser("simulated:2"), "stands alone, nothing follows its name");
+  EXPECT_EQ(validate_laser("simulated:2"), "stands alone, nothing follows its name");
   for (const char* wrong : {"udp", "udp:7200", "udp::7200", "udp:host:0", "udp:host:65536"}) {
-    EXPECT_NE(complaint_about_laser(wrong).find("within [1, 65535]"), std::string::npos) << wrong;
+    EXPECT_NE(validate_laser(wrong).find("within [1, 65535]"), std::string::npos) << wrong;
   }
-  EXPECT_EQ(complaint_about_laser("udp:127.0.0.1:7200"), "");
+  EXPECT_EQ(validate_laser("udp:127.0.0.1:7200"), "");
   EXPECT_EQ(refusal_of(named("simulated"), 10.0), "accepted");
   EXPECT_NE(refusal_of(named("spi"), 10.0).find("laser = spi: must be one of"), std::string::npos);
   EXPECT_NE(refusal_of(named("udp:no.such.host.invalid:7200"), 10.0).find("give the host's IPv4 address"),
@@ -107,15 +107,15 @@ TEST(LaserOutput, GivesNothingThatIsNoPowerAndNeverMoreThanItsLimit) {
   EXPECT_EQ(beam.emit(15.0, false), 12.0);
   EXPECT_EQ(steps.back(), (Told::Step{12.0, false}));
   EXPECT_EQ(beam.clipped(), 1u);
-  EXPECT_EQ(beam.untold(), 0u);
+  EXPECT_EQ(beam.write_failures(), 0u);
 }
 
 TEST(LaserOutput, CountsStepsInWhichTheLaserWasNotTold) {
   std::vector<Told::Step> steps;
   LaserOutput beam({}, 10.0, 1000.0, std::make_unique<Told>(steps, false));
-  EXPECT_FALSE(beam.lost());
+  EXPECT_FALSE(beam.failed());
   for (int n = 0; n < 3; ++n) beam.emit(1.0, false);
-  EXPECT_EQ(beam.untold(), 4u);
+  EXPECT_EQ(beam.write_failures(), 4u);
 }
 
 TEST(LaserOutput, LosesALaserThatIsNotToldTimeAndAgain) {
@@ -133,18 +133,19 @@ TEST(LaserOutput, LosesALaserThatIsNotToldTimeAndAgain) {
     emit(false, 2);
     emit(true, 8000);
   }
-  EXPECT_FALSE(beam.lost()) << "twice in eight seconds, over and over, is forgiven";
+  EXPECT_FALSE(beam.failed()) << "twice in eight seconds, over and over, is forgiven";
   for (int n = 0; n < 3; ++n) {
-    EXPECT_FALSE(beam.lost());
+    EXPECT_FALSE(beam.failed());
     emit(false, 1);
     emit(true, 1000);
   }
-  EXPECT_FALSE(beam.lost());
+  EXPECT_FALSE(beam.failed());
   emit(false, 1);
-  EXPECT_TRUE(beam.lost()) << "once a second is not";
+  EXPECT_TRUE(beam.failed()) << "once a second is not";
   EXPECT_EQ(emit(true, 1), 0.0) << "for good";
   EXPECT_EQ(steps.back(), (Told::Step{0.0, false}));
-  EXPECT_NE(beam.loss().find("laser = simulated: it no longer hears"), std::string::npos) << beam.loss();
+  EXPECT_NE(beam.failure().find("laser = simulated: it no longer hears"), std::string::npos)
+      << beam.failure();
 }
 
 TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
@@ -190,10 +191,10 @@ TEST(UdpLaser, ThatGoesAwayIsLost) {
   auto socket = std::make_unique<LaserSocket>();
   LaserOutput beam(named(socket->laser()), 10.0, 1000.0);
   for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
-  EXPECT_EQ(beam.untold(), 0u);
+  EXPECT_EQ(beam.write_failures(), 0u);
   socket.reset();
   for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
-  EXPECT_TRUE(beam.lost());
+  EXPECT_TRUE(beam.failed());
 }
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -264,4 +265,4 @@ TEST_F(Device, GivesNeverMoreThanItHasAndNothingThatIsNoPower) {
 }
 
 }  // namespace
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser

@@ -3,7 +3,7 @@
 
 #include "slave/laser/workpiece.h"
 
-namespace telekerf::slave {
+namespace telekerf::laser {
 namespace {
 
 TEST(Workpiece, EnergyIsConservedWhereverTheBeamStands) {
@@ -28,4 +28,4 @@ TEST(Workpiece, UpIsUp) {
 }
 
 }  // namespace
-}  // namespace telekerf::slave
+}  // namespace telekerf::laser
