@@ -14,7 +14,7 @@ namespace bp = boost::process;
 
 std::string next_output(const std::string& name) {
   static int count = 0;
-  return name + "-" + std::to_string(count++) + ".txt";
+  return std::filesystem::path(name).filename().string() + "-" + std::to_string(count++) + ".txt";
 }
 
 }  // namespace
@@ -26,7 +26,7 @@ struct Program::Child : bp::child {
 Program::Program(const std::string& name, const std::vector<std::string>& arguments)
     : output_(scratch() / next_output(name)),
       child_(std::make_unique<Child>(
-          TELEKERF_BIN_DIR "/" + name, bp::args(arguments), bp::limit_handles,
+          (std::filesystem::path(TELEKERF_BIN_DIR) / name).string(), bp::args(arguments), bp::limit_handles,
           bp::std_in<bp::null, (bp::std_out & bp::std_err)> boost::filesystem::path(output_.string()))) {}
 
 Program::~Program() {

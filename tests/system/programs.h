@@ -16,6 +16,7 @@ namespace telekerf::integration {
 /// One running program with its output in a file.
 class Program {
  public:
+  /// `name`: one of ours, or an absolute path.
   Program(const std::string& name, const std::vector<std::string>& arguments);
   ~Program();
   Program(const Program&) = delete;
