@@ -9,7 +9,7 @@
 namespace telekerf::codec {
 namespace {
 
-// Orders of the Exp-Golomb codes, measured on the traces of docs/codec.md.
+// Orders of the Exp-Golomb codes, measured on the traces of docs/results/codec.md.
 constexpr int kCountOrder = 0;
 constexpr int kBendOrder = 4;
 constexpr int kSlopeOrder = 3;

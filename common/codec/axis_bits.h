@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bits of one axis of one block (docs/codec.md has the table of fields).
+// The bits of one axis of one block (docs/reference/packet.md has the fields).
 #pragma once
 
 #include "common/codec/axis_code.h"

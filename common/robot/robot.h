@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hardware seam: what a vendor's drive must offer. See docs/attach-a-drive.md.
+// The hardware seam: what a vendor's drive must offer. See docs/how-to/add-a-drive.md.
 #pragma once
 
 #include <cstdint>

@@ -37,7 +37,7 @@ class DeviceRegistry {
   /// What is wrong with a device as a user wrote it, and the remedy; empty: nothing.
   std::string validate(std::string_view device) const {
     if (const Kind* kind = kind_of(device)) return kind->validate(rest_of(device));
-    return "must be one of " + forms() + "; docs/attach-a-drive.md says how to add another";
+    return "must be one of " + forms() + "; docs/how-to says how to add another";
   }
 
   /// Throws StartupError.

@@ -15,7 +15,7 @@
 
 namespace telekerf::laser {
 
-/// Controller -> laser, little endian. docs/attach-a-drive.md says what the laser must do by itself.
+/// Controller -> laser, little endian. docs/how-to/add-a-laser.md says what the laser must do by itself.
 struct UdpPower {
   static constexpr std::uint32_t kMagic = 0x4c554b54;
   static constexpr std::uint32_t kVersion = 1;

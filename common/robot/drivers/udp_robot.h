@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A robot in another process: the hardware seam over UDP, one datagram each way a step.
 //
-// The smallest possible drive, to copy from (docs/attach-a-drive.md). Lost datagrams cost a step, never an
-// offset: positions are absolute. For one host or a wire of its own; there is no protection against a
+// The smallest possible drive, to copy from (docs/how-to/add-a-drive.md). Lost datagrams cost a step, never
+// an offset: positions are absolute. For one host or a wire of its own; there is no protection against a
 // stranger's datagrams. Controller and drive are in step: the reading that answers a step's currents is there
 // at the next step, unless the way there and back takes longer than a control period.
 #pragma once

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The estimators against their analytic limits, on exact double integrators: docs/delay.md, "Limits".
+// The estimators against their analytic limits, on exact double integrators: docs/reference/streaming.md,
+// "Limits".
 #include <gtest/gtest.h>
 
 #include <cmath>

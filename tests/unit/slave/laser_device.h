@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A laser behind a UDP address that obeys docs/attach-a-drive.md: datagrams and time in, beam out.
+// A laser behind a UDP address that obeys docs/how-to/add-a-laser.md: datagrams and time in, beam out.
 #pragma once
 
 #include <algorithm>
