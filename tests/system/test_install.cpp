@@ -72,5 +72,20 @@ TEST_F(Installed, ProgramsFindWhatTheyNeed) {
   fs::rename(prefix() / "share/telekerf/elsewhere", prefix() / "share/telekerf/robots");
 }
 
+TEST(Programs, AreConfiguredWithoutThePackagesOfTheTests) {
+  const std::string folder = (Program::scratch() / "programs only").string();
+  std::string command = "cmake -S '" TELEKERF_SOURCE_DIR "' -B '" + folder + "' -G Ninja";
+  for (const std::string part : {"TESTS", "BENCHMARKS", "EXPERIMENTS", "EXAMPLES"})
+    command += " -DTELEKERF_BUILD_" + part + "=OFF";
+  for (const std::string package : {"GTest", "CycloneDDS"})
+    command += " -DCMAKE_DISABLE_FIND_PACKAGE_" + package + "=ON";
+  ASSERT_EQ(std::system((command + " >/dev/null").c_str()), 0);
+  const std::string targets =
+      "ninja -C '" + folder + "' -t query telekerf-master telekerf-slave telekerf-vision telekerf-inspect";
+  EXPECT_EQ(std::system((targets + " >/dev/null").c_str()), 0);
+  EXPECT_NE(std::system(("ninja -C '" + folder + "' -t query telekerf-experiment >/dev/null 2>&1").c_str()),
+            0);
+}
+
 }  // namespace
 }  // namespace telekerf::integration
