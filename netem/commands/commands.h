@@ -13,10 +13,10 @@ namespace telekerf::netem {
 
 inline void add_direction(CLI::App& command, Direction& direction) {
   const auto read = [&direction](const std::string& word) {
-    if (word != "forward" && word != "backward") {
+    const auto known = kDirections.find(word);
+    if (!known)
       throw CLI::ValidationError("--direction", fmt::format("'{}' is neither forward nor backward", word));
-    }
-    direction = word == "forward" ? Direction::kForward : Direction::kBackward;
+    direction = *known;
   };
   command.add_option_function<std::string>("--direction", read,
                                            "forward (operator to slave, default) or backward");

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "common/runtime/startup_error.h"
-#include "netem/commands.h"
+#include "netem/commands/commands.h"
 #include "netem/drivers/tc.h"
 
 namespace telekerf::netem {
