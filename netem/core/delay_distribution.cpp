@@ -15,8 +15,8 @@ using Precision = boost::math::policies::policy<boost::math::policies::promote_d
 
 /// Symmetric laws about zero with standard deviation 1.
 double symmetric_quantile(DelayDistribution distribution, double lower, double upper) {
-  if (lower > upper) return -symmetric_quantile(law, upper, lower);
-  switch (law) {
+  if (lower > upper) return -symmetric_quantile(distribution, upper, lower);
+  switch (distribution) {
     case DelayDistribution::kUniform:
       return std::numbers::sqrt3 * (2.0 * lower - 1.0);
     case DelayDistribution::kNormal:
@@ -28,7 +28,7 @@ double symmetric_quantile(DelayDistribution distribution, double lower, double u
 
 /// Share of a symmetric law below -x (x >= 0, in standard deviations).
 double symmetric_share_below(DelayDistribution distribution, double x) {
-  switch (law) {
+  switch (distribution) {
     case DelayDistribution::kUniform:
       return std::max(0.0, 0.5 * (1.0 - x / std::numbers::sqrt3));
     case DelayDistribution::kNormal:
@@ -40,7 +40,7 @@ double symmetric_share_below(DelayDistribution distribution, double x) {
 
 /// Laws that begin at zero, with standard deviation 1.
 double one_sided_quantile(DelayDistribution distribution, double shape, double lower, double upper) {
-  switch (law) {
+  switch (distribution) {
     case DelayDistribution::kGamma: {
       const double x = lower < upper ? boost::math::gamma_p_inv(shape, lower, Precision())
                                      : boost::math::gamma_q_inv(shape, upper, Precision());
