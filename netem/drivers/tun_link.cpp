@@ -19,7 +19,6 @@
 #include <system_error>
 
 #include "common/runtime/startup_error.h"
-#include "netem/commands.h"
 #include "netem/core/emulator.h"
 #include "netem/core/trace.h"
 
@@ -43,7 +42,7 @@ class OneWay {
          const DirectionProfile& profile, const StreamKey& key)
       : from_(from), to_(to), timer_(io), emulator_(profile, key, kLinkCapacity, now_ns()) {}
 
-  /// Writes the fate of every packet from now on. Throws StartupError.
+  /// Writes the outcome of every packet from now on. Throws StartupError.
   void record(const std::filesystem::path& file) {
     trace_.reset(std::fopen(file.c_str(), "w"));
     if (!trace_) throw StartupError(fmt::format("cannot write {}", file.string()));
@@ -60,8 +59,8 @@ class OneWay {
   }
   void stop() { timer_.cancel(); }
   void switch_to(const DirectionProfile& profile) {
-    CompiledProfile plan(profile);
-    emulator_.switch_to(plan, now_ns());
+    CompiledProfile fresh(profile);
+    emulator_.switch_to(fresh, now_ns());
   }
   const Counters& counters() const { return emulator_.counters(); }
   std::uint64_t refused() const { return refused_; }
@@ -73,17 +72,17 @@ class OneWay {
       const ssize_t size = ::read(from_.native_handle(), buffer_.data(), buffer_.size());
       if (size <= 0) break;  // empty, or the device is going away
       const std::int64_t now = now_ns();
-      const PacketOutcome fate =
+      const PacketOutcome outcome =
           emulator_.push(now, std::span(buffer_).first(static_cast<std::size_t>(size)), 0);
-      if (trace_) write_down(now, fate);
+      if (trace_) write_down(now, outcome);
     }
     let_out();
   }
 
-  void write_down(std::int64_t now, const PacketOutcome& fate) {
+  void write_down(std::int64_t now, const PacketOutcome& outcome) {
     if (recorded_ == 0) recording_began_ns_ = now;
-    const RecordedFate row{now - recording_began_ns_, fate.lost() ? 0 : fate.due_ns - now, fate.lost(),
-                           fate.duplicated, fate.corrupted};
+    const RecordedOutcome row{now - recording_began_ns_, outcome.lost() ? 0 : outcome.due_ns - now,
+                              outcome.lost(), outcome.duplicated, outcome.corrupted};
     fmt::print(trace_.get(), "{}\n", trace_row(recorded_++, row));
   }
 
@@ -191,44 +190,6 @@ int run_link(const LinkOptions& options) {
   report("backward", *backward);
   const auto unintended = [](const OneWay& way) { return way.counters().overflowed + way.refused(); };
   return unintended(*forward) + unintended(*backward) == 0 ? 0 : 1;
-}
-
-void add_link_options(CLI::App& command, LinkOptions& options) {
-  command.add_option("--seed", options.seed, "of the random numbers")
-      ->check(whole_number())
-      ->capture_default_str();
-  command.add_option("--operator-dev", options.operator_side.device, "TUN device at the operator's side")
-      ->capture_default_str();
-  command.add_option("--slave-dev", options.slave_side.device, "TUN device at the slave's side")
-      ->capture_default_str();
-  command.add_option("--operator-netns", options.operator_side.netns,
-                     "network namespace to put it into (name or path)");
-  command.add_option("--slave-netns", options.slave_side.netns,
-                     "network namespace to put it into (name or path)");
-  command
-      .add_option("--operator-address", options.operator_side.address,
-                  "of the device; empty: configure it yourself")
-      ->capture_default_str();
-  command
-      .add_option("--slave-address", options.slave_side.address,
-                  "of the device; empty: configure it yourself")
-      ->capture_default_str();
-  command.add_flag("--operator-default-route", options.operator_side.default_route,
-                   "everything from the operator's side goes over the link");
-  command.add_flag("--slave-default-route", options.slave_side.default_route,
-                   "everything from the slave's side goes over the link");
-  command.add_option("--record", options.record,
-                     "folder for the fate of every packet: forward.csv, backward.csv");
-  command.add_option("--seconds", options.seconds, "stop by itself")->check(within(0, 1e9));
-}
-
-void add_link_command(CLI::App& app, Action& action) {
-  auto* command =
-      app.add_subcommand("link", "Joins two networks by an emulated link between two TUN devices");
-  auto options = std::make_shared<LinkOptions>();
-  command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
-  add_link_options(*command, *options);
-  command->callback([options, &action] { action = [options] { return run_link(*options); }; });
 }
 
 }  // namespace telekerf::netem

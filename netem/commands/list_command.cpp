@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-netem list: the shipped profiles at a glance.
+#include <fmt/format.h>
+
+#include <string>
+
+#include "common/runtime/resources.h"
+#include "netem/commands/commands.h"
+#include "netem/core/delay_distribution.h"
+#include "netem/core/loss_chain.h"
+#include "netem/core/profile.h"
+
+namespace telekerf::netem {
+namespace {
+
+int print_list() {
+  fmt::print("{:<16} {:>15} {:>15} {:>13} {:<8} {}\n", "profile", "forward ms", "backward ms", "loss",
+             "order", "");
+  for (const auto& name : shipped_names("profiles", ".toml")) {
+    const Profile profile = load_profile(name);
+    const auto delay = [](const DirectionProfile& direction) {
+      const Moments moments = delay_moments(direction.stages.front().conditions.delay);
+      if (moments.sd_s == 0) return fmt::format("{:.4g}", moments.mean_s * 1e3);
+      return fmt::format("{:.4g} ± {:.3g}", moments.mean_s * 1e3, moments.sd_s * 1e3);
+    };
+    const Conditions& forward = profile.forward.stages.front().conditions;
+    const LossChain chain = loss_chain(forward.loss);
+    const double burst = mean_burst(chain);
+    std::string loss = fmt::format("{:g}", mean_loss(chain));
+    if (chain.states > 1) loss += fmt::format(" by {:.2g}", burst);
+    // fmt counts "±" as one column.
+    fmt::print("{:<16} {:>15} {:>15} {:>13} {:<8} {}{}\n", name, delay(profile.forward),
+               delay(profile.backward), loss, forward.tcp_like ? "tcp" : kOrders.word(forward.order),
+               profile.description, profile.forward.events.empty() ? "" : "; with events");
+  }
+  fmt::print(
+      "\nmean ± standard deviation of the delay that is drawn, one way; loss as a fraction, mean burst "
+      "length\n");
+  return 0;
+}
+
+}  // namespace
+
+void add_list_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("list", "Shows the shipped profiles");
+  command->callback([&action] { action = print_list; });
+}
+
+}  // namespace telekerf::netem

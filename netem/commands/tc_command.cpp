@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-netem tc: the profile as a shell script for tc, shortcomings as comments.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "common/runtime/startup_error.h"
+#include "netem/commands/commands.h"
+#include "netem/drivers/tc.h"
+
+namespace telekerf::netem {
+namespace {
+
+struct Options {
+  std::string profile;
+  std::string device;
+  Direction direction = Direction::kForward;
+};
+
+int run(const Options& options) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-@";
+  constexpr std::size_t kLongest = 15;  // the kernel's limit
+  if (options.device.empty() || options.device.size() > kLongest ||
+      options.device.find_first_not_of(kPlain) != std::string::npos) {
+    throw StartupError(
+        fmt::format("--dev '{}' is no network device name: 1 to {} letters, digits, '.', '_', '-' or '@'",
+                    options.device, kLongest));
+  }
+  const Profile profile = load_profile(options.profile);
+  const bool forward = options.direction == Direction::kForward;
+  const TcExport out = export_to_tc(forward ? profile.forward : profile.backward, options.device);
+  fmt::print(
+      "# {}: what leaves {} ({})\n", profile.name, options.device,
+      forward ? "forward: run this on the operator's machine" : "backward: run this on the slave's machine");
+  for (const auto& shortcoming : out.shortcomings) fmt::print("# tc falls short: {}\n", shortcoming);
+  fmt::print("{}\n", out.command);
+  return 0;
+}
+
+}  // namespace
+
+void add_tc_command(CLI::App& app, Action& action) {
+  auto* command =
+      app.add_subcommand("tc", "Prints the profile as tc commands and names what tc cannot express");
+  auto options = std::make_shared<Options>();
+  command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
+  command->add_option("--dev", options->device, "network device")->required();
+  add_direction(*command, options->direction);
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace telekerf::netem

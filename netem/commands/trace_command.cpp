@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-netem trace and replay: the outcome of every packet as CSV, written and played back.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "common/runtime/startup_error.h"
+#include "netem/commands/commands.h"
+#include "netem/commands/link_command.h"
+#include "netem/core/emulator.h"
+#include "netem/core/trace.h"
+#include "netem/drivers/tun_link.h"
+
+namespace telekerf::netem {
+namespace {
+
+struct TraceOptions {
+  std::string profile;
+  double rate_hz = 1000.0;
+  std::uint64_t packets = 1000;
+  std::uint64_t seed = 1;
+  std::uint32_t bytes = 200;
+  Direction direction = Direction::kForward;
+};
+
+/// Sends one packet and takes everything that is due, so that the emulator never fills up.
+RecordedOutcome send(Emulator& emulator, std::int64_t now_ns, std::uint32_t bytes, std::uint64_t index) {
+  while (emulator.pop(now_ns)) {
+  }
+  const PacketOutcome outcome = emulator.push(now_ns, bytes, index);
+  if (outcome.overflowed)
+    throw StartupError("more packets under way than this program holds; lower --rate-hz");
+  return {now_ns, outcome.lost() ? 0 : outcome.due_ns - now_ns, outcome.lost(), outcome.duplicated,
+          outcome.corrupted};
+}
+
+Capacity roomy() {
+  Capacity capacity;
+  capacity.packets = 1U << 20;
+  capacity.bytes = 0;  // sizes only
+  return capacity;
+}
+
+int print_trace(const TraceOptions& options) {
+  const Profile profile = load_profile(options.profile);
+  const bool forward = options.direction == Direction::kForward;
+  Emulator emulator(forward ? profile.forward : profile.backward, {options.seed, 0, options.direction},
+                    roomy());
+  fmt::print("{}\n", kTraceHeader);
+  for (std::uint64_t i = 0; i < options.packets; ++i) {
+    const auto now_ns =
+        static_cast<std::int64_t>(std::llround(static_cast<double>(i) * 1e9 / options.rate_hz));
+    fmt::print("{}\n", trace_row(i, send(emulator, now_ns, options.bytes, i)));
+  }
+  return 0;
+}
+
+/// Plays a recording in virtual time; what comes out must be the recording again.
+int print_replay(const std::string& file) {
+  const Recording recording = load_recording(file);
+  DirectionProfile profile;
+  profile.recording = std::make_shared<Recording>(recording);
+  Emulator emulator(profile, {}, roomy());
+  fmt::print("{}\n", kTraceHeader);
+  std::uint64_t differing = 0;
+  for (std::uint64_t i = 0; i < recording.size(); ++i) {
+    const std::string row = trace_row(i, send(emulator, recording[i].in_ns, 0, i));
+    differing += row != trace_row(i, recording[i]);
+    fmt::print("{}\n", row);
+  }
+  if (differing > 0)
+    fmt::print(stderr, "telekerf-netem: {} packets came out otherwise than recorded\n", differing);
+  return differing == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+void add_trace_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("trace", "Prints the fate of every packet as CSV, without sending any");
+  auto options = std::make_shared<TraceOptions>();
+  command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
+  command->add_option("--rate-hz", options->rate_hz, "packets per second")
+      ->check(within(0.001, 1e9))
+      ->capture_default_str();
+  command->add_option("--packets", options->packets, "how many")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of the random numbers")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_option("--bytes", options->bytes, "size of a packet, for rates and slots")
+      ->check(within(1, 65535))
+      ->capture_default_str();
+  add_direction(*command, options->direction);
+  command->callback([options, &action] { action = [options] { return print_trace(*options); }; });
+}
+
+void add_replay_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand(
+      "replay", "Plays a recorded trace: in virtual time as CSV, or with --link between two networks");
+  auto options = std::make_shared<LinkOptions>();
+  auto link = std::make_shared<bool>(false);
+  command->add_option("trace", options->profile, "CSV as printed by `telekerf-netem trace`")->required();
+  command->add_flag("--link", *link, "drive the TUN link with it, both directions");
+  add_link_options(*command, *options);
+  command->callback([options, link, &action] {
+    action = [options, link] { return *link ? run_link(*options) : print_replay(options->profile); };
+  });
+}
+
+}  // namespace telekerf::netem
