@@ -41,7 +41,7 @@ check_preset() { # PRESET FOLDER
 }
 check_werror() { check_preset ci "$build" && ctest --test-dir "$build" --output-on-failure -j2; }
 check_headers() { ninja -C "$build" all_verify_interface_header_sets; }
-check_examples() { ninja -C "$build" && ctest --test-dir "$build" --output-on-failure --no-tests=error -L example; }
+check_examples() { ninja -C "$build" && ctest --test-dir "$build" --output-on-failure --no-tests=error -L examples; }
 check_fuzz() {
   local file name
   cmake "$build" || return 1 # clang may be new
