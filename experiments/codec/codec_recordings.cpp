@@ -36,17 +36,17 @@ double noise_of(const codec::Trace& trace) {
 }
 
 std::vector<SeededTrace> recorded_traces(double seconds, std::uint64_t seed) {
-  lap::LapSettings settings;
+  simulation::SimulationSettings settings;
   settings.master.seed = settings.slave.seed = seed;
   settings.master.codec = "raw";  // whole samples in every packet: what was commanded
   settings.network = netem::load_profile("thesis-constant");
-  const ContourMessage contour = lap::find_contour(settings);
+  const ContourMessage contour = simulation::find_contour(settings);
   master::Station master(settings.master);
   slave::Station slave(settings.slave);
   const auto task = master.prepare(contour);
   const auto corridor = slave.prepare(contour);
-  lap::VirtualLink<CommandBlock> forward(settings.network.forward, seed, netem::Direction::kForward);
-  lap::VirtualLink<StateBlock> backward(settings.network.backward, seed, netem::Direction::kBackward);
+  simulation::VirtualLink<CommandBlock> forward(settings.network.forward, seed, netem::Direction::kForward);
+  simulation::VirtualLink<StateBlock> backward(settings.network.backward, seed, netem::Direction::kBackward);
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
   codec::BlockDecoder decoder;

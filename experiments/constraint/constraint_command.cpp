@@ -36,9 +36,9 @@ struct Bar {
 std::vector<ContourMessage> contours() {
   std::vector<ContourMessage> out{rounded_outline(1e-3, 20e-3)};
   for (const char* picture : {"gear", "letter-e", "figure-8"}) {
-    lap::LapSettings settings;
+    simulation::SimulationSettings settings;
     settings.image = picture;
-    out.push_back(lap::find_contour(settings));
+    out.push_back(simulation::find_contour(settings));
     out.back().source = picture;
   }
   return out;

@@ -54,10 +54,10 @@ bool is_stable(const std::vector<double>& errors) {
 }  // namespace
 
 HandRecord record_hand(const std::string& image, double duration_s, std::uint64_t seed) {
-  lap::LapSettings settings;
+  simulation::SimulationSettings settings;
   settings.image = image;
   HandRecord record;
-  record.contour = lap::find_contour(settings);
+  record.contour = simulation::find_contour(settings);
   master::StationSettings station_settings;
   station_settings.seed = seed;
   master::Station station(station_settings);
@@ -103,8 +103,10 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   slave::Station slave(slave_settings);
   const auto corridor = slave.prepare(hand.contour);
 
-  lap::VirtualLink<CommandBlock> forward(trial.network.forward, trial.seed, netem::Direction::kForward);
-  lap::VirtualLink<StateBlock> backward(trial.network.backward, trial.seed, netem::Direction::kBackward);
+  simulation::VirtualLink<CommandBlock> forward(trial.network.forward, trial.seed,
+                                                netem::Direction::kForward);
+  simulation::VirtualLink<StateBlock> backward(trial.network.backward, trial.seed,
+                                               netem::Direction::kBackward);
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
   std::vector<Vec3> predicted(hand.tool.size());

@@ -7,8 +7,8 @@
 #include "common/robot/robot_model.h"
 #include "experiments/simulation/virtual_link.h"
 
-namespace telekerf::lap {
-ContourMessage find_contour(const LapSettings& settings) {
+namespace telekerf::simulation {
+ContourMessage find_contour(const SimulationSettings& settings) {
   vision::ContourRequest request;
   request.image = settings.image;
   if (settings.width_mm > 0.0) request.width_m = settings.width_mm * 1e-3;
@@ -16,9 +16,9 @@ ContourMessage find_contour(const LapSettings& settings) {
   return vision::find_contour(request);
 }
 
-RunRecord run_lap(const LapSettings& settings) { return run_lap(settings, find_contour(settings)); }
+RunRecord simulate(const SimulationSettings& settings) { return simulate(settings, find_contour(settings)); }
 
-RunRecord run_lap(const LapSettings& settings, const ContourMessage& contour) {
+RunRecord simulate(const SimulationSettings& settings, const ContourMessage& contour) {
   master::StationSettings master_settings = settings.master;
   slave::StationSettings slave_settings = settings.slave;
   master_settings.seed = slave_settings.seed = settings.seed;
@@ -64,4 +64,4 @@ RunRecord run_lap(const LapSettings& settings, const ContourMessage& contour) {
   return record;
 }
 
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

@@ -11,9 +11,9 @@
 #include "slave/station.h"
 #include "slave/vision/contour_source.h"
 
-namespace telekerf::lap {
+namespace telekerf::simulation {
 
-struct LapSettings {
+struct SimulationSettings {
   std::string image = "heart";
   double width_mm = 0.0;  ///< of the whole picture; 0: fitted to the workspace
   netem::Profile network;
@@ -24,10 +24,10 @@ struct LapSettings {
 };
 
 /// The contour that vision would publish. Throws StartupError.
-ContourMessage find_contour(const LapSettings& settings);
+ContourMessage find_contour(const SimulationSettings& settings);
 
 /// Runs the lap; the record is what the two processes would have written together.
-RunRecord run_lap(const LapSettings& settings, const ContourMessage& contour);
-RunRecord run_lap(const LapSettings& settings);
+RunRecord simulate(const SimulationSettings& settings, const ContourMessage& contour);
+RunRecord simulate(const SimulationSettings& settings);
 
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

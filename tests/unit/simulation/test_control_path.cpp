@@ -10,11 +10,11 @@
 #include "tests/unit/allocations.h"
 #include "tests/unit/slave/laser_device.h"
 
-namespace telekerf::lap {
+namespace telekerf::simulation {
 namespace {
 
 TEST(ControlPath, NeitherStationsStepAllocates) {
-  LapSettings settings;
+  SimulationSettings settings;
   settings.master.hand_speed_mm_s = 30.0;
   const ContourMessage contour = find_contour(settings);
   master::Station master(settings.master);
@@ -76,4 +76,4 @@ TEST(ControlPath, NorDoesOneWithRobotAndLaserInAnotherProcess) {
 }
 
 }  // namespace
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

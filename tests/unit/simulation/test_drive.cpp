@@ -9,7 +9,7 @@
 #include "common/robot/drivers/simulated_robot.h"
 #include "experiments/simulation/simulation.h"
 
-namespace telekerf::lap {
+namespace telekerf::simulation {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -66,7 +66,7 @@ struct Foot : master::OperatorInput {
 class Cell {
  public:
   Cell() {
-    const LapSettings lap;
+    const SimulationSettings lap;
     contour = find_contour(lap);
     master_settings.hand_speed_mm_s = 30.0;
     master = std::make_unique<master::Station>(master_settings);
@@ -251,7 +251,7 @@ TEST_F(AtWork, AMissingReadingIsBridgedWithTheBeamOff) {
 }
 
 TEST(Drive, AHandOnARobotThatIsNotSimulatedIsFeltAndNoneIsInvented) {
-  LapSettings lap;
+  SimulationSettings lap;
   lap.image = "circle";
   const ContourMessage contour = find_contour(lap);
   master::StationSettings settings;
@@ -308,4 +308,4 @@ TEST(Button, OfADeviceIsTheOnlyOneOnAnyRobot) {
 }
 
 }  // namespace
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

@@ -72,7 +72,7 @@ TEST(ForceFeedbackOverTheLink, APushOnTheSlavesToolIsSeenAfterTheDelay) {
   master_settings.record_s = 0.01;
   master::Station master(master_settings);
   const netem::Profile network = netem::simple_profile(0.1, 0.005, 0.02);
-  lap::VirtualLink<StateBlock> backward(network.backward, 1, netem::Direction::kBackward);
+  simulation::VirtualLink<StateBlock> backward(network.backward, 1, netem::Direction::kBackward);
   std::vector<Received<StateBlock>> states;
   std::vector<Vec3> sent_n;
   constexpr int kPushedAt = 1500;
@@ -124,8 +124,8 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
   slave::Station slave(slave_settings);
   const auto corridor = slave.prepare(hand().contour);
   const netem::Profile network = netem::simple_profile(0.04, 0.0, 0.0);
-  lap::VirtualLink<CommandBlock> forward(network.forward, 1, netem::Direction::kForward);
-  lap::VirtualLink<StateBlock> backward(network.backward, 1, netem::Direction::kBackward);
+  simulation::VirtualLink<CommandBlock> forward(network.forward, 1, netem::Direction::kForward);
+  simulation::VirtualLink<StateBlock> backward(network.backward, 1, netem::Direction::kBackward);
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
 
