@@ -107,18 +107,24 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                    : robot::open_drive(
                          settings_.machine.drive,
                          {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}})),
+      requests_(settings_.engage, settings_.beta),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
-std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour,
-                                                std::optional<double> beta) const {
-  const double scale = beta.value_or(settings_.beta);
-  require_room(model_, contour.points_m, scale);
-  GuidePath guide = make_guide(contour, scale, settings_.node.constraint);
-  require_reach(model_, guide, settings_.node.constraint.corridor_m);
-  SimulatedOperator hand(guide.curve.line(), settings_.hand, settings_.seed);
-  return std::make_unique<GuidedContour>(GuidedContour{std::move(guide), std::move(hand)});
+std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
+  const double beta = requests_.wanted_beta();
+  try {
+    require_room(model_, contour.points_m, beta);
+    GuidePath guide = make_guide(contour, beta, settings_.node.constraint);
+    require_reach(model_, guide, settings_.node.constraint.corridor_m);
+    SimulatedOperator hand(guide.curve.line(), settings_.hand, settings_.seed);
+    requests_.granted(beta);
+    return std::make_unique<GuidedContour>(GuidedContour{std::move(guide), std::move(hand)});
+  } catch (const StartupError&) {
+    requests_.refused(beta);
+    throw;
+  }
 }
 
 HandSample Station::hand(GuidedContour& task) noexcept {
@@ -129,9 +135,11 @@ HandSample Station::hand(GuidedContour& task) noexcept {
   return task.hand.sample(now_s, *tool_m, *velocity, guided_);
 }
 
-MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engage,
-                            std::span<const Received<StateBlock>> states,
-                            std::span<const EventMessage> events) noexcept {
+StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
+                             std::span<const Received<StateBlock>> states,
+                             std::span<const EventMessage> events) noexcept {
+  StationOutputs out;
+  out.prepare_anew = requests_.hear(events);
   const Tick tick = node_.tick();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
 
@@ -141,11 +149,11 @@ MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engag
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to tell the slave
     node_.heed(events);
     machine_.write(Vec3::Zero());
-    return {};
+    return out;
   }
   inputs.states = states;
   inputs.events = events;
-  inputs.engage = engage;
+  inputs.engage = requests_.engage();
   inputs.form = form_;
   form_.reset();
   HandSample hand;
@@ -155,7 +163,7 @@ MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engag
     if (told.force_n) hand.force_n = *told.force_n;
     inputs.button = operator_ ? told.trigger : hand.trigger;
   }
-  MasterOutputs out = node_.step(now_ns, inputs);
+  static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
   machine_.write(out.currents_a);
   if (robot::SimulatedRobot* const plant = machine_.plant()) {

@@ -60,7 +60,7 @@ std::vector<SeededTrace> recorded_traces(double seconds, std::uint64_t seed) {
   for (std::int64_t now_ns = 0; command.size() < wanted; now_ns += kTickNs) {
     states.clear();
     backward.deliver(now_ns, states);
-    const auto out = master.step(now_ns, task.get(), true, states, {});
+    const auto out = master.step(now_ns, task.get(), states, {});
     const bool joined = out.mode == master::MasterMode::kEngaged && out.observed.joined;
     if (out.command) {
       const auto packet = decoder.decode(out.command->payload.view(), {});

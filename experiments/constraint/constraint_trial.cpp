@@ -48,7 +48,7 @@ Trial run_trial(const ContourMessage& contour, const TrialSettings& settings) {
       if (const auto form = settings.form(now - *guided_since)) station.choose(*form);
     }
     const Vec3 true_tool = *station.machine().true_tool_m();  // as in the record: before the step moves it
-    const auto out = station.step(std::llround(now * 1e9), task.get(), false, {}, {});
+    const auto out = station.step(std::llround(now * 1e9), task.get(), {}, {});
     const bool is_guided = out.mode == master::MasterMode::kGuiding;
     trial.off_m.push_back(std::numeric_limits<double>::quiet_NaN());
     trial.constraint_n.push_back(out.constraint_n);

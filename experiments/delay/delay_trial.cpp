@@ -66,7 +66,7 @@ HandRecord record_hand(const std::string& image, double duration_s, std::uint64_
   const auto ticks = static_cast<std::size_t>(duration_s * 1e3);
   std::int64_t now_ns = 0;
   while (record.tool.size() < ticks) {
-    const auto out = station.step(now_ns, task.get(), false, {}, {});
+    const auto out = station.step(now_ns, task.get(), {}, {});
     now_ns += kTickNs;
     if (out.mode != master::MasterMode::kGuiding) continue;
     record.tool.push_back({out.tool_m, out.velocity_m_per_s, out.acceleration_m_per_s2});

@@ -89,7 +89,7 @@ TEST(ForceFeedbackOverTheLink, APushOnTheSlavesToolIsSeenAfterTheDelay) {
     if (out.state) backward.push(n * kMs, *out.state, wire_bytes(*out.state));
     states.clear();
     backward.deliver(n * kMs, states);
-    const master::SlaveForce seen = master.step(n * kMs, nullptr, false, states, {}).slave_force;
+    const master::SlaveForce seen = master.step(n * kMs, nullptr, states, {}).slave_force;
     if (estimated_at == 0 && n >= kPushedAt && out.force_n.x() > 1.0) estimated_at = n;
     if (!seen.known) continue;
     const Vec3 error = seen.force_n - sent_n[seen.tick];
