@@ -147,7 +147,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   inputs.joints = machine_.read();
   const OperatorSample told = operator_ ? operator_->sample(now_ns) : OperatorSample{};
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to tell the slave
-    node_.heed(events);
+    node_.handle_events(events);
     machine_.write(Vec3::Zero());
     return out;
   }
@@ -173,7 +173,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   }
   recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(true_tool_m.value_or(out.tool_m)),
                   triple(hand.force_n), out.constraint_n, guided_, out.mode == MasterMode::kEngaged,
-                  inputs.button, triple(out.observed.slave.position_m), out.observed.joined,
+                  inputs.button, triple(out.observed.slave.position_m), out.observed.aligned,
                   task != nullptr ? task->guide.beta : settings_.beta,
                   out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                   triple(out.slave_force.force_n)});
@@ -184,7 +184,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
 void Station::report(RunRecord& record) const {
   record.master = recorder_.rows();
   record.master_drive = {settings_.machine.drive, machine_.plant() != nullptr};
-  const LinkStatistics& link = node_.link();
+  const streaming::LinkStatistics& link = node_.link();
   const auto& command = settings_.node.command.codec;
   const double run_s = static_cast<double>(node_.tick()) * control_period_s();
   const auto packets = static_cast<double>(link.packets());
@@ -197,7 +197,7 @@ void Station::report(RunRecord& record) const {
     f["rtt_p95_ms"] = link.rtt_quantile_ms(0.95);
     f["rtt_p99_ms"] = link.rtt_quantile_ms(0.99);
   }
-  f["lost"] = static_cast<double>(link.lost());
+  f["lost"] = static_cast<double>(node_.states().lost);
   f["block"] = command.block;
   f["keep"] = command.keep;
   f["max_rms"] = command.max_rms;
@@ -215,7 +215,7 @@ void Station::report(RunRecord& record) const {
       packets > 0.0 ? 8.0 * static_cast<double>(link.payload_bytes()) / (packets * 3.0 * command.block) : 0.0;
   f["readings_missed"] = static_cast<double>(machine_.readings_missed());
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
-  const ClockEstimate clocks = link.clocks();
+  const streaming::ClockEstimate clocks = link.clocks();
   f["clock_offset_us"] = clocks.offset_s * 1e6;
   f["clock_skew_ppm"] = clocks.skew * 1e6;
   f["clock_uncertainty_us"] = clocks.uncertainty_s * 1e6;

@@ -61,7 +61,7 @@ std::vector<SeededTrace> recorded_traces(double seconds, std::uint64_t seed) {
     states.clear();
     backward.deliver(now_ns, states);
     const auto out = master.step(now_ns, task.get(), states, {});
-    const bool joined = out.mode == master::MasterMode::kEngaged && out.observed.joined;
+    const bool joined = out.mode == master::MasterMode::kEngaged && out.observed.aligned;
     if (out.command) {
       const auto packet = decoder.decode(out.command->payload.view(), {});
       if (joined && packet) append(command, (*packet)->blocks_newest_first[0].samples[0]);

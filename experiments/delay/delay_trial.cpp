@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::int64_t kTickNs = 1'000'000;
 constexpr std::uint32_t kEpoch = 1;
+constexpr double kSilence_s = 0.5;  // before another slave would be listened to
 
 ErrorStatistics between(const std::vector<double>& errors, double from, double to) {
   ErrorStatistics spread;
@@ -97,6 +98,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     stream_settings.wrong_velocity_m_per_s = Vec3(0.05, 0.0, 0.0);
   }
   master::CommandStream stream(stream_settings, kEpoch);
+  streaming::StateReceiver feedback(kSilence_s, kEpoch, stream_settings.ticks_per_sample);
   slave::StationSettings slave_settings;
   slave_settings.seed = trial.seed;
   slave_settings.record_s = 1.0;
@@ -110,7 +112,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
   std::vector<Vec3> predicted(hand.tool.size());
-  std::vector<bool> joined(hand.tool.size());
+  std::vector<bool> aligned(hand.tool.size());
   DelayResult result;
   result.error_m.assign(hand.tool.size(), std::numeric_limits<double>::quiet_NaN());
   result.prediction_error_m = result.error_m;
@@ -121,13 +123,13 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     const auto now_ns = static_cast<std::int64_t>(tick) * kTickNs;
     states.clear();
     backward.deliver(now_ns, states);
-    for (const auto& state : states) stream.received(state.value);
+    for (const auto& state : states) stream.received(feedback.receive(state));
     heard = heard || !states.empty();
     const auto block = stream.step(
         now_ns, tick,
         {.tool = hand.tool[tick], .beta = hand.beta, .contour_id = hand.contour.id, .engaged = heard});
     predicted[tick] = stream.observed().slave.position_m;
-    joined[tick] = stream.observed().joined;
+    aligned[tick] = stream.observed().aligned;
     if (block) {
       payload_bytes += block->payload.size;
       on_wire += wire_bytes(*block);
@@ -142,7 +144,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
     if (out.applied_tick < 0.0) continue;
     const auto applied = static_cast<std::size_t>(std::llround(out.applied_tick));
-    if (!joined[applied]) continue;  // the master itself is still leading the slave to its motion
+    if (!aligned[applied]) continue;  // the master itself is still leading the slave to its motion
     result.error_m[applied] = (tool_m - hand.beta * hand.true_tool_m[applied]).norm();
     result.prediction_error_m[applied] = (tool_m - predicted[applied]).norm();
   }

@@ -21,18 +21,6 @@ const char* to_string(Estimator estimator) noexcept {
   return "unknown";
 }
 
-const char* to_string(Law law) noexcept {
-  switch (law) {
-    case Law::kLocal:
-      return "local";
-    case Law::kAnchored:
-      return "anchored";
-    case Law::kRemoteAcceleration:
-      return "remote-acceleration";
-  }
-  return "unknown";
-}
-
 Estimator estimator_named(const std::string& name) {
   for (const auto estimator :
        {Estimator::kNone, Estimator::kThesis, Estimator::kDelayedInnovation, Estimator::kPredictor}) {
@@ -40,13 +28,6 @@ Estimator estimator_named(const std::string& name) {
   }
   throw StartupError(
       fmt::format("estimator = '{}' must be one of none, thesis, delayed-innovation, predictor", name));
-}
-
-Law law_named(const std::string& name) {
-  for (const auto law : {Law::kLocal, Law::kAnchored, Law::kRemoteAcceleration}) {
-    if (name == to_string(law)) return law;
-  }
-  throw StartupError(fmt::format("law = '{}' must be one of local, anchored, remote-acceleration", name));
 }
 
 NetworkObserver::AnyEstimator NetworkObserver::make(Law law, const ObserverSettings& settings) {

@@ -21,10 +21,8 @@ enum class Estimator : std::uint8_t { kNone, kThesis, kDelayedInnovation, kPredi
 
 /// The words of command lines and reports.
 const char* to_string(Estimator estimator) noexcept;
-const char* to_string(Law law) noexcept;
-/// Throw StartupError.
+/// Throws StartupError.
 Estimator estimator_named(const std::string& name);
-Law law_named(const std::string& name);
 
 struct ObserverSettings {
   Estimator estimator = Estimator::kPredictor;

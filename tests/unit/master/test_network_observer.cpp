@@ -225,7 +225,8 @@ TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
   settings.codec.quantum = 1e-3;
   settings.codec.keep = 2;  // coarse on purpose
   CommandStream stream(settings, 3);
-  stream.received(resting_state(3));
+  streaming::StateReceiver feedback(0.5, 3, 1);
+  stream.received(feedback.receive({resting_state(3), 0}));
   codec::BlockDecoder decoder;
   std::mt19937 random(9);
   std::normal_distribution<double> noise(0.0, 0.5);
@@ -234,7 +235,7 @@ TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
   std::vector<double> made;
   for (Tick tick = 0; tick < Tick{16} * 300; ++tick) {
     const double t = static_cast<double>(tick) * kH;
-    MasterMotion master;
+    MasterSample master;
     master.engaged = true;
     master.tool.position_m = Vec3(0.01 * std::sin(3 * t), 0.01 * std::cos(2 * t), 0.0);
     master.tool.velocity_m_per_s = Vec3(0.03 * std::cos(3 * t), -0.02 * std::sin(2 * t), 0.0);
@@ -257,7 +258,7 @@ TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
       slave = advanced(slave, kH);
     }
     if (GetParam() == Law::kAnchored) {
-      const Anchor next = rounded(Anchor{slave.position_m, slave.velocity_m_per_s});
+      const Anchor next = to_wire_precision(Anchor{slave.position_m, slave.velocity_m_per_s});
       slave.position_m = next.position_m;
       slave.velocity_m_per_s = next.velocity_m_per_s;
     }

@@ -117,6 +117,7 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
   master::StationSettings master_settings;
   const codec::StreamSettings usual = master_settings.validated().node.command.codec;
   master::CommandStream stream(master_settings.validated().node.command, 1);
+  streaming::StateReceiver feedback(0.5, 1, 1);
   master::ForceFeedback force;
   slave::StationSettings slave_settings;
   slave_settings.record_s = 0.01;
@@ -161,8 +162,9 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
     states.clear();
     backward.deliver(now_ns, states);
     for (const auto& state : states) {
-      stream.received(state.value);
-      force.received(state.value);
+      const streaming::Feedback& brought = feedback.receive(state);
+      stream.received(brought);
+      force.received(brought, feedback.header());
     }
     const master::SlaveForce seen = force.step(1e-3);
     EXPECT_GE(seen.tick, last_force);
