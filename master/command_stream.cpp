@@ -32,7 +32,7 @@ CommandStream::CommandStream(const CommandStreamSettings& settings, std::uint32_
 
 void CommandStream::received(const streaming::Feedback& feedback) noexcept {
   engagement_.received(feedback.samples, feedback.ours);
-  if (feedback.ours) observer_.measured(feedback.samples);
+  if (feedback.ours) observer_.correct(feedback.samples);
 }
 
 void CommandStream::place_model(std::int64_t index, Engagement::Phase phase, bool rescaled,
@@ -41,19 +41,19 @@ void CommandStream::place_model(std::int64_t index, Engagement::Phase phase, boo
     case Engagement::Phase::kApart:
       // The slave rests; so does the model, where the slave was last seen.
       model_ = KinematicState{.position_m = engagement_.slave_m().value_or(source.position_m)};
-      observer_.begin(index, model_);
+      observer_.reset(index, model_);
       break;
     case Engagement::Phase::kBegins:
       model_ = KinematicState{.position_m = *engagement_.slave_m() + settings_.wrong_position_m,
                               .velocity_m_per_s = settings_.wrong_velocity_m_per_s};
-      observer_.begin(index, model_);
+      observer_.reset(index, model_);
       engagement_.approach(model_, source);
       break;
     case Engagement::Phase::kHolds:
-      if (rescaled) engagement_.approach(observer_.prediction(model_), source);
+      if (rescaled) engagement_.approach(observer_.predicted_state(model_), source);
       break;
   }
-  model_.position_m += observer_.take_correction();
+  model_.position_m += observer_.take_correction_m();
 }
 
 void CommandStream::begin_block(std::int64_t index, const MasterSample& master) noexcept {
@@ -63,13 +63,13 @@ void CommandStream::begin_block(std::int64_t index, const MasterSample& master) 
   const KinematicState source = scaled(master.tool, beta_);
   if (!streams_accelerations(settings_.law)) {
     const auto phase = engagement_.begin_block_unaided(master.engaged);
-    if (phase == Engagement::Phase::kBegins) observer_.begin(index, source);
+    if (phase == Engagement::Phase::kBegins) observer_.reset(index, source);
     packets_.begin(index, to_wire_precision(Anchor{source.position_m, source.velocity_m_per_s}));
     return;
   }
   place_model(index, engagement_.begin_block(index, master.engaged), rescaled, source);
   const bool anchored = settings_.law == Law::kAnchored;
-  const KinematicState carried = anchored ? model_ : observer_.prediction(model_);
+  const KinematicState carried = anchored ? model_ : observer_.predicted_state(model_);
   const Anchor anchor = to_wire_precision(Anchor{carried.position_m, carried.velocity_m_per_s});
   if (anchored) {
     model_.position_m = anchor.position_m;
@@ -100,12 +100,12 @@ std::optional<CommandBlock> CommandStream::step(std::int64_t now_ns, Tick tick,
   const KinematicState source = scaled(master.tool, beta_);
   const bool accelerations = streams_accelerations(settings_.law);
   if (!accelerations) model_ = source;
-  observed_.slave = observer_.prediction(model_);
+  observed_.slave = observer_.predicted_state(model_);
   observed_.aligned = !accelerations && engagement_.engaged();
   const Vec3 u = accelerations ? command(source) : source.acceleration_m_per_s2;
   commanded_ = observed_.slave;
   commanded_.acceleration_m_per_s2 = u;
-  observer_.sent(index, model_, u);
+  observer_.predict(index, model_, u);
   model_.acceleration_m_per_s2 = u;
   model_ = advanced(model_, period_s_);
   observed_.disturbance_m_per_s2 = observer_.disturbance_m_per_s2();
@@ -130,7 +130,7 @@ std::optional<CommandBlock> CommandStream::finish_block(std::int64_t now_ns,
   block.button = packets_.buttons();
   if (!packets_.pack(now_ns, block)) return std::nullopt;
   if (streams_accelerations(settings_.law)) {
-    model_ = observer_.coded(packets_.index(), block_model_, packets_.decoded());
+    model_ = observer_.revise(packets_.index(), block_model_, packets_.decoded());
   }
   return out;
 }
