@@ -70,17 +70,16 @@ bool MasterNode::slave_ready(std::int64_t now_ns, const GuidePath* guide) const 
          states_.header().interlock != Interlock::kStopped;
 }
 
-Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<ConstraintMode>& form,
+Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode,
                         MasterOutputs& out) noexcept {
   const bool guided = modes_.mode() == MasterMode::kGuiding || modes_.mode() == MasterMode::kEngaged;
   if (!guided) {
     return control::tracking_acceleration(modes_.goal(), tool, settings_.constraint.bandwidth_rad_s);
   }
-  if (form) constraint_.choose(*form);
-  const Vec3 wanted =
-      constraint_.step(*modes_.guide(), {tool.position_m, tool.velocity_m_per_s, out.hand_n}, dt_s_);
+  if (mode) constraint_.set_mode(*mode);
+  const Vec3 wanted = constraint_.step(*modes_.guide(), tool, out.hand_n, dt_s_);
   out.active = constraint_.active();
-  out.corridor_m = constraint_.form().corridor_m;
+  out.corridor_m = constraint_.mode().corridor_m;
   out.constraint_n = -out.active.piece.shape.gradient(tool.position_m.head<2>()).dot(out.hand_n.head<2>());
   return wanted;
 }
@@ -99,7 +98,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
                             .slave_ready = slave_ready(now_ns, inputs.guide)};
   if (modes_.step(situation, inputs.events)) constraint_.enter();
 
-  const Vec3 wanted = this->wanted(tool, inputs.form, out);
+  const Vec3 wanted = this->wanted(tool, inputs.constraint, out);
   const Vec3 joint_acceleration =
       pose_ ? within_strokes(model_.geometry, pose_->joints_m, pose_->joint_velocity_m_per_s,
                              pose_->joint_acceleration(wanted))

@@ -13,7 +13,7 @@
 #include "common/streaming/link_statistics.h"
 #include "common/streaming/state_receiver.h"
 #include "master/command_stream.h"
-#include "master/constraint/constraint.h"
+#include "master/constraint/constraint_controller.h"
 #include "master/force_feedback.h"
 #include "master/modes.h"
 
@@ -33,10 +33,10 @@ struct MasterInputs {
   robot::JointReading joints;
   std::span<const Received<StateBlock>> states;  ///< since the last step, in order of arrival
   std::span<const EventMessage> events;
-  const GuidePath* guide = nullptr;    ///< null: no contour yet; must outlive its use
-  bool button = false;                 ///< the pen's laser button
-  bool engage = false;                 ///< the operator wants the slave to follow
-  std::optional<ConstraintMode> form;  ///< guidance or corridor from now on; none: as it is
+  const GuidePath* guide = nullptr;          ///< null: no contour yet; must outlive its use
+  bool button = false;                       ///< the pen's laser button
+  bool engage = false;                       ///< the operator wants the slave to follow
+  std::optional<ConstraintMode> constraint;  ///< guidance or corridor from now on; none: as it is
 };
 
 struct MasterOutputs {
@@ -74,7 +74,7 @@ class MasterNode {
   void receive(std::span<const Received<StateBlock>> states) noexcept;
   bool slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept;
   /// Acceleration that the tool is to have, by the mode; fills in what the constraint says.
-  Vec3 wanted(const KinematicState& tool, const std::optional<ConstraintMode>& form,
+  Vec3 wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode,
               MasterOutputs& out) noexcept;
 
   robot::RobotModel model_;

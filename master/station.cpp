@@ -62,7 +62,7 @@ void StationSettings::declare(Settings& settings) {
                "bandwidth across the curve");
   settings.add("virtual_mass_kg", node.constraint.mass_kg, {.min = 0.1, .max = 20},
                "that the hand moves along the curve");
-  settings.add("virtual_drag_ns_per_m", node.constraint.drag_ns_per_m, {.min = 0, .max = 200},
+  settings.add("virtual_drag_ns_per_m", node.constraint.damping_n_s_per_m, {.min = 0, .max = 200},
                "damping along the curve");
   settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000},
                "of the disturbance observer");
@@ -154,8 +154,8 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   inputs.states = states;
   inputs.events = events;
   inputs.engage = requests_.engage();
-  inputs.form = form_;
-  form_.reset();
+  inputs.constraint = constraint_;
+  constraint_.reset();
   HandSample hand;
   if (task != nullptr) {
     inputs.guide = &task->guide;

@@ -68,7 +68,7 @@ class Station {
                       std::span<const EventMessage> events) noexcept;
 
   /// Guidance or corridor from the next step on.
-  void choose(const ConstraintMode& form) noexcept { form_ = form; }
+  void set_constraint(const ConstraintMode& mode) noexcept { constraint_ = mode; }
 
   const MasterNode& node() const { return node_; }
   const robot::RobotSupervisor& machine() const { return machine_; }
@@ -90,7 +90,7 @@ class Station {
   MasterNode node_;
   Recorder<MasterRow> recorder_;
   bool guided_ = false;
-  std::optional<ConstraintMode> form_;
+  std::optional<ConstraintMode> constraint_;
 };
 
 }  // namespace telekerf::master

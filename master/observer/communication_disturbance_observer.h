@@ -34,7 +34,7 @@ class CommunicationDisturbanceObserver {
     state_.velocity_m_per_s = velocity;
   }
   void revise(const CommandHistory& /*history*/, std::int64_t /*next*/,
-                const KinematicState& change) noexcept {
+              const KinematicState& change) noexcept {
     integral_ += change.velocity_m_per_s;
     state_.position_m += change.position_m;
   }

@@ -31,7 +31,7 @@ class DelayedInnovation {
     state_ = advanced(state_, period_s_);
   }
   void revise(const CommandHistory& /*history*/, std::int64_t /*next*/,
-                const KinematicState& change) noexcept {
+              const KinematicState& change) noexcept {
     state_.position_m += change.position_m;
     state_.velocity_m_per_s += change.velocity_m_per_s;
   }

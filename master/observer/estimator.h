@@ -27,38 +27,46 @@ concept Estimator = std::constructible_from<E, const EstimatorSettings&> &&
     requires(E estimator, const E known, const CommandHistory& history, const KinematicState& state,
              const SlaveSample& sample, std::int64_t index) {
   /// The slave rests in `state`, and the command of `index` is the next that it will apply.
-  { estimator.reset(index, state) } noexcept;
+  { estimator.reset(index, state) }
+  noexcept;
   /// A sample on: the command of `index`, which is in the history, acts on the slave.
-  { estimator.predict(history, index) } noexcept;
+  { estimator.predict(history, index) }
+  noexcept;
   /// What the slave measured some time ago, in the order of its clock. `index`: next.
-  { estimator.correct(history, sample, index) } noexcept;
+  { estimator.correct(history, sample, index) }
+  noexcept;
   /// Position and velocity at which the next command will act. `index`: next.
-  { known.predicted_state(history, index) } noexcept -> std::same_as<KinematicState>;
+  { known.predicted_state(history, index) }
+  noexcept->std::same_as<KinematicState>;
 };
 
 // An estimator may have more.
 
-/// The last block's commands in the history were replaced by what every receiver decodes of them, which changes
-/// their integral by `change`; also called with no change after the last of a batch of corrections.
+/// The last block's commands in the history were replaced by what every receiver decodes of them, which
+/// changes their integral by `change`; also called with no change after the last of a batch of corrections.
 template <class E>
 concept RevisesCommands = requires(E estimator, const CommandHistory& history, const KinematicState& change,
                                    std::int64_t next) {
-  { estimator.revise(history, next, change) } noexcept;
+  { estimator.revise(history, next, change) }
+  noexcept;
 };
 /// What it believes to act on the slave beside its commands, m/s^2.
 template <class E>
 concept EstimatesDisturbance = requires(const E known) {
-  { known.disturbance_m_per_s2() } noexcept -> std::convertible_to<Vec3>;
+  { known.disturbance_m_per_s2() }
+  noexcept->std::convertible_to<Vec3>;
 };
 /// Newest measurement minus what had been predicted for it, m.
 template <class E>
 concept HasInnovation = requires(const E known) {
-  { known.innovation_m() } noexcept -> std::convertible_to<Vec3>;
+  { known.innovation_m() }
+  noexcept->std::convertible_to<Vec3>;
 };
 /// What the commands' own model must take over where a block begins, m; asked for once.
 template <class E>
 concept CorrectsModel = requires(E estimator) {
-  { estimator.take_correction_m() } noexcept -> std::convertible_to<Vec3>;
+  { estimator.take_correction_m() }
+  noexcept->std::convertible_to<Vec3>;
 };
 
 }  // namespace telekerf::master

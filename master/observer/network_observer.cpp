@@ -13,8 +13,7 @@ void NetworkObserver::reset(std::int64_t index, const KinematicState& state) noe
   std::visit([&](auto& estimator) { estimator.reset(index, state); }, estimator_);
 }
 
-void NetworkObserver::predict(std::int64_t index, const KinematicState& model,
-                              const Vec3& command) noexcept {
+void NetworkObserver::predict(std::int64_t index, const KinematicState& model, const Vec3& command) noexcept {
   KinematicState commanded = model;
   commanded.acceleration_m_per_s2 = command;
   history_.store(index, commanded);
