@@ -9,7 +9,7 @@
 
 #include "common/control/kinematic_state.h"
 #include "common/protocol/messages.h"
-#include "common/streaming/state_receiver.h"
+#include "common/streaming/slave_sample.h"
 
 namespace telekerf::master {
 
