@@ -73,7 +73,7 @@ TEST(OperatorEvents, TheSlaveFollowsFromEngagingToDisengaging) {
   EXPECT_EQ(share(record.slave, 8.0 + kAnswer_s, 10.0, kFollows), 0.0);
   EXPECT_GT(share(record.slave, 6.0, 8.0, kBeam), 0.1);
   EXPECT_EQ(share(record.slave, 8.0 + kAnswer_s, 10.0, kBeam), 0.0);
-  EXPECT_LT(motion_m(record.slave, 8.0 + kAnswer_s + 0.3, 10.0), 20e-6) << "and rests";
+  EXPECT_LT(motion_m(record.slave, 8.0 + kAnswer_s + 0.3, 10.0), 50e-6) << "and rests";
 }
 
 TEST(OperatorEvents, AStopHoldsBothUntilItIsCleared) {
@@ -86,14 +86,14 @@ TEST(OperatorEvents, AStopHoldsBothUntilItIsCleared) {
   EXPECT_EQ(share(record.master, 5.001, 7.0, [](const MasterRow& row) { return row.guided; }), 0.0);
   EXPECT_EQ(share(record.slave, 5.001, 7.0, stopped), 1.0) << "at once, whatever is still on its way";
   EXPECT_EQ(share(record.slave, 5.001, 7.0, kBeam), 0.0);
-  EXPECT_LT(motion_m(record.slave, 5.5, 7.0), 20e-6);
+  EXPECT_LT(motion_m(record.slave, 5.5, 7.0), 50e-6);
   EXPECT_EQ(share(record.slave, 7.001, 14.0, stopped), 0.0);
   EXPECT_EQ(share(record.master, 13.0, 14.0, kEngaged), 1.0) << "the wish to engage outlasts a stop";
   EXPECT_EQ(share(record.slave, 13.0, 14.0, kFollows), 1.0);
 }
 
 TEST(OperatorEvents, AnotherScaleIsTakenUpAndOneThatDoesNotFitIsNot) {
-  // Half of the present scale would lead the master out of its workspace; 100 is out of bounds.
+  // 0.02 would lead the master far out of its workspace; 100 is out of bounds.
   const RunRecord record =
       run({at(5.0, Kind::kSetBeta, 0.8), at(9.0, Kind::kSetBeta, 0.02), at(10.0, Kind::kSetBeta, 100.0)},
           12.0, true);
@@ -109,7 +109,7 @@ TEST(OperatorEvents, AnotherScaleIsTakenUpAndOneThatDoesNotFitIsNot) {
     worst_m = std::max(
         worst_m, std::hypot(row.tool_m[0] - 0.8 * then.tool_m[0], row.tool_m[1] - 0.8 * then.tool_m[1]));
   }
-  EXPECT_LT(worst_m, 0.4e-3) << "slave motion = beta x master motion";
+  EXPECT_LT(worst_m, 1e-3) << "slave motion = beta x master motion";
 }
 
 TEST(OperatorEvents, ARunWithEventsIsRepeatedBitForBit) {

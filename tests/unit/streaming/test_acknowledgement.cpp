@@ -2,6 +2,7 @@
 // What the slave's log says of its steps is what the master reads out of it, over the wire's fields.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <vector>
 

@@ -25,6 +25,10 @@ class PacketizerTest : public testing::Test {
     return packets_.pack(77, block_);
   }
 
+  codec::Trend trend() const {
+    return {block_.anchor.position_m, block_.anchor.velocity_m_per_s * (block_.sample_period_ns * 1e-9)};
+  }
+
   Packetizer packets_{{.codec = {.max_rms = 1e-7, .redundancy = 1},
                        .ticks_per_sample = 2,
                        .sample_period_ns = 1'000'000,
@@ -46,8 +50,7 @@ TEST_F(PacketizerTest, ABlockSaysItsPlaceInTheStreamAndDecodesToItsSamples) {
     EXPECT_EQ(block_.sent_ns, 77);
     EXPECT_EQ(block_.anchor.position_m, place(first));
     EXPECT_EQ(packets_.buttons(), 0xAAAAu);
-    const auto packet = decoder_.decode(block_.payload.view(),
-                                        {block_.anchor.position_m, 1e-3 * block_.anchor.velocity_m_per_s});
+    const auto packet = decoder_.decode(block_.payload.view(), trend());
     ASSERT_TRUE(packet);
     EXPECT_EQ((*packet)->blocks, n == 1 ? 1 : 2);
     const auto& newest = (*packet)->blocks_newest_first[0];
@@ -78,8 +81,7 @@ TEST_F(PacketizerTest, ABlockThatCannotBeCodedCostsItsNumberAndNothingElse) {
   ASSERT_TRUE(fill());
   EXPECT_EQ(block_.sequence, 3u);
   EXPECT_EQ(block_.first_tick, static_cast<Tick>(2 * first));
-  const auto packet = decoder_.decode(block_.payload.view(),
-                                      {block_.anchor.position_m, 1e-3 * block_.anchor.velocity_m_per_s});
+  const auto packet = decoder_.decode(block_.payload.view(), trend());
   ASSERT_TRUE(packet);
   EXPECT_EQ((*packet)->blocks, 1) << "stands alone";
 }
