@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "master/constraint/constraint.h"
+#include "master/constraint/constraint_controller.h"
 
 int main() {
   using namespace telekerf;
@@ -25,7 +25,7 @@ int main() {
   master::ConstraintController constraint(settings);
   constraint.enter();
 
-  master::ToolState tool;
+  control::KinematicState tool;
   tool.position_m = Vec3(0.02, 0.0, 0.0);
   double farthest_m = 0.0;
   double way_m = 0.0;
@@ -34,8 +34,8 @@ int main() {
     const Vec2 outwards = tool.position_m.head<2>().normalized();
     const Vec2 push_n =
         0.5 * Vec2(-outwards.y(), outwards.x()) + 3.0 * std::sin(2 * pi * 10 * t_s) * outwards;
-    tool.hand_n = Vec3(push_n.x(), push_n.y(), 0.0);
-    const Vec3 acceleration = constraint.step(guide, tool, settings.period_s);
+    const Vec3 hand_n(push_n.x(), push_n.y(), 0.0);
+    const Vec3 acceleration = constraint.step(guide, tool, hand_n, settings.period_s);
     tool.position_m += settings.period_s * tool.velocity_m_per_s +
                        0.5 * settings.period_s * settings.period_s * acceleration;
     tool.velocity_m_per_s += settings.period_s * acceleration;

@@ -18,22 +18,23 @@ int main() {
   const std::int64_t way = 125;  // ticks of a millisecond
   const double period_s = 1e-3;
   const Vec3 push(0.2, 0.0, 0.0);
-  master::NetworkObserver observer(Law::kRemoteAcceleration,
-                                   {.estimator = master::Estimator::kPredictor, .period_s = period_s});
+  master::ObserverSettings settings;  // its estimator: the predictor
+  settings.period_s = period_s;
+  master::NetworkObserver observer(Law::kRemoteAcceleration, settings);
   KinematicState slave{.position_m = Vec3(5e-3, 0.0, 0.0)};
   KinematicState model;  // what the commands alone would do
-  observer.begin(0, model);
+  observer.reset(0, model);
 
   std::vector<Vec3> commands, predictions_m;
   std::vector<master::SlaveSample> samples;  // what the slave measures as it obeys command i
   double error_m = 0.0;
   for (std::int64_t tick = 0; tick < 8000; ++tick) {
-    const KinematicState now = observer.prediction(model);
+    const KinematicState now = observer.predicted_state(model);
     predictions_m.push_back(now.position_m);
     const Vec3 wish(0.3 * std::sin(3e-3 * static_cast<double>(tick)),
                     0.3 * std::cos(2e-3 * static_cast<double>(tick)), 0.0);
     commands.push_back(wish - 4.0 * now.velocity_m_per_s - 4.0 * now.position_m);
-    observer.sent(tick, model, commands.back());
+    observer.predict(tick, model, commands.back());
     model.acceleration_m_per_s2 = commands.back();
     model = advanced(model, period_s);
 
@@ -46,7 +47,7 @@ int main() {
     slave = advanced(slave, period_s);
     if (obeyed < way) continue;
     const master::SlaveSample& arrived = samples[i - static_cast<std::size_t>(way)];
-    observer.measured({&arrived, 1});
+    observer.correct({&arrived, 1});
     if ((tick + 1) % 1000 == 0) {
       fmt::print("{} s: newest measurement {:5.2f} mm away, prediction {:8.4f} mm\n", (tick + 1) / 1000,
                  1e3 * (slave.position_m - arrived.position_m).norm(), 1e3 * error_m);

@@ -16,7 +16,7 @@ namespace telekerf::experiments {
 namespace {
 
 struct Options {
-  lap::LapSettings lap;
+  simulation::SimulationSettings lap;
   std::string netem = "thesis-constant";
   std::string out = "out/lap";
   Settings settings;
@@ -25,7 +25,7 @@ struct Options {
 int run(Options& options) {
   options.settings.fill();
   options.lap.network = netem::load_profile(options.netem);
-  const RunRecord record = lap::run_lap(options.lap);
+  const RunRecord record = simulation::simulate(options.lap);
   make_folder("--out", options.out);
   const auto report = reporting::write_report(options.out, record);
   fmt::print("{}\n", json_text(report));

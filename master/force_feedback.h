@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The force on the slave's tool (feedback stream): a block's samples come at once, and are given out one by
-// one.
+// The force on the slave's tool (state stream): a block's samples come at once, and are given out one by one.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include "common/codec/decoder.h"
-#include "common/protocol/messages.h"
+#include "common/streaming/state_receiver.h"
 
 namespace telekerf::master {
 
@@ -23,22 +22,15 @@ class ForceFeedback {
  public:
   ForceFeedback();
 
-  /// Late, repeated and undecodable payloads are ignored, as with positions.
-  void received(const StateBlock& state) noexcept;
+  /// `header`: of the same block.
+  void received(const streaming::Feedback& feedback, const StateHeader& header) noexcept;
   /// A control step of `dt_s` on.
   SlaveForce step(double dt_s) noexcept;
 
-  /// Refusals by reason.
-  const codec::CodecCounters& counters() const noexcept { return decoder_.counters(); }
-
  private:
-  void start_over(const StateBlock& state) noexcept;
   Vec3& at(std::int64_t index) noexcept;
 
-  codec::BlockDecoder decoder_;
   std::vector<Vec3> ring_;
-  std::uint32_t epoch_ = 0;
-  std::uint32_t number_ = 0;  ///< newest block taken
   std::uint32_t period_ns_ = 0;
   std::uint16_t ticks_per_sample_ = 1;
   std::int64_t newest_ = -1;  ///< index of the newest sample, the slave's count

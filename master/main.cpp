@@ -28,7 +28,6 @@ struct Flags {
   netem::NetemFlags netem;
   StationSettings station;
   std::string record;
-  bool engage = false;
   double duration_s = 0.0;
   double wait_s = 20.0;
 };
@@ -121,19 +120,8 @@ int run(Flags& flags) {
   Writer<CommandBlock> commands(bus);
   const netem::NetemSwitch netem_switch(bus, emulator);
   Writer<TelemetryMessage> telemetry(bus);
-  std::atomic<double> wanted_beta{flags.station.beta};
-  double beta = flags.station.beta;  // in force; only the watch's own thread needs it
-  ContourSubscriber<GuidedContour> contour(bus, [&](const ContourMessage& message) {
-    double wanted = wanted_beta.load();
-    try {
-      auto task = station.prepare(message, wanted);
-      beta = task->guide.beta;
-      return task;
-    } catch (const StartupError&) {
-      wanted_beta.compare_exchange_strong(wanted, beta);  // unless another has been asked for meanwhile
-      throw;
-    }
-  });
+  ContourSubscriber<GuidedContour> contour(
+      bus, [&](const ContourMessage& message) { return station.prepare(message); });
   fmt::print("master: ready in {}\n", bus_settings.cell);
   std::fflush(stdout);
 
@@ -142,7 +130,6 @@ int run(Flags& flags) {
   arrived_states.reserve(64);
   arrived_events.reserve(64);
   Progress progress;
-  bool engage = flags.engage;
   double engaged_s = 0.0;
   double waited_s = 0.0;
   std::jthread herald(
@@ -151,17 +138,9 @@ int run(Flags& flags) {
   const LoopStatistics loop = run_loop(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(states, arrived_states);
     drain(events, arrived_events);
-    for (const EventMessage& event : arrived_events) {
-      if (event.kind == EventMessage::Kind::kEngage) engage = true;
-      if (event.kind == EventMessage::Kind::kDisengage) engage = false;
-      if (event.kind == EventMessage::Kind::kSetBeta && event.value >= kSmallestBeta &&
-          event.value <= kLargestBeta && event.value != wanted_beta.load()) {
-        wanted_beta.store(event.value);
-        contour.request_rebuild();
-      }
-    }
     GuidedContour* const task = contour.current();
-    const MasterOutputs out = station.step(now_ns, task, engage, arrived_states, arrived_events);
+    const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events);
+    if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
     const bool engaged = out.mode == MasterMode::kEngaged;
     (engaged ? engaged_s : waited_s) += station.control_period_s();
@@ -203,7 +182,7 @@ int main(int argc, char** argv) {
   telekerf::Settings settings;
   flags.station.declare(settings);
   settings.add("record", flags.record, "folder to record the run into");
-  settings.add("engage", flags.engage, "let the slave follow as soon as everything is ready");
+  settings.add("engage", flags.station.engage, "let the slave follow as soon as everything is ready");
   settings.add("duration_s", flags.duration_s, {.min = 0, .max = 36000},
                "end after this long engaged, 0: run on");
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600},

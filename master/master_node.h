@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The master: constraint generator and controller, state machine, command stream. Pure: the same node runs in
-// its process and in virtual time.
+// The master: modes, constraint, command stream. Pure: the same node runs in its process and in virtual time.
 #pragma once
 
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "common/control/acceleration_control.h"
 #include "common/control/friction_feedforward.h"
@@ -13,9 +11,11 @@
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
 #include "common/streaming/link_statistics.h"
+#include "common/streaming/state_receiver.h"
 #include "master/command_stream.h"
-#include "master/constraint/constraint.h"
+#include "master/constraint/constraint_controller.h"
 #include "master/force_feedback.h"
+#include "master/modes.h"
 
 namespace telekerf::master {
 
@@ -33,18 +33,10 @@ struct MasterInputs {
   robot::JointReading joints;
   std::span<const Received<StateBlock>> states;  ///< since the last step, in order of arrival
   std::span<const EventMessage> events;
-  const GuidePath* guide = nullptr;    ///< null: no contour yet; outlives the step after which it is another
-  bool button = false;                 ///< the pen's laser button
-  bool engage = false;                 ///< the operator wants the slave to follow
-  std::optional<ConstraintMode> form;  ///< guidance or corridor from now on; none: as it is
-};
-
-enum class MasterMode : std::uint8_t {
-  kIdle,      ///< no contour: holds its pose
-  kApproach,  ///< brings the tool to the curve
-  kGuiding,   ///< the hand moves on the curve, the slave does not follow
-  kEngaged,   ///< the slave follows
-  kStopped,   ///< latched emergency stop: holds its pose
+  const GuidePath* guide = nullptr;  ///< null: no contour yet; outlives the step after which it is another
+  bool button = false;               ///< the pen's laser button
+  bool engage = false;               ///< the operator wants the slave to follow
+  std::optional<ConstraintMode> constraint;  ///< guidance or corridor from now on; none: as it is
 };
 
 struct MasterOutputs {
@@ -70,23 +62,20 @@ class MasterNode {
   MasterOutputs step(std::int64_t now_ns, const MasterInputs& inputs) noexcept;
   /// Emergency stop and its end alone; step() does it itself. For a robot that does not tell yet where it
   /// stands.
-  void heed(std::span<const EventMessage> events) noexcept;
+  void handle_events(std::span<const EventMessage> events) noexcept { modes_.handle_events(events); }
 
-  const LinkStatistics& link() const noexcept { return link_; }
+  const streaming::LinkStatistics& link() const noexcept { return link_; }
+  const streaming::StreamCounters& states() const noexcept { return states_.counters(); }
   Tick tick() const noexcept { return tick_; }
   const Observed& observed() const noexcept { return stream_.observed(); }
-  /// The slave's newest state block; meaningful once link().states() > 0.
-  const StateBlock& slave() const noexcept { return slave_; }
 
  private:
-  struct Tool {
-    Vec3 position_m = Vec3::Zero();
-    Vec3 velocity_m_per_s = Vec3::Zero();
-  };
-  void choose_mode(std::int64_t now_ns, const MasterInputs& inputs, const Tool& tool) noexcept;
-  Vec3 held(const Tool& tool, const Vec3& goal_m, const Vec3& goal_velocity,
-            const Vec3& goal_acceleration) const noexcept;
-  Vec3 approach(const Tool& tool) noexcept;
+  KinematicState observe(const robot::JointReading& joints) noexcept;
+  void receive(std::span<const Received<StateBlock>> states) noexcept;
+  bool slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept;
+  /// Acceleration that the tool is to have, by the mode; fills in what the constraint says.
+  Vec3 wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode,
+              MasterOutputs& out) noexcept;
 
   robot::RobotModel model_;
   robot::DeltaKinematics kinematics_;
@@ -96,22 +85,15 @@ class MasterNode {
   robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
   double dt_s_;
   Tick tick_ = 0;
-  bool started_ = false;
+  bool located_ = false;                   ///< the robot has told where it stands
+  std::optional<robot::DeltaState> pose_;  ///< of this step; none: the joints are no pose of the robot
 
-  MasterMode mode_ = MasterMode::kIdle;
+  Modes modes_;
   ConstraintController constraint_;
-  const GuidePath* guide_ = nullptr;
-  Vec3 hold_m_ = Vec3::Zero();
-  Vec3 approach_from_m_ = Vec3::Zero();
-  Vec3 approach_to_m_ = Vec3::Zero();
-  double approach_s_ = 0.0;
-  double approach_duration_s_ = 0.0;
-
   CommandStream stream_;
+  streaming::StateReceiver states_;
   ForceFeedback force_;
-  LinkStatistics link_;
-  StateBlock slave_;
-  std::int64_t slave_heard_ns_ = 0;
+  streaming::LinkStatistics link_;
 };
 
 }  // namespace telekerf::master

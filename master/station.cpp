@@ -62,7 +62,7 @@ void StationSettings::declare(Settings& settings) {
                "bandwidth across the curve");
   settings.add("virtual_mass_kg", node.constraint.mass_kg, {.min = 0.1, .max = 20},
                "that the hand moves along the curve");
-  settings.add("virtual_drag_ns_per_m", node.constraint.drag_ns_per_m, {.min = 0, .max = 200},
+  settings.add("virtual_drag_ns_per_m", node.constraint.damping_n_s_per_m, {.min = 0, .max = 200},
                "damping along the curve");
   settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000},
                "of the disturbance observer");
@@ -107,18 +107,24 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                    : robot::open_drive(
                          settings_.machine.drive,
                          {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}})),
+      requests_(settings_.engage, settings_.beta),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
 
-std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour,
-                                                std::optional<double> beta) const {
-  const double scale = beta.value_or(settings_.beta);
-  require_room(model_, contour.points_m, scale);
-  GuidePath guide = make_guide(contour, scale, settings_.node.constraint);
-  require_reach(model_, guide, settings_.node.constraint.corridor_m);
-  SimulatedOperator hand(guide.curve.line(), settings_.hand, settings_.seed);
-  return std::make_unique<GuidedContour>(GuidedContour{std::move(guide), std::move(hand)});
+std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
+  const double beta = requests_.wanted_beta();
+  try {
+    require_room(model_, contour.points_m, beta);
+    GuidePath guide = make_guide(contour, beta, settings_.node.constraint);
+    require_reach(model_, guide, settings_.node.constraint.corridor_m);
+    SimulatedOperator hand(guide.curve.line(), settings_.hand, settings_.seed);
+    requests_.granted(beta);
+    return std::make_unique<GuidedContour>(GuidedContour{std::move(guide), std::move(hand)});
+  } catch (const StartupError&) {
+    requests_.refused(beta);
+    throw;
+  }
 }
 
 HandSample Station::hand(GuidedContour& task) noexcept {
@@ -129,9 +135,11 @@ HandSample Station::hand(GuidedContour& task) noexcept {
   return task.hand.sample(now_s, *tool_m, *velocity, guided_);
 }
 
-MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engage,
-                            std::span<const Received<StateBlock>> states,
-                            std::span<const EventMessage> events) noexcept {
+StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
+                             std::span<const Received<StateBlock>> states,
+                             std::span<const EventMessage> events) noexcept {
+  StationOutputs out;
+  out.prepare_anew = requests_.hear(events);
   const Tick tick = node_.tick();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
 
@@ -139,15 +147,15 @@ MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engag
   inputs.joints = machine_.read();
   const OperatorSample told = operator_ ? operator_->sample(now_ns) : OperatorSample{};
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to tell the slave
-    node_.heed(events);
+    node_.handle_events(events);
     machine_.write(Vec3::Zero());
-    return {};
+    return out;
   }
   inputs.states = states;
   inputs.events = events;
-  inputs.engage = engage;
-  inputs.form = form_;
-  form_.reset();
+  inputs.engage = requests_.engage();
+  inputs.constraint = constraint_;
+  constraint_.reset();
   HandSample hand;
   if (task != nullptr) {
     inputs.guide = &task->guide;
@@ -155,7 +163,7 @@ MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engag
     if (told.force_n) hand.force_n = *told.force_n;
     inputs.button = operator_ ? told.trigger : hand.trigger;
   }
-  MasterOutputs out = node_.step(now_ns, inputs);
+  static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
   machine_.write(out.currents_a);
   if (robot::SimulatedRobot* const plant = machine_.plant()) {
@@ -165,7 +173,7 @@ MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engag
   }
   recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(true_tool_m.value_or(out.tool_m)),
                   triple(hand.force_n), out.constraint_n, guided_, out.mode == MasterMode::kEngaged,
-                  inputs.button, triple(out.observed.slave.position_m), out.observed.joined,
+                  inputs.button, triple(out.observed.slave.position_m), out.observed.aligned,
                   task != nullptr ? task->guide.beta : settings_.beta,
                   out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                   triple(out.slave_force.force_n)});
@@ -176,7 +184,7 @@ MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engag
 void Station::report(RunRecord& record) const {
   record.master = recorder_.rows();
   record.master_drive = {settings_.machine.drive, machine_.plant() != nullptr};
-  const LinkStatistics& link = node_.link();
+  const streaming::LinkStatistics& link = node_.link();
   const auto& command = settings_.node.command.codec;
   const double run_s = static_cast<double>(node_.tick()) * control_period_s();
   const auto packets = static_cast<double>(link.packets());
@@ -189,7 +197,7 @@ void Station::report(RunRecord& record) const {
     f["rtt_p95_ms"] = link.rtt_quantile_ms(0.95);
     f["rtt_p99_ms"] = link.rtt_quantile_ms(0.99);
   }
-  f["lost"] = static_cast<double>(link.lost());
+  f["lost"] = static_cast<double>(node_.states().lost);
   f["block"] = command.block;
   f["keep"] = command.keep;
   f["max_rms"] = command.max_rms;
@@ -207,7 +215,7 @@ void Station::report(RunRecord& record) const {
       packets > 0.0 ? 8.0 * static_cast<double>(link.payload_bytes()) / (packets * 3.0 * command.block) : 0.0;
   f["readings_missed"] = static_cast<double>(machine_.readings_missed());
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
-  const ClockEstimate clocks = link.clocks();
+  const streaming::ClockEstimate clocks = link.clocks();
   f["clock_offset_us"] = clocks.offset_s * 1e6;
   f["clock_skew_ppm"] = clocks.skew * 1e6;
   f["clock_uncertainty_us"] = clocks.uncertainty_s * 1e6;

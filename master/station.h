@@ -15,11 +15,9 @@
 #include "master/master_node.h"
 #include "master/operator/operator_input.h"
 #include "master/operator/simulated_operator.h"
+#include "master/operator_requests.h"
 
 namespace telekerf::master {
-
-inline constexpr double kSmallestBeta = 0.01;
-inline constexpr double kLargestBeta = 10.0;
 
 struct StationSettings {
   MasterSettings node;
@@ -27,6 +25,7 @@ struct StationSettings {
   robot::RobotSupervisorSettings machine;
   std::string button = "hand";  ///< who holds the laser button, see operator_input.h
   double beta = 0.5;
+  bool engage = false;    ///< the slave shall follow without being told to
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   SimulatedOperatorSettings hand;
   double hand_speed_mm_s = 20.0;  ///< what a user sets of it
@@ -49,24 +48,27 @@ struct GuidedContour {
   SimulatedOperator hand;
 };
 
+struct StationOutputs : MasterOutputs {
+  bool prepare_anew = false;  ///< another scale is asked for: prepare() the contour once more
+};
+
 class Station {
  public:
   /// `drive`, `input`: others than those that the settings name. Throws StartupError.
   explicit Station(const StationSettings& settings, robot::Drive drive = {},
                    std::unique_ptr<OperatorInput> input = {});
 
-  /// Allocates: call it outside the loop. `beta`: another one than the settings'. Throws StartupError if the
-  /// robot cannot take the scaled contour.
-  std::unique_ptr<GuidedContour> prepare(const ContourMessage& contour,
-                                         std::optional<double> beta = {}) const;
+  /// At the scale that the settings name or an operator has asked for since. Allocates: call it outside the
+  /// loop, from one thread at a time. Throws StartupError if the robot cannot take the scaled contour; then
+  /// the scale that was in force is wanted again.
+  std::unique_ptr<GuidedContour> prepare(const ContourMessage& contour);
 
-  /// One control step: read, decide, write, and let a simulated plant move. `task` may be null.
-  MasterOutputs step(std::int64_t now_ns, GuidedContour* task, bool engage,
-                     std::span<const Received<StateBlock>> states,
-                     std::span<const EventMessage> events) noexcept;
+  /// One control step: hear, read, decide, write, and let a simulated plant move. `task` may be null.
+  StationOutputs step(std::int64_t now_ns, GuidedContour* task, std::span<const Received<StateBlock>> states,
+                      std::span<const EventMessage> events) noexcept;
 
   /// Guidance or corridor from the next step on.
-  void choose(const ConstraintMode& form) noexcept { form_ = form; }
+  void set_constraint(const ConstraintMode& mode) noexcept { constraint_ = mode; }
 
   const MasterNode& node() const { return node_; }
   const robot::RobotSupervisor& machine() const { return machine_; }
@@ -83,11 +85,12 @@ class Station {
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
+  OperatorRequests requests_;
   std::unique_ptr<OperatorInput> operator_;  ///< null: the simulated operator alone
   MasterNode node_;
   Recorder<MasterRow> recorder_;
   bool guided_ = false;
-  std::optional<ConstraintMode> form_;
+  std::optional<ConstraintMode> constraint_;
 };
 
 }  // namespace telekerf::master

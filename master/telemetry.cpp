@@ -3,7 +3,8 @@
 
 namespace telekerf::master {
 
-MasterValues master_values(const MasterOutputs& out, double beta, const ClockEstimate& clocks) noexcept {
+MasterValues master_values(const MasterOutputs& out, double beta,
+                           const streaming::ClockEstimate& clocks) noexcept {
   const GuidePiece& piece = out.active.piece;
   const geometry::CircleOrLine& shape = piece.shape;
   const Vec2 centre = shape.is_line ? shape.point_m : shape.centre_m;
@@ -37,7 +38,7 @@ MasterValues master_values(const MasterOutputs& out, double beta, const ClockEst
           out.observed.innovation_m.y(),
           out.observed.innovation_m.z(),
           out.observed.delay_s,
-          out.observed.joined ? 1.0 : 0.0,
+          out.observed.aligned ? 1.0 : 0.0,
           clocks.offset_s,
           clocks.skew,
           clocks.uncertainty_s,

@@ -30,7 +30,8 @@ using MasterValues = std::array<double, kMasterValueNames.size()>;
 /// In the order of kMasterValueNames. Circle and tangent in the master's workpiece frame; of a line,
 /// circle_x_m and circle_y_m are a point on it and the radius is zero. `slave_`: predicted for the tick at
 /// which the command made now acts, slave's workpiece frame. `clock_`: slave's clock against the master's.
-MasterValues master_values(const MasterOutputs& out, double beta, const ClockEstimate& clocks) noexcept;
+MasterValues master_values(const MasterOutputs& out, double beta,
+                           const streaming::ClockEstimate& clocks) noexcept;
 
 /// The newest values of one writer, for any number of readers. The writer never waits.
 class Snapshot {

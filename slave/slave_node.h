@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The slave: play-out, local reference, tracking law (eq. 87), limits, laser interlock, feedback stream.
-// Pure: the same node runs in its process and in virtual time.
+// The slave: what the command stream brings is selected, tracked (eq. 87), lit by the laser where the
+// interlock allows it, and reported. Pure: the same node runs in its process and in virtual time.
 #pragma once
 
 #include <optional>
@@ -13,24 +13,24 @@
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
 #include "common/streaming/command_receiver.h"
-#include "common/streaming/state_stream.h"
-#include "slave/joiner.h"
 #include "slave/laser/interlock.h"
+#include "slave/reference_selector.h"
+#include "slave/state_report.h"
 
 namespace telekerf::slave {
 
 struct SlaveSettings {
   double control_hz = 1000.0;
   double stream_hz = 1000.0;
-  double bandwidth_rad_s = 60.0;  ///< of the tracking law, critically damped
-  double observer_rad_s = 600.0;  ///< of the disturbance observer
-  double stale_s = 0.15;          ///< no command for this long: laser off, hold
+  double bandwidth_rad_s = 60.0;    ///< of the tracking law, critically damped
+  double observer_rad_s = 600.0;    ///< of the disturbance observer
+  double command_timeout_s = 0.15;  ///< no command for this long: laser off, hold
   double laser_w = 10.0;
   codec::StreamSettings feedback;  ///< of the positions in the state stream, m
   /// Of the force beside them, N. Codec, block, redundancy and period are the positions'.
   codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};
-  PlayoutSettings playout;
-  BumplessTransferSettings joiner;
+  streaming::PlayoutSettings playout;
+  control::BumplessTransferSettings transfer;
   laser::InterlockSettings interlock;
 };
 
@@ -47,14 +47,7 @@ struct SlaveInputs {
   const Corridor* corridor = nullptr;  ///< null: no contour yet; must outlive its use
 };
 
-enum class SlaveMode : std::uint8_t {
-  kWaiting,    ///< no commands yet, or disengaged: holds its pose
-  kFollowing,  ///< applies the stream
-  kHolding,    ///< was following, but the stream has dried up: holds, laser off
-  kStopped,    ///< latched emergency stop
-};
-
-struct SlaveCounters : CommandReceiverCounters, StateStreamCounters {
+struct SlaveCounters : streaming::StreamCounters, StateReportCounters {
   std::uint64_t missed_ticks = 0;  ///< applied while their sample was not there
 };
 
@@ -78,25 +71,25 @@ class SlaveNode {
   SlaveOutputs step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept;
   /// Emergency stop and its end alone; step() does it itself. For a robot that does not tell yet where it
   /// stands.
-  void heed(std::span<const EventMessage> events) noexcept;
+  void handle_events(std::span<const EventMessage> events) noexcept { selector_.handle_events(events); }
 
   /// Another codec, block length or redundancy of the state stream, from where its next block begins; the
   /// rate stays. Throws StartupError.
   void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {
-    states_.change(feedback, force);
+    report_.change(feedback, force);
   }
 
-  SlaveCounters counters() const noexcept { return {intake_.counters(), states_.counters(), missed_ticks_}; }
-  const PlayoutClock& playout() const noexcept { return intake_.clock(); }
+  SlaveCounters counters() const noexcept {
+    return {commands_.counters(), report_.counters(), selector_.missed_ticks()};
+  }
+  const streaming::PlayoutClock& playout() const noexcept { return commands_.clock(); }
 
  private:
-  KinematicState choose_source(std::int64_t now_ns, const KinematicState& tool, SlaveOutputs& out) noexcept;
-  KinematicState follow(const StreamSample& sample, const KinematicState& found) noexcept;
-  KinematicState hold_on() noexcept;
-  void rejoin(const KinematicState& source) noexcept;
-  /// Slow enough, and to be stopped before the workspace ends.
-  bool obeys_limits(const KinematicState& motion) const noexcept;
-  void keep_inside(KinematicState& motion) const noexcept;
+  KinematicState observe(const robot::JointReading& joints) noexcept;
+  /// Joint accelerations by the tracking law.
+  Vec3 track(const Selected& selected, const KinematicState& tool) const noexcept;
+  Interlock interlock(const SlaveInputs& inputs, const Selected& selected,
+                      const KinematicState& tool) const noexcept;
 
   robot::RobotModel model_;
   robot::DeltaKinematics kinematics_;
@@ -106,24 +99,12 @@ class SlaveNode {
   robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
   double dt_s_;
   Tick tick_ = 0;
+  bool located_ = false;                   ///< the robot has told where it stands
+  std::optional<robot::DeltaState> pose_;  ///< of this step; none: the joints are no pose of the robot
 
-  CommandReceiver intake_;
-
-  // Reference.
-  SlaveMode mode_ = SlaveMode::kWaiting;
-  BumplessTransfer joiner_;
-  KinematicState reference_;
-  KinematicState hold_;  ///< source while not following
-  bool reference_known_ = false;
-  std::uint32_t source_generation_ = 0;  ///< 0: holding
-  std::uint32_t source_block_ = 0;
-  Law source_law_ = Law::kLocal;
-  bool rejoined_ = false;  ///< the reference was joined to a new source at this very step
-  bool tripped_ = false;   ///< bare accelerations led out of bounds: held until disengaged
-  bool button_ = false;
-  std::uint64_t missed_ticks_ = 0;
-
-  StateStream states_;
+  streaming::CommandReceiver commands_;
+  ReferenceSelector selector_;
+  StateReport report_;
 };
 
 }  // namespace telekerf::slave

@@ -43,7 +43,7 @@ void StationSettings::declare(Settings& settings) {
   settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 5, .max = 400}, "of the tracking law");
   settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000},
                "of the disturbance observer");
-  settings.add("stale_s", node.stale_s, {.min = 0.02, .max = 10},
+  settings.add("stale_s", node.command_timeout_s, {.min = 0.02, .max = 10},
                "no command for this long: hold, laser off");
   settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000}, "laser power");
 }
@@ -99,7 +99,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   SlaveInputs inputs;
   inputs.joints = machine_.read();
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to report
-    node_.heed(events);
+    node_.handle_events(events);
     beam_.off();
     machine_.write(Vec3::Zero());
     return {};

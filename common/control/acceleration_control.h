@@ -37,9 +37,9 @@ class AccelerationControl {
   /// T_hat of eq. 23 in N; pass it (or the part to be rejected) to currents().
   const Vec3& disturbance_n() const noexcept { return observer_.disturbance_n(); }
 
-  /// Second half: i = K_n^-1 clip(A_n qdd_des + compensation), A. `compensation_n` is the part of the
-  /// disturbance that is put back: all of it on a robot that tracks; on the operator's robot only the part
-  /// across the constraint, because the hand's force is in it as well and must move the tool along the curve.
+  /// Second half: i = K_n^-1 clip(A_n qdd_des + compensation), A. `compensation_n` is what is put back
+  /// of the disturbance: all of it, on the operator's robot too. The hand's force that is in it is rejected
+  /// with the rest, and moves the tool along the curve through the virtual mass in the desired acceleration.
   /// A desired acceleration that is not finite gives zero current.
   Vec3 currents(const Vec3& desired_joint_acceleration_m_per_s2, const Mat3& nominal_inertia_kg,
                 const Vec3& compensation_n) noexcept;

@@ -8,7 +8,7 @@
 namespace telekerf::control {
 
 struct BumplessTransferSettings {
-  double rate_rad_s = 100.0;               ///< of the critically damped fade
+  double rate_rad_per_s = 100.0;           ///< of the critically damped fade
   double max_acceleration_m_per_s2 = 1.0;  ///< what is far or fast fades more slowly
 };
 
@@ -20,10 +20,10 @@ class BumplessTransfer {
 
   /// The output goes on from `from` (position and velocity) although the source now says `source`; both
   /// belong to the same instant.
-  void rejoin(const KinematicState& from, const KinematicState& source) noexcept;
-  /// One step of `dt_s` (0: the instant of a rejoin): the source's motion plus what is left of the offset.
-  KinematicState join(const KinematicState& source, double dt_s) noexcept;
-  /// How far a motion of this speed still goes when it is joined to a source at rest where it is.
+  void start(const KinematicState& from, const KinematicState& source) noexcept;
+  /// One step of `dt_s` (0: the instant of a start): the source's motion plus what is left of the offset.
+  KinematicState apply(const KinematicState& source, double dt_s) noexcept;
+  /// How far a motion of this speed still goes when it is transferred to a source at rest where it is.
   double way_to_rest_m(double speed_m_per_s) const noexcept;
   /// What is left of the offset.
   double offset_m() const noexcept { return offset_.norm(); }

@@ -24,8 +24,8 @@ struct Anchor {
   Vec3 velocity_m_per_s = Vec3::Zero();
 };
 
-/// Operator -> slave, best effort, one a block of N stream samples.
-struct CommandBlock {
+/// What a command block says beside its samples.
+struct CommandHeader {
   std::uint32_t sequence = 0;
   std::uint32_t epoch = 0;  ///< of the master process: a restarted master is a new one
   Tick first_tick = 0;      ///< master tick of the newest block's first sample
@@ -40,6 +40,11 @@ struct CommandBlock {
   std::uint64_t button = 0;         ///< bit n: laser button at sample n of the newest block
   Anchor anchor;                    ///< state at first_tick
   std::int64_t sent_ns = 0;         ///< sender's monotonic clock, when handed to the bus
+};
+
+/// Operator -> slave, best effort, one a block of N stream samples.
+struct CommandBlock : CommandHeader {
+  using Header = CommandHeader;
   Payload payload;
 };
 
@@ -55,9 +60,8 @@ enum class Interlock : std::uint8_t {
   kStopped,   ///< latched emergency stop
 };
 
-/// Slave -> operator, best effort, one a block of N stream samples of the measured tool position and of the
-/// force on the tool.
-struct StateBlock {
+/// What a state block says beside its samples.
+struct StateHeader {
   std::uint32_t sequence = 0;
   std::uint32_t epoch = 0;         ///< of the slave process
   std::uint32_t master_epoch = 0;  ///< whose commands it follows
@@ -80,6 +84,12 @@ struct StateBlock {
   std::int64_t echo_sent_ns = 0;
   std::int64_t echo_received_ns = 0;
   std::int64_t sent_ns = 0;
+};
+
+/// Slave -> operator, best effort, one a block of N stream samples of the measured tool position and of the
+/// force on the tool.
+struct StateBlock : StateHeader {
+  using Header = StateHeader;
   Payload payload;
   Payload force;  ///< the same samples: estimated force of the world on the tool, N; empty: not sent
 };

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace telekerf::master {
+namespace telekerf::streaming {
 
 void ClockOffsetEstimator::add(const FourStamps& s) noexcept {
   Exchange& exchange = exchanges_[static_cast<std::size_t>(next_)];
@@ -63,4 +63,4 @@ ClockEstimate ClockOffsetEstimator::estimate(std::int64_t now_ns) const noexcept
   return estimate;
 }
 
-}  // namespace telekerf::master
+}  // namespace telekerf::streaming

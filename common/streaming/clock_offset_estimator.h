@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdint>
 
-namespace telekerf::master {
+namespace telekerf::streaming {
 
 /// Master sent, slave received, slave answered, master received; each by its own clock.
 struct FourStamps {
@@ -43,4 +43,4 @@ class ClockOffsetEstimator {
   int next_ = 0;
 };
 
-}  // namespace telekerf::master
+}  // namespace telekerf::streaming

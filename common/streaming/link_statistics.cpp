@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace telekerf::master {
+namespace telekerf::streaming {
 
 LinkStatistics::LinkStatistics() : histogram_(kBins, 0) {}
 
@@ -13,10 +13,7 @@ void LinkStatistics::sent(const CommandBlock& block) noexcept {
   payload_bytes_ += block.payload.size;
 }
 
-void LinkStatistics::received(const StateBlock& state, std::int64_t received_ns) noexcept {
-  if (last_number_ != 0 && state.sequence > last_number_ + 1) lost_ += state.sequence - last_number_ - 1;
-  last_number_ = std::max(last_number_, state.sequence);
-  ++states_;
+void LinkStatistics::received(const StateHeader& state, std::int64_t received_ns) noexcept {
   // One round trip a command: a later state that echoes the same command says nothing new.
   if (state.echo_sequence == 0 || state.echo_sequence == last_echo_) return;
   last_echo_ = state.echo_sequence;
@@ -29,9 +26,9 @@ void LinkStatistics::received(const StateBlock& state, std::int64_t received_ns)
   ++round_trips_;
 }
 
-double LinkStatistics::rtt_quantile_ms(double share) const {
+double LinkStatistics::rtt_quantile_ms(double fraction) const {
   if (round_trips_ == 0) return 0.0;
-  const auto rank = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(round_trips_)));
+  const auto rank = static_cast<std::uint64_t>(std::ceil(fraction * static_cast<double>(round_trips_)));
   std::uint64_t seen = 0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     seen += histogram_[bin];
@@ -40,4 +37,4 @@ double LinkStatistics::rtt_quantile_ms(double share) const {
   return kBins * kBinMs;
 }
 
-}  // namespace telekerf::master
+}  // namespace telekerf::streaming

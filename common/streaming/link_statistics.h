@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the link does, seen from the master: round trips, losses, payload. Fixed memory, no allocation in the
+// What the link does, seen from the master: round trips, clocks, payload. Fixed memory, no allocation in the
 // loop.
 #pragma once
 
@@ -10,23 +10,21 @@
 #include "common/protocol/messages.h"
 #include "common/streaming/clock_offset_estimator.h"
 
-namespace telekerf::master {
+namespace telekerf::streaming {
 
 class LinkStatistics {
  public:
   LinkStatistics();
 
   void sent(const CommandBlock& block) noexcept;
-  /// Round trip of the network only: handing a command to the bus until taking the state that acknowledges
-  /// it, less the time that the slave held it (contract.md, "Time").
-  void received(const StateBlock& state, std::int64_t received_ns) noexcept;
+  /// A state that the receiver did not refuse, whatever its order. Round trip of the network only: handing a
+  /// command to the bus until taking the state that acknowledges it, less the time that the slave held it.
+  void received(const StateHeader& state, std::int64_t received_ns) noexcept;
 
-  double rtt_quantile_ms(double share) const;
+  double rtt_quantile_ms(double fraction) const;
   std::uint64_t round_trips() const noexcept { return round_trips_; }
   /// The slave's clock against ours, as of the newest state.
   ClockEstimate clocks() const noexcept { return clocks_.estimate(last_received_ns_); }
-  std::uint64_t lost() const noexcept { return lost_; }
-  std::uint64_t states() const noexcept { return states_; }
   std::uint64_t packets() const noexcept { return packets_; }
   std::uint64_t payload_bytes() const noexcept { return payload_bytes_; }
 
@@ -38,11 +36,8 @@ class LinkStatistics {
   ClockOffsetEstimator clocks_;
   std::int64_t last_received_ns_ = 0;
   std::uint32_t last_echo_ = 0;
-  std::uint32_t last_number_ = 0;
-  std::uint64_t lost_ = 0;
-  std::uint64_t states_ = 0;
   std::uint64_t packets_ = 0;
   std::uint64_t payload_bytes_ = 0;
 };
 
-}  // namespace telekerf::master
+}  // namespace telekerf::streaming

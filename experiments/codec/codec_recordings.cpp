@@ -36,17 +36,17 @@ double noise_of(const codec::Trace& trace) {
 }
 
 std::vector<SeededTrace> recorded_traces(double seconds, std::uint64_t seed) {
-  lap::LapSettings settings;
+  simulation::SimulationSettings settings;
   settings.master.seed = settings.slave.seed = seed;
   settings.master.codec = "raw";  // whole samples in every packet: what was commanded
   settings.network = netem::load_profile("thesis-constant");
-  const ContourMessage contour = lap::find_contour(settings);
+  const ContourMessage contour = simulation::find_contour(settings);
   master::Station master(settings.master);
   slave::Station slave(settings.slave);
   const auto task = master.prepare(contour);
   const auto corridor = slave.prepare(contour);
-  lap::VirtualLink<CommandBlock> forward(settings.network.forward, seed, netem::Direction::kForward);
-  lap::VirtualLink<StateBlock> backward(settings.network.backward, seed, netem::Direction::kBackward);
+  simulation::VirtualLink<CommandBlock> forward(settings.network.forward, seed, netem::Direction::kForward);
+  simulation::VirtualLink<StateBlock> backward(settings.network.backward, seed, netem::Direction::kBackward);
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
   codec::BlockDecoder decoder;
@@ -60,8 +60,8 @@ std::vector<SeededTrace> recorded_traces(double seconds, std::uint64_t seed) {
   for (std::int64_t now_ns = 0; command.size() < wanted; now_ns += kTickNs) {
     states.clear();
     backward.deliver(now_ns, states);
-    const auto out = master.step(now_ns, task.get(), true, states, {});
-    const bool joined = out.mode == master::MasterMode::kEngaged && out.observed.joined;
+    const auto out = master.step(now_ns, task.get(), states, {});
+    const bool joined = out.mode == master::MasterMode::kEngaged && out.observed.aligned;
     if (out.command) {
       const auto packet = decoder.decode(out.command->payload.view(), {});
       if (joined && packet) append(command, (*packet)->blocks_newest_first[0].samples[0]);

@@ -105,7 +105,7 @@ Decay measure_decay(std::uint64_t seed, double mismatch) {
 
 double glide_force_n(std::uint64_t seed) {
   constexpr double kSpeed = 0.02;
-  const double drag = master::ConstraintSettings{}.drag_ns_per_m * kSpeed;
+  const double drag = master::ConstraintSettings{}.damping_n_s_per_m * kSpeed;
   return least_force(seed, kSpeed * 4.0, 2.5, 6.5) - drag;
 }
 

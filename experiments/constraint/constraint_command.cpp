@@ -36,9 +36,9 @@ struct Bar {
 std::vector<ContourMessage> contours() {
   std::vector<ContourMessage> out{rounded_outline(1e-3, 20e-3)};
   for (const char* picture : {"gear", "letter-e", "figure-8"}) {
-    lap::LapSettings settings;
+    simulation::SimulationSettings settings;
     settings.image = picture;
-    out.push_back(lap::find_contour(settings));
+    out.push_back(simulation::find_contour(settings));
     out.back().source = picture;
   }
   return out;
@@ -83,7 +83,7 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
         master::StationSettings station;
         station.node.constraint.spacing_m = 0.1e-3;
         station.node.constraint.rounding_m = 0.0;
-        station.node.constraint.tightest_m = 0.0;
+        station.node.constraint.min_radius_m = 0.0;
         station.node.constraint.window_bend_rad = 4.0;
         station.node.constraint.half_window = k;
         station.curve = name;

@@ -45,21 +45,21 @@ Trial run_trial(const ContourMessage& contour, const TrialSettings& settings) {
   for (std::int64_t n = 0; n < steps; ++n) {
     const double now = static_cast<double>(n) * dt;
     if (settings.form && guided_since) {
-      if (const auto form = settings.form(now - *guided_since)) station.choose(*form);
+      if (const auto form = settings.form(now - *guided_since)) station.set_constraint(*form);
     }
     const Vec3 true_tool = *station.machine().true_tool_m();  // as in the record: before the step moves it
-    const auto out = station.step(std::llround(now * 1e9), task.get(), false, {}, {});
+    const auto out = station.step(std::llround(now * 1e9), task.get(), {}, {});
     const bool is_guided = out.mode == master::MasterMode::kGuiding;
     trial.off_m.push_back(std::numeric_limits<double>::quiet_NaN());
     trial.constraint_n.push_back(out.constraint_n);
     if (!is_guided) continue;
     if (!guided_since) guided_since = now;
     trial.saturated = trial.saturated || out.saturated;
-    const master::ToolState tool{out.tool_m, out.velocity_m_per_s, out.hand_n};
+    const control::KinematicState tool{out.tool_m, out.velocity_m_per_s, Vec3::Zero()};
     if (before && out.corridor_m <= 0.0 && out.velocity_m_per_s.head<2>().norm() <= kHandoverSpeed) {
       before->phi_m = before->piece.shape.phi(out.tool_m.head<2>());
-      const Vec3 step =
-          guided_acceleration(out.active, wanted, tool) - guided_acceleration(*before, wanted, tool);
+      const Vec3 step = guided_acceleration(out.active, wanted, tool, out.hand_n) -
+                        guided_acceleration(*before, wanted, tool, out.hand_n);
       trial.max_handover_m_per_s =
           std::max(trial.max_handover_m_per_s,
                    std::abs(step.head<2>().dot(out.active.piece.shape.gradient(out.tool_m.head<2>()))) * dt);

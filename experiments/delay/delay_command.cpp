@@ -242,8 +242,8 @@ void draw_stability(const std::filesystem::path& png) {
   Figure figure;
   figure.title = "u = -2 w v - w^2 x on a double integrator behind a delay D";
   figure.columns = 2;
-  for (const auto estimator : {master::Estimator::kNone, master::Estimator::kPredictor}) {
-    Panel panel{.title = fmt::format("estimator {}", master::to_string(estimator)),
+  for (const char* const estimator : {"none", "predictor"}) {
+    Panel panel{.title = fmt::format("estimator {}", estimator),
                 .x_label = "D (ms)",
                 .y_label = "w (rad/s)",
                 .log_x = true,
@@ -276,9 +276,8 @@ void draw_start(const std::filesystem::path& png) {
     Panel panel{.title = title, .x_label = "t (s)", .y_label = "um", .log_y = true};
     panel.y_range = {{1e-3, 2e6}};
     int colour = 0;
-    for (const auto estimator : {master::Estimator::kNone, master::Estimator::kThesis,
-                                 master::Estimator::kDelayedInnovation, master::Estimator::kPredictor}) {
-      Line line{.label = master::to_string(estimator), .colour = colour++};
+    for (const char* const estimator : {"none", "thesis", "delayed-innovation", "predictor"}) {
+      Line line{.label = estimator, .colour = colour++};
       const auto errors = prediction_error(estimator, 0.1, 10.0, start);
       for (std::size_t i = 0; i < errors.size(); i += 10) {
         line.x.push_back(static_cast<double>(i) * 1e-3);

@@ -4,15 +4,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "master/observer/network_observer.h"
+
 namespace telekerf::experiments {
 namespace {
 
 using master::KinematicState;
 
+master::ObserverSettings settings_of(const std::string& estimator, double period_s) {
+  master::ObserverSettings settings;
+  settings.estimator = master::estimator_named(estimator);
+  settings.period_s = period_s;
+  return settings;
+}
+
 class IdealLoop {
  public:
-  IdealLoop(master::Estimator estimator, int delay, double period_s, const IdealStart& start)
-      : observer_(Law::kRemoteAcceleration, {.estimator = estimator, .period_s = period_s}),
+  IdealLoop(const std::string& estimator, int delay, double period_s, const IdealStart& start)
+      : observer_(Law::kRemoteAcceleration, settings_of(estimator, period_s)),
         delay_(delay),
         period_s_(period_s),
         disturbance_(start.disturbance_m_per_s2) {
@@ -20,7 +29,7 @@ class IdealLoop {
     first.position_m.x() = start.position_m;
     first.velocity_m_per_s.x() = start.velocity_m_per_s;
     truth_.push_back(first);
-    observer_.begin(0, KinematicState{});
+    observer_.reset(0, KinematicState{});
   }
   /// Predicted for the command of this very step.
   KinematicState predicted() {
@@ -28,12 +37,12 @@ class IdealLoop {
     if (k >= delay_) {
       const KinematicState& then = truth_[static_cast<std::size_t>(k - delay_)];
       const master::SlaveSample sample{k - delay_, k, true, then.position_m, then.velocity_m_per_s};
-      observer_.measured(std::span(&sample, 1));
+      observer_.correct(std::span(&sample, 1));
     }
-    return observer_.prediction(KinematicState{});
+    return observer_.predicted_state(KinematicState{});
   }
   void apply(double u) {
-    observer_.sent(static_cast<std::int64_t>(truth_.size()) - 1, KinematicState{}, Vec3(u, 0, 0));
+    observer_.predict(static_cast<std::int64_t>(truth_.size()) - 1, KinematicState{}, Vec3(u, 0, 0));
     KinematicState now = truth_.back();
     now.acceleration_m_per_s2 = Vec3(u + disturbance_, 0, 0);
     truth_.push_back(master::advanced(now, period_s_));
@@ -50,7 +59,7 @@ class IdealLoop {
 
 }  // namespace
 
-std::vector<double> prediction_error(master::Estimator estimator, double delay_s, double duration_s,
+std::vector<double> prediction_error(const std::string& estimator, double delay_s, double duration_s,
                                      const IdealStart& start) {
   constexpr double kPeriod = 1e-3;
   IdealLoop loop(estimator, static_cast<int>(std::lround(delay_s / kPeriod)), kPeriod, start);
@@ -62,7 +71,7 @@ std::vector<double> prediction_error(master::Estimator estimator, double delay_s
   return errors;
 }
 
-bool law_is_stable(master::Estimator estimator, double w_rad_s, double delay_s) {
+bool law_is_stable(const std::string& estimator, double w_rad_s, double delay_s) {
   // A hundred samples a delay, whatever it is; eighty delays, or settling times where those are longer.
   constexpr int kDelay = 100;
   const double period_s = delay_s / kDelay;

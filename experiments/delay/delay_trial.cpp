@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::int64_t kTickNs = 1'000'000;
 constexpr std::uint32_t kEpoch = 1;
+constexpr double kSilence_s = 0.5;  // before another slave would be listened to
 
 ErrorStatistics between(const std::vector<double>& errors, double from, double to) {
   ErrorStatistics spread;
@@ -54,10 +55,10 @@ bool is_stable(const std::vector<double>& errors) {
 }  // namespace
 
 HandRecord record_hand(const std::string& image, double duration_s, std::uint64_t seed) {
-  lap::LapSettings settings;
+  simulation::SimulationSettings settings;
   settings.image = image;
   HandRecord record;
-  record.contour = lap::find_contour(settings);
+  record.contour = simulation::find_contour(settings);
   master::StationSettings station_settings;
   station_settings.seed = seed;
   master::Station station(station_settings);
@@ -66,7 +67,7 @@ HandRecord record_hand(const std::string& image, double duration_s, std::uint64_
   const auto ticks = static_cast<std::size_t>(duration_s * 1e3);
   std::int64_t now_ns = 0;
   while (record.tool.size() < ticks) {
-    const auto out = station.step(now_ns, task.get(), false, {}, {});
+    const auto out = station.step(now_ns, task.get(), {}, {});
     now_ns += kTickNs;
     if (out.mode != master::MasterMode::kGuiding) continue;
     record.tool.push_back({out.tool_m, out.velocity_m_per_s, out.acceleration_m_per_s2});
@@ -97,18 +98,21 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     stream_settings.wrong_velocity_m_per_s = Vec3(0.05, 0.0, 0.0);
   }
   master::CommandStream stream(stream_settings, kEpoch);
+  streaming::StateReceiver feedback(kSilence_s, kEpoch, stream_settings.ticks_per_sample);
   slave::StationSettings slave_settings;
   slave_settings.seed = trial.seed;
   slave_settings.record_s = 1.0;
   slave::Station slave(slave_settings);
   const auto corridor = slave.prepare(hand.contour);
 
-  lap::VirtualLink<CommandBlock> forward(trial.network.forward, trial.seed, netem::Direction::kForward);
-  lap::VirtualLink<StateBlock> backward(trial.network.backward, trial.seed, netem::Direction::kBackward);
+  simulation::VirtualLink<CommandBlock> forward(trial.network.forward, trial.seed,
+                                                netem::Direction::kForward);
+  simulation::VirtualLink<StateBlock> backward(trial.network.backward, trial.seed,
+                                               netem::Direction::kBackward);
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
   std::vector<Vec3> predicted(hand.tool.size());
-  std::vector<bool> joined(hand.tool.size());
+  std::vector<bool> aligned(hand.tool.size());
   DelayResult result;
   result.error_m.assign(hand.tool.size(), std::numeric_limits<double>::quiet_NaN());
   result.prediction_error_m = result.error_m;
@@ -119,13 +123,13 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     const auto now_ns = static_cast<std::int64_t>(tick) * kTickNs;
     states.clear();
     backward.deliver(now_ns, states);
-    for (const auto& state : states) stream.received(state.value);
+    for (const auto& state : states) stream.received(feedback.receive(state));
     heard = heard || !states.empty();
     const auto block = stream.step(
         now_ns, tick,
         {.tool = hand.tool[tick], .beta = hand.beta, .contour_id = hand.contour.id, .engaged = heard});
     predicted[tick] = stream.observed().slave.position_m;
-    joined[tick] = stream.observed().joined;
+    aligned[tick] = stream.observed().aligned;
     if (block) {
       payload_bytes += block->payload.size;
       on_wire += wire_bytes(*block);
@@ -140,7 +144,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
     if (out.applied_tick < 0.0) continue;
     const auto applied = static_cast<std::size_t>(std::llround(out.applied_tick));
-    if (!joined[applied]) continue;  // the master itself is still leading the slave to its motion
+    if (!aligned[applied]) continue;  // the master itself is still leading the slave to its motion
     result.error_m[applied] = (tool_m - hand.beta * hand.true_tool_m[applied]).norm();
     result.prediction_error_m[applied] = (tool_m - predicted[applied]).norm();
   }

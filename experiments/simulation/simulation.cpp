@@ -2,13 +2,37 @@
 #include "experiments/simulation/simulation.h"
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "common/robot/robot_model.h"
+#include "common/runtime/startup_error.h"
 #include "experiments/simulation/virtual_link.h"
 
-namespace telekerf::lap {
-ContourMessage find_contour(const LapSettings& settings) {
+namespace telekerf::simulation {
+namespace {
+
+/// What one station has not heard yet.
+class Announcements {
+ public:
+  explicit Announcements(const std::vector<TimedEvent>& events) : events_(events) {}
+  const std::vector<EventMessage>& due(std::int64_t now_ns) {
+    due_.clear();
+    while (next_ < events_.size() && events_[next_].at_s * 1e9 <= static_cast<double>(now_ns)) {
+      due_.push_back(events_[next_++].event);
+    }
+    return due_;
+  }
+
+ private:
+  const std::vector<TimedEvent>& events_;
+  std::size_t next_ = 0;
+  std::vector<EventMessage> due_;
+};
+
+}  // namespace
+
+ContourMessage find_contour(const SimulationSettings& settings) {
   vision::ContourRequest request;
   request.image = settings.image;
   if (settings.width_mm > 0.0) request.width_m = settings.width_mm * 1e-3;
@@ -16,21 +40,24 @@ ContourMessage find_contour(const LapSettings& settings) {
   return vision::find_contour(request);
 }
 
-RunRecord run_lap(const LapSettings& settings) { return run_lap(settings, find_contour(settings)); }
+RunRecord simulate(const SimulationSettings& settings) { return simulate(settings, find_contour(settings)); }
 
-RunRecord run_lap(const LapSettings& settings, const ContourMessage& contour) {
+RunRecord simulate(const SimulationSettings& settings, const ContourMessage& contour) {
   master::StationSettings master_settings = settings.master;
   slave::StationSettings slave_settings = settings.slave;
   master_settings.seed = slave_settings.seed = settings.seed;
   master::Station master(master_settings);
   slave::Station slave(slave_settings);
-  const auto task = master.prepare(contour);
+  std::vector<std::unique_ptr<master::GuidedContour>> guided;  // the station may still use an old one
+  guided.push_back(master.prepare(contour));
   const auto corridor = slave.prepare(contour);
 
   VirtualLink<CommandBlock> forward(settings.network.forward, settings.seed, netem::Direction::kForward);
   VirtualLink<StateBlock> backward(settings.network.backward, settings.seed, netem::Direction::kBackward);
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
+  Announcements at_master(settings.events);
+  Announcements at_slave(settings.events);
 
   const auto end_ns = static_cast<std::int64_t>(settings.duration_s * 1e9);
   const auto master_period_ns = std::llround(master.control_period_s() * 1e9);
@@ -41,13 +68,20 @@ RunRecord run_lap(const LapSettings& settings, const ContourMessage& contour) {
     if (master_ns <= slave_ns) {
       states.clear();
       backward.deliver(master_ns, states);
-      const auto out = master.step(master_ns, task.get(), true, states, {});
+      const auto out = master.step(master_ns, guided.back().get(), states, at_master.due(master_ns));
       if (out.command) forward.push(master_ns, *out.command, wire_bytes(*out.command));
+      if (out.prepare_anew) {
+        try {
+          guided.push_back(master.prepare(contour));
+        } catch (const StartupError&) {
+          // Refused: what is in force stays.
+        }
+      }
       master_ns += master_period_ns;
     } else {
       commands.clear();
       forward.deliver(slave_ns, commands);
-      const auto out = slave.step(slave_ns, corridor.get(), commands, {});
+      const auto out = slave.step(slave_ns, corridor.get(), commands, at_slave.due(slave_ns));
       if (out.state) backward.push(slave_ns, *out.state, wire_bytes(*out.state));
       slave_ns += slave_period_ns;
     }
@@ -64,4 +98,4 @@ RunRecord run_lap(const LapSettings& settings, const ContourMessage& contour) {
   return record;
 }
 
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole lap in one thread and in virtual time: vision's output, master, network, slave. Deterministic:
-// same settings, same record, bit by bit.
+// Both stations and the network between them in one thread and in virtual time. Deterministic: same settings,
+// same record, bit by bit.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/recording/run_record.h"
 #include "master/station.h"
@@ -11,9 +12,16 @@
 #include "slave/station.h"
 #include "slave/vision/contour_source.h"
 
-namespace telekerf::lap {
+namespace telekerf::simulation {
 
-struct LapSettings {
+/// An event that both stations hear in their first step at or after `at_s`.
+struct TimedEvent {
+  double at_s = 0.0;
+  EventMessage event;
+};
+
+struct SimulationSettings {
+  SimulationSettings() { master.engage = true; }
   std::string image = "heart";
   double width_mm = 0.0;  ///< of the whole picture; 0: fitted to the workspace
   netem::Profile network;
@@ -21,13 +29,14 @@ struct LapSettings {
   double duration_s = 30.0;
   master::StationSettings master;
   slave::StationSettings slave;
+  std::vector<TimedEvent> events;  ///< in order of time
 };
 
 /// The contour that vision would publish. Throws StartupError.
-ContourMessage find_contour(const LapSettings& settings);
+ContourMessage find_contour(const SimulationSettings& settings);
 
-/// Runs the lap; the record is what the two processes would have written together.
-RunRecord run_lap(const LapSettings& settings, const ContourMessage& contour);
-RunRecord run_lap(const LapSettings& settings);
+/// The record is what the two processes would have written together.
+RunRecord simulate(const SimulationSettings& settings, const ContourMessage& contour);
+RunRecord simulate(const SimulationSettings& settings);
 
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

@@ -8,7 +8,7 @@
 #include "common/protocol/overhead.h"
 #include "netem/core/emulator.h"
 
-namespace telekerf::lap {
+namespace telekerf::simulation {
 
 /// The virtual-time driver of the emulator for one kind of message.
 template <class T>
@@ -38,4 +38,4 @@ class VirtualLink {
   std::uint64_t next_ = 0;
 };
 
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

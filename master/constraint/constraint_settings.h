@@ -19,7 +19,7 @@ struct ConstraintSettings {
   int half_window = 24;              ///< k of eq. 15, points to either side at most
   double spacing_m = 0.025e-3;       ///< between the points of the guide
   double rounding_m = 0.12e-3;       ///< corners are rounded by a Gaussian of this width
-  double tightest_m = 0.06e-3;       ///< smallest radius of a bend
+  double min_radius_m = 0.06e-3;     ///< smallest radius of a bend
   double opening_m = 0.4e-3;         ///< farthest that a point moves for that
   double window_bend_rad = 0.7;      ///< fewer points where the curve bends by more than this to either side
   bool taper = true;                 ///< false: all points count the same, as eq. 18 is printed
@@ -30,12 +30,12 @@ struct ConstraintSettings {
   double damping = 1.0;
   double period_s = 1e-3;        ///< of the control step: the gains give this decay when sampled
   double return_m_per_s = 0.05;  ///< fastest way back to the curve, whatever the distance
-  double entry_s = 0.3;          ///< what is left of an entry or a change of form has faded after this
+  double entry_s = 0.3;          ///< what is left of an entry or a change of mode has faded after this
 
   // Along it.
-  double mass_kg = 0.5;        ///< virtual mass that the hand moves
-  double drag_ns_per_m = 2.0;  ///< virtual damping
-  double dead_force_n =
+  double mass_kg = 0.5;            ///< virtual mass that the hand moves
+  double damping_n_s_per_m = 2.0;  ///< virtual damping
+  double force_deadband_n =
       0.15;  ///< estimated forces below this do not move the tool: errors of the estimate are as large
   double end_bandwidth_rad_s = 60.0;  ///< soft stops at the ends of an open curve
   double end_m_per_s = 3e-3;          ///< at which they are met at most
@@ -47,7 +47,7 @@ struct ConstraintSettings {
   double bend_m_per_s3 = 60.0;     ///< largest v^3 times the change of the curvature along the curve
   double slowing_m_per_s2 = 0.8;   ///< how hard it is braked before a bend
 
-  // The forbidden-region form: inside the corridor the hand moves freely in the plane.
+  // The forbidden-region fixture: inside the corridor the hand moves freely in the plane.
   double corridor_m = 0.0;         ///< half width; 0: guidance, the tool is held on the curve
   double stiffness_n_per_m = 0.0;  ///< inside the corridor, towards the curve: between free and guided
   double wall_skin_m = 0.05e-3;    ///< over which the wall sets in

@@ -96,8 +96,8 @@ Vec3 within_strokes(const robot::DeltaGeometry& geometry, const Vec3& joints_m,
   Vec3 out = wanted_m_per_s2;
   for (int leg = 0; leg < 3; ++leg) {
     const double side = std::copysign(1.0, joints_m[leg] - middle);
-    out[leg] = side * walled(side * out[leg], side * (joints_m[leg] - middle) - half,
-                             side * joint_velocity_m_per_s[leg], kSkin_m, kWall_rad_s);
+    out[leg] = side * virtual_wall_acceleration(side * out[leg], side * (joints_m[leg] - middle) - half,
+                                                side * joint_velocity_m_per_s[leg], kSkin_m, kWall_rad_s);
   }
   return out;
 }

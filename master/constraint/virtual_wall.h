@@ -6,14 +6,15 @@
 
 namespace telekerf::master {
 
-/// Acceleration that the wall leaves of `a`, both positive into the wall; `depth` > 0: inside it.
+/// Acceleration that the wall leaves of `a`, m/s^2, both positive into the wall; `depth_m` > 0: inside it.
 /// `w`: its bandwidth, rad/s.
-inline double walled(double a, double depth, double depth_rate, double skin_m, double w) noexcept {
-  if (depth <= 0.0) return a;
-  const double u = std::min(depth / skin_m, 1.0);
-  const double share = u * u * (3.0 - 2.0 * u);
-  const double wall = -w * w * depth - 2.0 * w * depth_rate;
-  return std::min(a, (1.0 - share) * a + share * wall);
+inline double virtual_wall_acceleration(double a, double depth_m, double depth_rate_m_per_s, double skin_m,
+                                        double w) noexcept {
+  if (depth_m <= 0.0) return a;
+  const double u = std::min(depth_m / skin_m, 1.0);
+  const double fraction = u * u * (3.0 - 2.0 * u);
+  const double wall = -w * w * depth_m - 2.0 * w * depth_rate_m_per_s;
+  return std::min(a, (1.0 - fraction) * a + fraction * wall);
 }
 
 }  // namespace telekerf::master

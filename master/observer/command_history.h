@@ -9,11 +9,13 @@
 
 #include "common/control/kinematic_state.h"
 #include "common/protocol/messages.h"
+#include "common/streaming/slave_sample.h"
 
 namespace telekerf::master {
 
 using control::advanced;
 using control::KinematicState;
+using streaming::SlaveSample;
 
 /// One stream sample's command. `model`: the state at this index on which `model.acceleration` acts next.
 struct SentCommand {
@@ -43,15 +45,6 @@ class CommandHistory {
     return (*slots_)[static_cast<std::size_t>(index) % kSize];
   }
   std::unique_ptr<std::array<SentCommand, kSize>> slots_;
-};
-
-/// One measured state of the slave with the command that it was applying when it was measured.
-struct SlaveSample {
-  std::int64_t index = -1;
-  std::int64_t time = 0;  ///< the slave's own count of samples
-  bool applied = false;   ///< false: nothing was applied; the slave coasted, slowed down or held its pose
-  Vec3 position_m = Vec3::Zero();
-  Vec3 velocity_m_per_s = Vec3::Zero();
 };
 
 }  // namespace telekerf::master

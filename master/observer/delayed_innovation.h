@@ -9,50 +9,50 @@
 #include <memory>
 #include <numbers>
 
-#include "master/observer/command_history.h"
+#include "master/observer/estimator.h"
 
 namespace telekerf::master {
 
 class DelayedInnovation {
  public:
-  /// `gain_per_s`: l; 0: 1/(e D) of the delay that the acknowledgements show.
-  DelayedInnovation(double gain_per_s, double period_s)
-      : gain_per_s_(gain_per_s), period_s_(period_s), past_(std::make_unique<Past>()) {}
+  /// Without a gain of the user's: 1/(e D) of the delay that the acknowledgements show.
+  explicit DelayedInnovation(const EstimatorSettings& settings)
+      : gain_per_s_(settings.innovation_gain_per_s),
+        period_s_(settings.period_s),
+        past_(std::make_unique<Past>()) {}
 
-  void begin(std::int64_t index, const KinematicState& state) noexcept {
+  void reset(std::int64_t index, const KinematicState& state) noexcept {
     state_ = state;
     begun_ = index;
   }
-  void sent(const CommandHistory& ring, std::int64_t index) noexcept {
+  void predict(const CommandHistory& history, std::int64_t index) noexcept {
     (*past_)[static_cast<std::size_t>(index) % CommandHistory::kSize] = state_;
-    state_.acceleration_m_per_s2 = ring.acceleration(index);
+    state_.acceleration_m_per_s2 = history.acceleration(index);
     state_ = advanced(state_, period_s_);
   }
-  void replaced(const CommandHistory& /*ring*/, std::int64_t /*next*/,
-                const KinematicState& change) noexcept {
+  void revise(const CommandHistory& /*history*/, std::int64_t /*next*/,
+              const KinematicState& change) noexcept {
     state_.position_m += change.position_m;
     state_.velocity_m_per_s += change.velocity_m_per_s;
   }
-  void measured(const CommandHistory& ring, const SlaveSample& sample, std::int64_t next) noexcept {
-    if (!sample.applied || sample.index < begun_ || ring.find(sample.index) == nullptr) return;
+  void correct(const CommandHistory& history, const SlaveSample& sample, std::int64_t next) noexcept {
+    if (!sample.applied || sample.index < begun_ || history.find(sample.index) == nullptr) return;
     const KinematicState& then = (*past_)[static_cast<std::size_t>(sample.index) % CommandHistory::kSize];
     innovation_ = sample.position_m - then.position_m;
     const double delay_s = static_cast<double>(next - sample.index) * period_s_;
     const double gain =
-        gain_per_s_ > 0.0 ? gain_per_s_ : 1.0 / (std::numbers::e * std::max(delay_s, kShortestS));
+        gain_per_s_ > 0.0 ? gain_per_s_ : 1.0 / (std::numbers::e * std::max(delay_s, kShortest_s));
     state_.position_m += gain * period_s_ * innovation_;
     state_.velocity_m_per_s += gain * period_s_ * (sample.velocity_m_per_s - then.velocity_m_per_s);
   }
-  KinematicState prediction(const CommandHistory& /*ring*/, std::int64_t /*next*/) const noexcept {
+  KinematicState predicted_state(const CommandHistory& /*history*/, std::int64_t /*next*/) const noexcept {
     return state_;
   }
-  Vec3 disturbance() const noexcept { return Vec3::Zero(); }
-  Vec3 innovation() const noexcept { return innovation_; }
-  Vec3 take_correction() noexcept { return Vec3::Zero(); }
+  Vec3 innovation_m() const noexcept { return innovation_; }
 
  private:
   using Past = std::array<KinematicState, CommandHistory::kSize>;
-  static constexpr double kShortestS = 0.02;
+  static constexpr double kShortest_s = 0.02;
   double gain_per_s_;
   double period_s_;
   KinematicState state_;

@@ -1,131 +1,94 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "master/observer/network_observer.h"
 
-#include <fmt/format.h>
-
-#include "common/runtime/startup_error.h"
+#include <variant>
 
 namespace telekerf::master {
 
-const char* to_string(Estimator estimator) noexcept {
-  switch (estimator) {
-    case Estimator::kNone:
-      return "none";
-    case Estimator::kThesis:
-      return "thesis";
-    case Estimator::kDelayedInnovation:
-      return "delayed-innovation";
-    case Estimator::kPredictor:
-      return "predictor";
-  }
-  return "unknown";
-}
-
-const char* to_string(Law law) noexcept {
-  switch (law) {
-    case Law::kLocal:
-      return "local";
-    case Law::kAnchored:
-      return "anchored";
-    case Law::kRemoteAcceleration:
-      return "remote-acceleration";
-  }
-  return "unknown";
-}
-
-Estimator estimator_named(const std::string& name) {
-  for (const auto estimator :
-       {Estimator::kNone, Estimator::kThesis, Estimator::kDelayedInnovation, Estimator::kPredictor}) {
-    if (name == to_string(estimator)) return estimator;
-  }
-  throw StartupError(
-      fmt::format("estimator = '{}' must be one of none, thesis, delayed-innovation, predictor", name));
-}
-
-Law law_named(const std::string& name) {
-  for (const auto law : {Law::kLocal, Law::kAnchored, Law::kRemoteAcceleration}) {
-    if (name == to_string(law)) return law;
-  }
-  throw StartupError(fmt::format("law = '{}' must be one of local, anchored, remote-acceleration", name));
-}
-
-NetworkObserver::AnyEstimator NetworkObserver::make(Law law, const ObserverSettings& settings) {
-  switch (settings.estimator) {
-    case Estimator::kThesis:
-      return CommunicationDisturbanceObserver(settings.thesis_cutoff_rad_s, settings.period_s);
-    case Estimator::kDelayedInnovation:
-      return DelayedInnovation(settings.innovation_gain_per_s, settings.period_s);
-    case Estimator::kPredictor:
-      // A slave that follows a reference is no open integrator: it is where the reference is.
-      if (law != Law::kRemoteAcceleration) return ReferenceModelEstimator(settings.followed_gain);
-      return PropagatedPredictor(settings.predictor_rad_s, settings.disturbance_rad_s, settings.period_s);
-    case Estimator::kNone:
-      break;
-  }
-  return NoPrediction{};
-}
-
 NetworkObserver::NetworkObserver(Law law, const ObserverSettings& settings)
-    : period_s_(settings.period_s), estimator_(make(law, settings)) {}
+    : period_s_(settings.period_s), estimator_(settings.estimator(law, settings)) {}
 
-void NetworkObserver::begin(std::int64_t index, const KinematicState& state) noexcept {
+void NetworkObserver::reset(std::int64_t index, const KinematicState& state) noexcept {
   next_ = index;
-  std::visit([&](auto& estimator) { estimator.begin(index, state); }, estimator_);
+  std::visit([&](auto& estimator) { estimator.reset(index, state); }, estimator_);
 }
 
-void NetworkObserver::sent(std::int64_t index, const KinematicState& model, const Vec3& command) noexcept {
+void NetworkObserver::predict(std::int64_t index, const KinematicState& model, const Vec3& command) noexcept {
   KinematicState commanded = model;
   commanded.acceleration_m_per_s2 = command;
-  ring_.store(index, commanded);
-  std::visit([&](auto& estimator) { estimator.sent(ring_, index); }, estimator_);
+  history_.store(index, commanded);
+  std::visit([&](auto& estimator) { estimator.predict(history_, index); }, estimator_);
   next_ = index + 1;
 }
 
-KinematicState NetworkObserver::coded(std::int64_t first, const KinematicState& anchor,
-                                      std::span<const Vec3> decoded) noexcept {
+void NetworkObserver::revise_estimator(const KinematicState& change) noexcept {
+  std::visit(
+      [&]<class E>(E& estimator) {
+        if constexpr (RevisesCommands<E>) estimator.revise(history_, next_, change);
+      },
+      estimator_);
+}
+
+KinematicState NetworkObserver::revise(std::int64_t first, const KinematicState& anchor,
+                                       std::span<const Vec3> decoded) noexcept {
   KinematicState before = anchor;  // with the commands as they were made
   KinematicState after = anchor;   // as every receiver decodes them
   std::int64_t index = first;
   for (const Vec3& command : decoded) {
-    before.acceleration_m_per_s2 = ring_.acceleration(index);
+    before.acceleration_m_per_s2 = history_.acceleration(index);
     before = advanced(before, period_s_);
     after.acceleration_m_per_s2 = command;
-    ring_.store(index++, after);
+    history_.store(index++, after);
     after = advanced(after, period_s_);
   }
   next_ = index;
-  const KinematicState change{.position_m = after.position_m - before.position_m,
-                              .velocity_m_per_s = after.velocity_m_per_s - before.velocity_m_per_s};
-  std::visit([&](auto& estimator) { estimator.replaced(ring_, next_, change); }, estimator_);
+  revise_estimator({.position_m = after.position_m - before.position_m,
+                    .velocity_m_per_s = after.velocity_m_per_s - before.velocity_m_per_s});
   return after;
 }
 
-void NetworkObserver::measured(std::span<const SlaveSample> samples) noexcept {
+void NetworkObserver::correct(std::span<const SlaveSample> samples) noexcept {
   if (samples.empty()) return;
   std::visit(
       [&](auto& estimator) {
-        for (const SlaveSample& sample : samples) estimator.measured(ring_, sample, next_);
-        estimator.replaced(ring_, next_, KinematicState{});
+        for (const SlaveSample& sample : samples) estimator.correct(history_, sample, next_);
       },
       estimator_);
+  revise_estimator({});
   if (samples.back().applied) delay_s_ = static_cast<double>(next_ - samples.back().index) * period_s_;
 }
 
-KinematicState NetworkObserver::prediction(const KinematicState& model) noexcept {
-  ring_.store(next_, model);
-  return std::visit([&](const auto& estimator) { return estimator.prediction(ring_, next_); }, estimator_);
+KinematicState NetworkObserver::predicted_state(const KinematicState& model) noexcept {
+  history_.store(next_, model);
+  return std::visit([&](const auto& estimator) { return estimator.predicted_state(history_, next_); },
+                    estimator_);
 }
 
 Vec3 NetworkObserver::disturbance_m_per_s2() const noexcept {
-  return std::visit([](const auto& estimator) { return estimator.disturbance(); }, estimator_);
+  return std::visit(
+      []<class E>(const E& estimator) -> Vec3 {
+        if constexpr (EstimatesDisturbance<E>) return estimator.disturbance_m_per_s2();
+        return Vec3::Zero();
+      },
+      estimator_);
 }
 
 Vec3 NetworkObserver::innovation_m() const noexcept {
-  return std::visit([](const auto& estimator) { return estimator.innovation(); }, estimator_);
+  return std::visit(
+      []<class E>(const E& estimator) -> Vec3 {
+        if constexpr (HasInnovation<E>) return estimator.innovation_m();
+        return Vec3::Zero();
+      },
+      estimator_);
 }
 
-Vec3 NetworkObserver::take_correction() noexcept {
-  return std::visit([](auto& estimator) { return estimator.take_correction(); }, estimator_);
+Vec3 NetworkObserver::take_correction_m() noexcept {
+  return std::visit(
+      []<class E>(E& estimator) -> Vec3 {
+        if constexpr (CorrectsModel<E>) return estimator.take_correction_m();
+        return Vec3::Zero();
+      },
+      estimator_);
 }
 
 }  // namespace telekerf::master

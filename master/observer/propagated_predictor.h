@@ -10,47 +10,46 @@
 #include <algorithm>
 #include <cmath>
 
-#include "master/observer/command_history.h"
+#include "master/observer/estimator.h"
 
 namespace telekerf::master {
 
 class PropagatedPredictor {
  public:
-  /// Poles z = exp(-p h), two at `motion_rad_s` and one at `disturbance_rad_s`, in the closed form of
+  /// Poles z = exp(-p h), two at `predictor_rad_s` and one at `disturbance_rad_s`, in the closed form of
   /// common/control/disturbance_observer.h. An error e_d of the disturbance is worth D^2/2 e_d of prediction,
   /// so that pole is slow; a kick (friction at a reversal) is forgotten at the other rate.
-  PropagatedPredictor(double motion_rad_s, double disturbance_rad_s, double period_s) noexcept
-      : period_s_(period_s) {
-    const double r1 = 1.0 - std::exp(-disturbance_rad_s * period_s);
-    const double r2 = 1.0 - std::exp(-motion_rad_s * period_s);
+  explicit PropagatedPredictor(const EstimatorSettings& settings) noexcept : period_s_(settings.period_s) {
+    const double r1 = 1.0 - std::exp(-settings.disturbance_rad_s * settings.period_s);
+    const double r2 = 1.0 - std::exp(-settings.predictor_rad_s * settings.period_s);
     const double c1 = r1 + 2.0 * r2;
     const double c2 = 2.0 * r1 * r2 + r2 * r2;
     const double c3 = r1 * r2 * r2;
     alpha_ = c1 - c2 + c3;
-    beta_ = (c2 - 1.5 * c3) / period_s;
-    gamma_ = c3 / (period_s * period_s);
+    beta_ = (c2 - 1.5 * c3) / period_s_;
+    gamma_ = c3 / (period_s_ * period_s_);
   }
 
-  void begin(std::int64_t index, const KinematicState& state) noexcept {
+  void reset(std::int64_t index, const KinematicState& state) noexcept {
     observed_ = predicted_ = state;
     begun_ = at_ = index;
     started_ = false;
   }
-  void sent(const CommandHistory& ring, std::int64_t index) noexcept {
-    predicted_.acceleration_m_per_s2 = ring.acceleration(index) + disturbance_;
+  void predict(const CommandHistory& history, std::int64_t index) noexcept {
+    predicted_.acceleration_m_per_s2 = history.acceleration(index) + disturbance_;
     predicted_ = advanced(predicted_, period_s_);
   }
-  void replaced(const CommandHistory& ring, std::int64_t next, const KinematicState& /*change*/) noexcept {
-    replay(ring, next);
+  void revise(const CommandHistory& history, std::int64_t next, const KinematicState& /*change*/) noexcept {
+    replay(history, next);
   }
-  /// In the order of the slave's clock; call replay() (or replaced()) after the last of a batch.
-  void measured(const CommandHistory& ring, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
+  /// In the order of the slave's clock; call revise() after the last of a batch.
+  void correct(const CommandHistory& history, const SlaveSample& sample, std::int64_t /*next*/) noexcept {
     if (sample.index < begun_) return;
     unapplied_ = sample.applied ? 0 : unapplied_ + 1;
     const std::int64_t commands = sample.index - at_;
     const std::int64_t steps = sample.time - time_;
     const double gap_s = static_cast<double>(std::max<std::int64_t>(steps, unapplied_)) * period_s_;
-    if (!started_ || commands < 0 || steps <= 0 || gap_s > kBridged) {
+    if (!started_ || commands < 0 || steps <= 0 || gap_s > kTrusted_s) {
       // Nothing is known of what moves the slave then: take it as it is.
       observed_ = {.position_m = sample.position_m, .velocity_m_per_s = sample.velocity_m_per_s};
       started_ = sample.applied;
@@ -58,7 +57,7 @@ class PropagatedPredictor {
       // The slave bridges short gaps by what lies on both sides of them, about what was sent.
       // As many commands as steps, but for a play-out that waited or skipped.
       for (std::int64_t i = 0; i < steps; ++i) {
-        observed_.acceleration_m_per_s2 = ring.acceleration(at_ + i * commands / steps) + disturbance_;
+        observed_.acceleration_m_per_s2 = history.acceleration(at_ + i * commands / steps) + disturbance_;
         observed_ = advanced(observed_, period_s_);
       }
       innovation_ = sample.position_m - observed_.position_m;
@@ -66,30 +65,29 @@ class PropagatedPredictor {
       observed_.velocity_m_per_s += beta_ * innovation_;
       if (sample.applied) disturbance_ += gamma_ * innovation_;
       const double size = disturbance_.norm();
-      if (size > kLargest) disturbance_ *= kLargest / size;
+      if (size > kLargest_m_per_s2) disturbance_ *= kLargest_m_per_s2 / size;
     }
     at_ = sample.index;
     time_ = sample.time;
   }
-  void replay(const CommandHistory& ring, std::int64_t next) noexcept {
+  KinematicState predicted_state(const CommandHistory& /*history*/, std::int64_t /*next*/) const noexcept {
+    return predicted_;
+  }
+  Vec3 disturbance_m_per_s2() const noexcept { return disturbance_; }
+  Vec3 innovation_m() const noexcept { return innovation_; }
+
+ private:
+  void replay(const CommandHistory& history, std::int64_t next) noexcept {
     predicted_ = observed_;
     const auto from = std::max(at_, next - static_cast<std::int64_t>(CommandHistory::kSize));
     for (std::int64_t i = from; i < next; ++i) {
-      predicted_.acceleration_m_per_s2 = ring.acceleration(i) + disturbance_;
+      predicted_.acceleration_m_per_s2 = history.acceleration(i) + disturbance_;
       predicted_ = advanced(predicted_, period_s_);
     }
   }
-  KinematicState prediction(const CommandHistory& /*ring*/, std::int64_t /*next*/) const noexcept {
-    return predicted_;
-  }
-  Vec3 disturbance() const noexcept { return disturbance_; }
-  Vec3 innovation() const noexcept { return innovation_; }
-  Vec3 take_correction() noexcept { return Vec3::Zero(); }
-
- private:
-  static constexpr double kLargest = 2.0;  ///< m/s^2, of what a disturbance observer leaves
-  static constexpr double kBridged =
-      0.15;  ///< s, longest gap, in commands or in measurements, that the model is trusted over
+  static constexpr double kLargest_m_per_s2 = 2.0;  ///< of what a disturbance observer leaves
+  static constexpr double kTrusted_s =
+      0.15;  ///< longest gap, in commands or in measurements, that the model is trusted over
   double period_s_;
   double alpha_ = 0.0;
   double beta_ = 0.0;

@@ -17,7 +17,7 @@ struct OperatorSample {
   bool trigger = false;  ///< the laser is wanted
   /// Of the hand on the tool, N, master's workpiece frame; it moves a simulated master only. None: the device
   /// has no hand, and the simulated operator's moves the tool.
-  std::optional<Vec3> force_n;
+  std::optional<Vec3> force_n = {};
 };
 
 /// What a vendor implements. A device is its own files, with a function that opens it, and one row in

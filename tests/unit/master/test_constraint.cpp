@@ -5,7 +5,7 @@
 #include <random>
 
 #include "common/runtime/startup_error.h"
-#include "master/constraint/constraint.h"
+#include "master/constraint/constraint_controller.h"
 
 namespace telekerf::master {
 namespace {
@@ -125,7 +125,7 @@ TEST(Constraint, ErrorDecaysAsEq65SaysWhileTheToolRunsRoundTheCircle) {
   Vec3 v(0, 0.03, 0);
   for (int n = 0; n < 5000; ++n) {
     const auto active = generator.at(guide, x.head<2>(), kDt);
-    const Vec3 a = guided_acceleration(active, settings, {x, v, Vec3::Zero()});
+    const Vec3 a = guided_acceleration(active, settings, {x, v}, Vec3::Zero());
     v += a * kDt;
     x += v * kDt;
     const double t = (n + 1) * kDt;
@@ -146,7 +146,7 @@ TEST(Constraint, FarFromTheCurveTheToolReturnsNoFasterThanSaid) {
   double fastest = 0.0;
   double beyond = 0.0;
   for (int n = 0; n < 5000; ++n) {
-    v += guided_acceleration(generator.at(guide, x.head<2>(), kDt), settings, {x, v, Vec3::Zero()}) * kDt;
+    v += guided_acceleration(generator.at(guide, x.head<2>(), kDt), settings, {x, v}, Vec3::Zero()) * kDt;
     x += v * kDt;
     fastest = std::max(fastest, v.norm());
     beyond = std::max(beyond, 0.01 - x.head<2>().norm());
@@ -159,9 +159,9 @@ TEST(Constraint, TheHandMovesTheVirtualMassAlongAndNothingAcross) {
   ConstraintSettings settings;
   const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   const auto active = fresh(guide, {0.01, 0});
-  const Vec3 along = guided_acceleration(active, settings, {{0.01, 0, 0}, Vec3::Zero(), {0, 1.0, 0}});
-  EXPECT_NEAR(along.y(), (1.0 - settings.dead_force_n) / settings.mass_kg, 1e-2);
-  const Vec3 across = guided_acceleration(active, settings, {{0.01, 0, 0}, Vec3::Zero(), {3.0, 0, 2.0}});
+  const Vec3 along = guided_acceleration(active, settings, {{0.01, 0, 0}, Vec3::Zero()}, {0, 1.0, 0});
+  EXPECT_NEAR(along.y(), (1.0 - settings.force_deadband_n) / settings.mass_kg, 1e-2);
+  const Vec3 across = guided_acceleration(active, settings, {{0.01, 0, 0}, Vec3::Zero()}, {3.0, 0, 2.0});
   EXPECT_LT(across.norm(), 0.1);
 }
 
@@ -192,27 +192,27 @@ TEST(Constraint, AnOpenCurveEndsInASoftStopThatLetsTheToolBack) {
   const GuidePath guide = make_guide(line, 1.0, settings);
   const auto beyond = fresh(guide, {0.0102, 0.0});
   EXPECT_NEAR(beyond.beyond_end_m, 0.2e-3, 1e-6);
-  const Vec3 pushed = guided_acceleration(beyond, settings, {{0.0102, 0, 0}, Vec3::Zero(), {3.0, 0, 0}});
+  const Vec3 pushed = guided_acceleration(beyond, settings, {{0.0102, 0, 0}, Vec3::Zero()}, {3.0, 0, 0});
   EXPECT_LT(pushed.x(), 0.0);
   const auto inside = fresh(guide, {0.0098, 0.0});
   EXPECT_EQ(inside.beyond_end_m, 0.0);
-  const Vec3 back = guided_acceleration(inside, settings, {{0.0098, 0, 0}, Vec3::Zero(), {-3.0, 0, 0}});
+  const Vec3 back = guided_acceleration(inside, settings, {{0.0098, 0, 0}, Vec3::Zero()}, {-3.0, 0, 0});
   EXPECT_LT(back.x(), -1.0);
-  const Vec3 away = guided_acceleration(beyond, settings, {{0.0102, 0, 0}, Vec3::Zero(), {-3.0, 0, 0}});
+  const Vec3 away = guided_acceleration(beyond, settings, {{0.0102, 0, 0}, Vec3::Zero()}, {-3.0, 0, 0});
   EXPECT_LE(away.x(), -3.0) << "the stop does not hold the hand that pulls back";
 }
 
 TEST(Region, IsFreeInsideStiffAtTheWallAndDoesNotStick) {
   ConstraintSettings settings;
-  settings.drag_ns_per_m = 0.0;
+  settings.damping_n_s_per_m = 0.0;
   const ConstraintMode form{0.5e-3, 0.0};
   const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   const auto across = [&](double radius, double push) {
     const Vec3 x(radius, 0, 0);
-    return region_acceleration(fresh(guide, x.head<2>()), settings, form, {x, Vec3::Zero(), {push, 0, 0}})
+    return region_acceleration(fresh(guide, x.head<2>()), settings, form, {x, Vec3::Zero()}, {push, 0, 0})
         .x();
   };
-  const double free = (1.0 - settings.dead_force_n) / settings.mass_kg;
+  const double free = (1.0 - settings.force_deadband_n) / settings.mass_kg;
   EXPECT_NEAR(across(0.01, 1.0), free, 0.01);
   EXPECT_NEAR(across(0.0103, 1.0), free, 0.01) << "inside";
   EXPECT_LT(across(0.0107, 3.0), -1.0) << "outside, whatever the hand does";
@@ -227,7 +227,7 @@ TEST(Region, SpringBlendsBetweenFreeAndGuided) {
   for (const double stiffness : {0.0, 100.0, 1000.0, 10000.0}) {
     const Vec3 x(0.0103, 0, 0);
     const double a = region_acceleration(fresh(guide, x.head<2>()), settings, {0.5e-3, stiffness},
-                                         {x, Vec3::Zero(), Vec3::Zero()})
+                                         {x, Vec3::Zero()}, Vec3::Zero())
                          .x();
     EXPECT_NEAR(a, -stiffness * 0.3e-3 / settings.mass_kg, 0.05 + 0.02 * stiffness * 1e-3);
     EXPECT_LT(a, before);
@@ -239,14 +239,14 @@ TEST(Entry, FromHalfAMillimetreOffNothingJumps) {
   ConstraintSettings settings;
   const GuidePath guide = make_guide(circle(0.01), 1.0, settings);
   ConstraintController controller(settings);
-  controller.choose({0.5e-3, 0.0});
+  controller.set_mode({0.5e-3, 0.0});
   Vec3 x(0.0104, 0, 0);
   Vec3 v = Vec3::Zero();
   constexpr double kDt = 1e-3;
   double largest_step = 0.0;
   for (int n = 0; n < 1000; ++n) {
-    if (n == 100) controller.choose({});
-    const Vec3 a = controller.step(guide, {x, v, Vec3::Zero()}, kDt);
+    if (n == 100) controller.set_mode({});
+    const Vec3 a = controller.step(guide, {x, v}, Vec3::Zero(), kDt);
     largest_step = std::max(largest_step, a.norm() * kDt);
     v += a * kDt;
     x += v * kDt;
@@ -266,7 +266,7 @@ TEST(Entry, ACorridorClosesAndOpensUnderAMovingHandWithoutAJump) {
   constexpr double kDt = 1e-3;
   for (const double sideways : {-0.05, -0.02, 0.0, 0.02, 0.05}) {
     ConstraintController controller(settings);
-    controller.choose({0.5e-3, 0.0});
+    controller.set_mode({0.5e-3, 0.0});
     Vec3 x(0.0102, 0, 0);
     Vec3 v = Vec3::Zero();
     Vec3 push = Vec3::Zero();
@@ -278,10 +278,10 @@ TEST(Entry, ACorridorClosesAndOpensUnderAMovingHandWithoutAJump) {
     for (int n = 0; n < 1600; ++n) {
       const Vec3 radial(x.x() / x.head<2>().norm(), x.y() / x.head<2>().norm(), 0);
       if (n == 5) v = sideways * radial + Vec3(0, 0.01, 0);
-      if (n == 6) controller.choose({});
+      if (n == 6) controller.set_mode({});
       if (n == 1000) push = 3.0 * radial;
-      if (n == 1200) controller.choose({0.5e-3, 0.0});
-      const Vec3 a = controller.step(guide, {x, v, push}, kDt);
+      if (n == 1200) controller.set_mode({0.5e-3, 0.0});
+      const Vec3 a = controller.step(guide, {x, v}, push, kDt);
       const Vec3 around(-radial.y(), radial.x(), 0);
       const double across = a.dot(radial) + v.dot(around) * v.dot(around) / x.head<2>().norm();
       if (n == 6) {
@@ -329,7 +329,7 @@ TEST(GuidePath, NoBendIsTighterThanSaidAndTipsLoseLittle) {
       const auto& shape = guide.at(arc).shape;
       if (!shape.is_line) tightest = std::min(tightest, shape.radius_m);
     }
-    EXPECT_GE(tightest, 0.999 * settings.tightest_m);
+    EXPECT_GE(tightest, 0.999 * settings.min_radius_m);
     const double lost_m = settings.opening_m + settings.rounding_m + 2.0 * settings.spacing_m;
     for (const auto& point : contour.points_m) EXPECT_LT(guide.curve.find(point).distance_m, lost_m);
   }
@@ -373,7 +373,7 @@ TEST(Constraint, TheToolComesBackToTheCurveAndNotToTheFarSideOfACircle) {
     }
     Vec3 v = Vec3::Zero();
     for (int n = 0; n < 1000; ++n) {
-      v += guided_acceleration(generator.at(guide, x.head<2>(), kDt), settings, {x, v, Vec3::Zero()}) * kDt;
+      v += guided_acceleration(generator.at(guide, x.head<2>(), kDt), settings, {x, v}, Vec3::Zero()) * kDt;
       x += v * kDt;
       fastest = std::max(fastest, v.norm());
     }

@@ -2,6 +2,7 @@
 // The force on the slave's tool as it reaches the master: nothing twice, nothing late, nothing made up.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/codec/encoder.h"
@@ -23,7 +24,7 @@ class ForceFeedbackTest : public testing::Test {
  protected:
   StateBlock next() {
     StateBlock state;
-    state.epoch = 3;
+    state.epoch = epoch_;
     state.sequence = ++number_;
     state.first_tick = static_cast<Tick>(index_);
     state.sample_period_ns = 1'000'000;
@@ -32,12 +33,23 @@ class ForceFeedbackTest : public testing::Test {
     state.force.size =
         static_cast<std::uint16_t>(encoder_.encode(samples, 0, {}, state.force.room()).value_or(0));
     EXPECT_GT(state.force.size, 0);
+    std::fill(samples.begin(), samples.end(), Vec3::Zero());
+    state.payload.size =
+        static_cast<std::uint16_t>(positions_.encode(samples, 0, {}, state.payload.room()).value_or(0));
     return state;
+  }
+  void receive(const StateBlock& state) {
+    const streaming::Feedback& feedback = states_.receive({state, now_ns_});
+    feedback_.received(feedback, states_.header());
+  }
+  SlaveForce step() {
+    now_ns_ += 1'000'000;
+    return feedback_.step(1e-3);
   }
   /// One block's time; true if nothing but the wanted force was given out.
   void play(int steps = kBlock) {
     for (int n = 0; n < steps; ++n) {
-      out_ = feedback_.step(1e-3);
+      out_ = step();
       if (!out_.known) continue;
       const Vec3 error = out_.force_n - force_at(static_cast<std::int64_t>(out_.tick));
       worst_ = std::max(worst_, error.cwiseAbs().maxCoeff());
@@ -50,7 +62,11 @@ class ForceFeedbackTest : public testing::Test {
 
   codec::BlockEncoder encoder_{
       {.block = kBlock, .max_rms = kMaxRms, .redundancy = 1, .quantum = 0.01, .anchored = false}};
+  codec::BlockEncoder positions_{codec::StreamSettings{}};
+  streaming::StateReceiver states_{0.5, 1, 1};
   ForceFeedback feedback_;
+  std::uint32_t epoch_ = 3;
+  std::int64_t now_ns_ = 0;
   SlaveForce out_;
   std::uint32_t number_ = 0;
   std::int64_t index_ = 0;
@@ -62,10 +78,10 @@ class ForceFeedbackTest : public testing::Test {
 
 TEST_F(ForceFeedbackTest, EveryBlocksErrorIsWithinThePromiseAndEverySampleIsGivenOutOnce) {
   for (int b = 0; b < 100; ++b) {
-    feedback_.received(next());
+    receive(next());
     Vec3 squares = Vec3::Zero();
     for (int n = 0; n < kBlock; ++n) {
-      out_ = feedback_.step(1e-3);
+      out_ = step();
       ASSERT_EQ(out_.tick, static_cast<Tick>(b * kBlock + n));
       squares += (out_.force_n - force_at(b * kBlock + n)).cwiseAbs2();
     }
@@ -76,7 +92,7 @@ TEST_F(ForceFeedbackTest, EveryBlocksErrorIsWithinThePromiseAndEverySampleIsGive
 TEST_F(ForceFeedbackTest, ALostBlockIsCoveredByTheNextOnesCopyAndCaughtUp) {
   for (int b = 0; b < 40; ++b) {
     const StateBlock state = next();
-    if (b % 8 != 5) feedback_.received(state);
+    if (b % 8 != 5) receive(state);
     play();
   }
   EXPECT_LT(worst_, std::sqrt(double(kBlock)) * kMaxRms);
@@ -88,9 +104,9 @@ TEST_F(ForceFeedbackTest, ALostBlockIsCoveredByTheNextOnesCopyAndCaughtUp) {
 TEST_F(ForceFeedbackTest, WithoutCopiesTheLastValueIsHeldAndTheRestIsTrue) {
   for (int b = 0; b < 40; ++b) {
     const StateBlock state = next();
-    if (b % 8 < 5) feedback_.received(state);
+    if (b % 8 < 5) receive(state);
     for (int n = 0; n < kBlock; ++n) {
-      out_ = feedback_.step(1e-3);
+      out_ = step();
       if (b % 8 < 5 && b % 8 > 1) {
         ASSERT_LT((out_.force_n - force_at(static_cast<std::int64_t>(out_.tick))).norm(), 0.1);
       }
@@ -102,34 +118,35 @@ TEST_F(ForceFeedbackTest, RepeatedLateAndBrokenBlocksChangeNothing) {
   const StateBlock first = next();
   const StateBlock late = next();
   const StateBlock second = next();
-  feedback_.received(first);
+  receive(first);
   play(4);
-  feedback_.received(first);
+  receive(first);
   play(12);
   EXPECT_EQ(last_, 15u);
-  feedback_.received(second);
+  receive(second);
   StateBlock broken = next();
   broken.force.size /= 2;
-  feedback_.received(broken);
+  receive(broken);
+  broken = next();
   broken.force.bytes[0] ^= 0xF0U;
-  feedback_.received(broken);
-  feedback_.received(late);
-  StateBlock none = second;
-  none.sequence = 9;
+  receive(broken);
+  receive(late);
+  StateBlock none = next();
   none.force.size = 0;
-  feedback_.received(none);
+  receive(none);
   play(60);
   EXPECT_EQ(last_, 47u);
   EXPECT_LT(worst_, std::sqrt(double(kBlock)) * kMaxRms);
-  EXPECT_EQ(feedback_.counters().of(codec::CodecError::kTruncated), 1u);
-  EXPECT_EQ(feedback_.counters().of(codec::CodecError::kWrongVersion), 1u);
+  EXPECT_EQ(states_.force_counters().of(codec::CodecError::kTruncated), 1u);
+  EXPECT_EQ(states_.force_counters().of(codec::CodecError::kWrongVersion), 1u);
 }
 
 TEST_F(ForceFeedbackTest, OtherSettingsAnotherRateAndARestartedSlaveAreFollowed) {
-  feedback_.received(next());
+  receive(next());
   play();
   encoder_.change({.block = 32, .keep = 12, .redundancy = 2, .quantum = 1e-3, .anchored = false});
-  feedback_.received(next());
+  positions_.change({.block = 32});
+  receive(next());
   play(32);
   EXPECT_EQ(last_, 47u);
   EXPECT_EQ(skipped_, 0);
@@ -139,24 +156,25 @@ TEST_F(ForceFeedbackTest, OtherSettingsAnotherRateAndARestartedSlaveAreFollowed)
   slower.sample_period_ns = 2'000'000;
   slower.ticks_per_sample = 2;
   slower.first_tick = 100;
-  feedback_.received(slower);
-  for (int n = 0; n < 64; ++n) out_ = feedback_.step(1e-3);
+  receive(slower);
+  for (int n = 0; n < 64; ++n) out_ = step();
   EXPECT_EQ(out_.tick, 162u) << "32 samples of two ticks";
 
+  now_ns_ += 1'000'000'000;
+  epoch_ = 4;
   StateBlock other = next();
-  other.epoch = 4;
   other.sequence = 1;
   other.first_tick = 0;
-  feedback_.received(other);
-  out_ = feedback_.step(1e-3);
+  receive(other);
+  out_ = step();
   EXPECT_EQ(out_.tick, 0u);
 }
 
 TEST_F(ForceFeedbackTest, SilenceMakesItUnknown) {
-  EXPECT_FALSE(feedback_.step(1e-3).known);
-  feedback_.received(next());
-  EXPECT_TRUE(feedback_.step(1e-3).known);
-  for (int n = 0; n < 600; ++n) out_ = feedback_.step(1e-3);
+  EXPECT_FALSE(step().known);
+  receive(next());
+  EXPECT_TRUE(step().known);
+  for (int n = 0; n < 600; ++n) out_ = step();
   EXPECT_FALSE(out_.known);
 }
 

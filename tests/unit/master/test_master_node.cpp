@@ -39,7 +39,10 @@ class MasterStation : public testing::Test {
             static_cast<std::uint16_t>(encoder_.encode(resting, 0, {}, state.payload.room()).value_or(0));
         states.push_back({state, now_ns_});
       }
-      out_ = station_.step(now_ns_, task_.get(), engage, states, events);
+      if (n == 0) {
+        events.emplace_back().kind = engage ? EventMessage::Kind::kEngage : EventMessage::Kind::kDisengage;
+      }
+      out_ = station_.step(now_ns_, task_.get(), states, events);
       events.clear();
       if (out_.command) {
         last_ = *out_.command;

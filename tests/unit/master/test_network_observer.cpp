@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 #include <random>
+#include <string>
 
 #include "common/protocol/wire_precision.h"
 #include "master/command_stream.h"
@@ -17,9 +18,9 @@ namespace {
 constexpr double kH = 1e-3;
 const double kPi = std::numbers::pi;
 
-ObserverSettings with(Estimator estimator) {
+ObserverSettings with(const std::string& estimator) {
   ObserverSettings settings;
-  settings.estimator = estimator;
+  settings.estimator = estimator_named(estimator);
   settings.period_s = kH;
   return settings;
 }
@@ -35,20 +36,20 @@ struct Loop {
 
   Loop(const ObserverSettings& settings, int samples)
       : observer(Law::kRemoteAcceleration, settings), delay(samples) {
-    observer.begin(0, KinematicState{});
+    observer.reset(0, KinematicState{});
   }
   KinematicState predicted() {
     const auto k = static_cast<std::int64_t>(truth.size()) - 1;
     if (k >= delay) {
       const KinematicState& then = truth[static_cast<std::size_t>(k - delay)];
       const SlaveSample sample{k - delay + misjudged, k, true, then.position_m, then.velocity_m_per_s};
-      observer.measured(std::span(&sample, 1));
+      observer.correct(std::span(&sample, 1));
     }
-    return observer.prediction(model);
+    return observer.predicted_state(model);
   }
   void apply(double u) {
     const auto k = static_cast<std::int64_t>(truth.size()) - 1;
-    observer.sent(k, model, Vec3(u, 0, 0));
+    observer.predict(k, model, Vec3(u, 0, 0));
     KinematicState now = truth.back();
     now.acceleration_m_per_s2 = Vec3(u + disturbance, 0, 0);
     truth.push_back(advanced(now, kH));
@@ -71,7 +72,7 @@ double growth(int steps, const std::function<double()>& signal) {
 }
 
 double delayed_innovation_growth(double gain_times_delay) {
-  ObserverSettings settings = with(Estimator::kDelayedInnovation);
+  ObserverSettings settings = with("delayed-innovation");
   settings.innovation_gain_per_s = gain_times_delay / 0.1;
   Loop loop(settings, 100);
   loop.truth.back().position_m.x() = 0.01;
@@ -97,17 +98,17 @@ double tracking_growth(Loop& loop, double w, int steps) {
 }
 
 TEST(NetworkObserver, WithoutPredictionTheLawIsStableBelow06475Only) {
-  Loop below(with(Estimator::kNone), 100);
+  Loop below(with("none"), 100);
   EXPECT_LT(tracking_growth(below, 0.98 * 0.6475 / 0.1, 60'000), 0.5);
-  Loop above(with(Estimator::kNone), 100);
+  Loop above(with("none"), 100);
   EXPECT_GT(tracking_growth(above, 1.02 * 0.6475 / 0.1, 60'000), 2.0);
 }
 
 /// The slave moves at 20 mm/s; its play-out waits at tick 1500 (a command twice) and skips at 1700 (one not
 /// at all); 30 measurements are lost around each. Largest prediction error after the first second.
 TEST(NetworkObserver, APlayOutThatWaitsOrSkipsAndLostMeasurementsCostAlmostNothing) {
-  NetworkObserver observer(Law::kRemoteAcceleration, with(Estimator::kPredictor));
-  observer.begin(0, KinematicState{});
+  NetworkObserver observer(Law::kRemoteAcceleration, with("predictor"));
+  observer.reset(0, KinematicState{});
   constexpr int kDelay = 60;
   std::vector<KinematicState> truth{{.velocity_m_per_s = Vec3(0.02, 0, 0)}};
   std::vector<std::int64_t> applied;
@@ -116,20 +117,20 @@ TEST(NetworkObserver, APlayOutThatWaitsOrSkipsAndLostMeasurementsCostAlmostNothi
   };
   double largest = 0.0;
   for (std::int64_t k = 0; k < 3000; ++k) {
-    const auto write_failures = [&](std::int64_t event) { return k >= event && k < event + kDelay + 15; };
+    const auto untold = [&](std::int64_t event) { return k >= event && k < event + kDelay + 15; };
     const std::int64_t index = k <= 1500 ? k : k <= 1700 ? k - 1 : k;
     applied.push_back(index);
-    observer.sent(k, KinematicState{}, command(k));
+    observer.predict(k, KinematicState{}, command(k));
     const std::int64_t then = k - kDelay;
     const bool lost = std::abs(then - 1500) < 15 || std::abs(then - 1700) < 15;
     if (then >= 0 && !lost) {
       const KinematicState& state = truth[static_cast<std::size_t>(then)];
       const SlaveSample sample{applied[static_cast<std::size_t>(then)], then, true, state.position_m,
                                state.velocity_m_per_s};
-      observer.measured(std::span(&sample, 1));
+      observer.correct(std::span(&sample, 1));
     }
-    const KinematicState predicted = observer.prediction(KinematicState{});
-    if (k > 1000 && !write_failures(1500) && !write_failures(1700)) {
+    const KinematicState predicted = observer.predicted_state(KinematicState{});
+    if (k > 1000 && !untold(1500) && !untold(1700)) {
       // Where the slave is when the command after this one acts, without waiting or skipping meanwhile.
       KinematicState ahead = truth.back();
       for (std::int64_t i = index; i <= k; ++i) {
@@ -149,7 +150,7 @@ TEST(NetworkObserver, ThePredictorIsExactFromAnyInitialStateUnderAnyConstantDist
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (const int delay : {1, 20, 137, 800}) {
-    Loop loop(with(Estimator::kPredictor), delay);
+    Loop loop(with("predictor"), delay);
     loop.disturbance = 0.05 * uniform(random);
     loop.truth.back().position_m.x() = 0.01 * uniform(random);
     loop.truth.back().velocity_m_per_s.x() = 0.05 * uniform(random);
@@ -165,7 +166,7 @@ TEST(NetworkObserver, ThePredictorIsExactFromAnyInitialStateUnderAnyConstantDist
 
 TEST(NetworkObserver, AMisjudgedDelayIsStableWithinTheRule) {
   // |delta| (2 w + w^2 D) < 1 is sufficient for a predictor that guesses its delay.
-  ObserverSettings settings = with(Estimator::kPredictor);
+  ObserverSettings settings = with("predictor");
   settings.predictor_rad_s = 1e6;  // takes each measurement as it is: the plain predictor of the rule
   settings.disturbance_rad_s = 0.0;
   for (const double w : {5.0, 10.0, 20.0}) {
@@ -184,7 +185,7 @@ TEST(NetworkObserver, AMisjudgedDelayIsStableWithinTheRule) {
 }
 
 TEST(NetworkObserver, TheThesisEstimatorNeedsItsInitialStateThePredictorDoesNot) {
-  const auto largest_late_error = [](Estimator estimator, bool wrong) {
+  const auto largest_late_error = [](const std::string& estimator, bool wrong) {
     Loop loop(with(estimator), 100);
     if (wrong) {
       loop.truth.back().position_m.x() = 0.01;
@@ -198,9 +199,9 @@ TEST(NetworkObserver, TheThesisEstimatorNeedsItsInitialStateThePredictorDoesNot)
     }
     return worst;
   };
-  EXPECT_LT(largest_late_error(Estimator::kThesis, false), 1e-3);
-  EXPECT_GT(largest_late_error(Estimator::kThesis, true), 0.5) << "0.05 m/s for twenty seconds";
-  EXPECT_LT(largest_late_error(Estimator::kPredictor, true), 1e-6);
+  EXPECT_LT(largest_late_error("thesis", false), 1e-3);
+  EXPECT_GT(largest_late_error("thesis", true), 0.5) << "0.05 m/s for twenty seconds";
+  EXPECT_LT(largest_late_error("predictor", true), 1e-6);
 }
 
 /// A resting slave that this master may engage.
@@ -225,7 +226,8 @@ TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
   settings.codec.quantum = 1e-3;
   settings.codec.keep = 2;  // coarse on purpose
   CommandStream stream(settings, 3);
-  stream.received(resting_state(3));
+  streaming::StateReceiver feedback(0.5, 3, 1);
+  stream.received(feedback.receive({resting_state(3), 0}));
   codec::BlockDecoder decoder;
   std::mt19937 random(9);
   std::normal_distribution<double> noise(0.0, 0.5);
@@ -234,7 +236,7 @@ TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
   std::vector<double> made;
   for (Tick tick = 0; tick < Tick{16} * 300; ++tick) {
     const double t = static_cast<double>(tick) * kH;
-    MasterMotion master;
+    MasterSample master;
     master.engaged = true;
     master.tool.position_m = Vec3(0.01 * std::sin(3 * t), 0.01 * std::cos(2 * t), 0.0);
     master.tool.velocity_m_per_s = Vec3(0.03 * std::cos(3 * t), -0.02 * std::sin(2 * t), 0.0);

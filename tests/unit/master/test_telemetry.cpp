@@ -21,7 +21,7 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   out.observed.slave.velocity_m_per_s = {0.0, 0.02, 0.0};
   out.observed.innovation_m = {0.0, 0.0, 3e-6};
   out.observed.delay_s = 0.12;
-  out.observed.joined = true;
+  out.observed.aligned = true;
   out.slave_force = {.force_n = {0.0, -1.5, 0.0}, .tick = 12, .known = true};
   Snapshot snapshot;
   EXPECT_FALSE(snapshot.load()) << "nothing stored yet";

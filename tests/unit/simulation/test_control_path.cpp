@@ -10,11 +10,11 @@
 #include "tests/unit/allocations.h"
 #include "tests/unit/slave/laser_device.h"
 
-namespace telekerf::lap {
+namespace telekerf::simulation {
 namespace {
 
 TEST(ControlPath, NeitherStationsStepAllocates) {
-  LapSettings settings;
+  SimulationSettings settings;
   settings.master.hand_speed_mm_s = 30.0;
   const ContourMessage contour = find_contour(settings);
   master::Station master(settings.master);
@@ -30,7 +30,7 @@ TEST(ControlPath, NeitherStationsStepAllocates) {
   for (int n = 0; n < 8000; ++n) {
     const std::int64_t now_ns = n * std::int64_t{1'000'000};
     const auto before = ::telekerf::testing::allocations();
-    const auto command = master.step(now_ns, task.get(), true, states, {});
+    const auto command = master.step(now_ns, task.get(), states, {});
     states.clear();
     if (command.command) commands.push_back({*command.command, now_ns});
     const auto state = slave.step(now_ns, corridor.get(), commands, {});
@@ -76,4 +76,4 @@ TEST(ControlPath, NorDoesOneWithRobotAndLaserInAnotherProcess) {
 }
 
 }  // namespace
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

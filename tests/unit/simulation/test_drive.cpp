@@ -9,7 +9,7 @@
 #include "common/robot/drivers/simulated_robot.h"
 #include "experiments/simulation/simulation.h"
 
-namespace telekerf::lap {
+namespace telekerf::simulation {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -66,9 +66,9 @@ struct Foot : master::OperatorInput {
 class Cell {
  public:
   Cell() {
-    const LapSettings lap;
-    contour = find_contour(lap);
+    contour = find_contour({});
     master_settings.hand_speed_mm_s = 30.0;
+    master_settings.engage = true;
     master = std::make_unique<master::Station>(master_settings);
     task = master->prepare(contour);
   }
@@ -76,7 +76,7 @@ class Cell {
   /// One step of both; the master hears `slave`.
   slave::SlaveOutputs step(slave::Station& slave) {
     const std::int64_t now_ns = tick++ * kMs;
-    const auto out = master->step(now_ns, task.get(), true, states, {});
+    const auto out = master->step(now_ns, task.get(), states, {});
     commands.clear();
     if (out.command) commands.push_back({*out.command, now_ns});
     if (!corridor) corridor = slave.prepare(contour);
@@ -230,10 +230,10 @@ TEST(Drive, AStopBeforeTheFirstReadingIsHeeded) {
   master::Station master(settings, foreign(here, settings.robot, 7));
   there.broken_line = here.broken_line = true;
   (void)slave.step(0, nullptr, {}, {&stop, 1});
-  (void)master.step(0, nullptr, true, {}, {&stop, 1});
+  (void)master.step(0, nullptr, {}, {&stop, 1});
   there.broken_line = here.broken_line = false;
   EXPECT_EQ(slave.step(kMs, nullptr, {}, {}).mode, slave::SlaveMode::kStopped);
-  EXPECT_EQ(master.step(kMs, nullptr, true, {}, {}).mode, master::MasterMode::kStopped);
+  EXPECT_EQ(master.step(kMs, nullptr, {}, {}).mode, master::MasterMode::kStopped);
 }
 
 TEST_F(AtWork, AMissingReadingIsBridgedWithTheBeamOff) {
@@ -251,9 +251,9 @@ TEST_F(AtWork, AMissingReadingIsBridgedWithTheBeamOff) {
 }
 
 TEST(Drive, AHandOnARobotThatIsNotSimulatedIsFeltAndNoneIsInvented) {
-  LapSettings lap;
-  lap.image = "circle";
-  const ContourMessage contour = find_contour(lap);
+  SimulationSettings virtual_run;
+  virtual_run.image = "circle";
+  const ContourMessage contour = find_contour(virtual_run);
   master::StationSettings settings;
   settings.machine.drive = "foreign";
   Foreign::World world;
@@ -262,7 +262,7 @@ TEST(Drive, AHandOnARobotThatIsNotSimulatedIsFeltAndNoneIsInvented) {
   master::MasterOutputs out;
   std::int64_t tick = 0;
   const auto run = [&](int steps) {
-    for (int n = 0; n < steps; ++n) out = master.step(tick++ * kMs, task.get(), true, {}, {});
+    for (int n = 0; n < steps; ++n) out = master.step(tick++ * kMs, task.get(), {}, {});
   };
   run(3000);
   ASSERT_EQ(out.mode, master::MasterMode::kGuiding);
@@ -298,7 +298,7 @@ TEST(Button, OfADeviceIsTheOnlyOneOnAnyRobot) {
     const auto task = master.prepare(contour);
     for (int n = 0; n < 6000; ++n) {
       foot.down = n % 1500 < 500;
-      (void)master.step(n * kMs, task.get(), true, {}, {});
+      (void)master.step(n * kMs, task.get(), {}, {});
     }
     RunRecord record;
     master.report(record);
@@ -308,4 +308,4 @@ TEST(Button, OfADeviceIsTheOnlyOneOnAnyRobot) {
 }
 
 }  // namespace
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

@@ -77,6 +77,7 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
   master::StationSettings master_settings;
   master_settings.law = GetParam().law;
   master::CommandStream stream(master_settings.validated().node.command, 1);
+  streaming::StateReceiver feedback(0.5, 1, 1);
   slave::StationSettings slave_settings;
   slave_settings.record_s = 0.01;
   slave::Station slave(slave_settings);
@@ -97,7 +98,7 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
   double largest_reference = 0.0;
   double largest_motion = 0.0;
   double largest_gap_m = 0.0;
-  slave::KinematicState last;
+  control::KinematicState last;
   Vec3 before_m = *slave.machine().true_tool_m();
   Vec3 last_step_m = Vec3::Zero();
   for (int sequence = 0; sequence < GetParam().sequences; ++sequence) {
@@ -128,7 +129,7 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
     for (int n = 0; n < length; ++n, ++tick) {
       if (tick == taken_elsewhere) walker.place = Vec2(uniform(-5e-3, 5e-3), uniform(-5e-3, 5e-3));
       backward.take(tick, states);
-      for (const auto& state : states) stream.received(state.value);
+      for (const auto& state : states) stream.received(feedback.receive(state));
       const auto block = stream.step(tick * 1'000'000, static_cast<Tick>(tick),
                                      {.tool = walker.next(), .beta = beta, .engaged = engaged});
       if (block && tick >= shut_until) forward.push(tick, *block);

@@ -72,7 +72,7 @@ TEST(ForceFeedbackOverTheLink, APushOnTheSlavesToolIsSeenAfterTheDelay) {
   master_settings.record_s = 0.01;
   master::Station master(master_settings);
   const netem::Profile network = netem::simple_profile(0.1, 0.005, 0.02);
-  lap::VirtualLink<StateBlock> backward(network.backward, 1, netem::Direction::kBackward);
+  simulation::VirtualLink<StateBlock> backward(network.backward, 1, netem::Direction::kBackward);
   std::vector<Received<StateBlock>> states;
   std::vector<Vec3> sent_n;
   constexpr int kPushedAt = 1500;
@@ -89,7 +89,7 @@ TEST(ForceFeedbackOverTheLink, APushOnTheSlavesToolIsSeenAfterTheDelay) {
     if (out.state) backward.push(n * kMs, *out.state, wire_bytes(*out.state));
     states.clear();
     backward.deliver(n * kMs, states);
-    const master::SlaveForce seen = master.step(n * kMs, nullptr, false, states, {}).slave_force;
+    const master::SlaveForce seen = master.step(n * kMs, nullptr, states, {}).slave_force;
     if (estimated_at == 0 && n >= kPushedAt && out.force_n.x() > 1.0) estimated_at = n;
     if (!seen.known) continue;
     const Vec3 error = seen.force_n - sent_n[seen.tick];
@@ -117,6 +117,7 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
   master::StationSettings master_settings;
   const codec::StreamSettings usual = master_settings.validated().node.command.codec;
   master::CommandStream stream(master_settings.validated().node.command, 1);
+  streaming::StateReceiver feedback(0.5, 1, 1);
   master::ForceFeedback force;
   slave::StationSettings slave_settings;
   slave_settings.record_s = 0.01;
@@ -124,8 +125,8 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
   slave::Station slave(slave_settings);
   const auto corridor = slave.prepare(hand().contour);
   const netem::Profile network = netem::simple_profile(0.04, 0.0, 0.0);
-  lap::VirtualLink<CommandBlock> forward(network.forward, 1, netem::Direction::kForward);
-  lap::VirtualLink<StateBlock> backward(network.backward, 1, netem::Direction::kBackward);
+  simulation::VirtualLink<CommandBlock> forward(network.forward, 1, netem::Direction::kForward);
+  simulation::VirtualLink<StateBlock> backward(network.backward, 1, netem::Direction::kBackward);
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
 
@@ -161,8 +162,9 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
     states.clear();
     backward.deliver(now_ns, states);
     for (const auto& state : states) {
-      stream.received(state.value);
-      force.received(state.value);
+      const streaming::Feedback& brought = feedback.receive(state);
+      stream.received(brought);
+      force.received(brought, feedback.header());
     }
     const master::SlaveForce seen = force.step(1e-3);
     EXPECT_GE(seen.tick, last_force);

@@ -6,7 +6,7 @@
 
 #include "common/streaming/clock_offset_estimator.h"
 
-namespace telekerf::master {
+namespace telekerf::streaming {
 namespace {
 
 TEST(ClockOffsetEstimator, FindsOffsetAndSkewThroughQueues) {
@@ -50,4 +50,4 @@ TEST(ClockOffsetEstimator, SaysNothingBeforeItKnows) {
 }
 
 }  // namespace
-}  // namespace telekerf::master
+}  // namespace telekerf::streaming

@@ -1,30 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/streaming/playout.h"
+#include "common/streaming/playout_clock.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace telekerf::slave {
-
-void JitterBuffer::clear() noexcept {
-  for (auto& slot : slots_) slot.index = -1;
-}
-
-void JitterBuffer::store(std::int64_t index, const StreamSample& sample) noexcept {
-  if (index < 0) return;
-  slots_[static_cast<std::size_t>(index) % kSize] = {index, sample};
-}
-
-const StreamSample* JitterBuffer::find(std::int64_t index) const noexcept {
-  if (index < 0) return nullptr;
-  const Slot& slot = slots_[static_cast<std::size_t>(index) % kSize];
-  return slot.index == index ? &slot.sample : nullptr;
-}
+namespace telekerf::streaming {
 
 void PlayoutClock::reset() noexcept {
   transits_ = 0;
   next_ = 0;
-  seated_ = false;
+  synchronized_ = false;
   loss_memory_s_ = 0.0;
 }
 
@@ -65,20 +50,20 @@ double PlayoutClock::target(std::int64_t now_ns) const noexcept {
 }
 
 std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t control_period_ns,
-                                            bool starving) noexcept {
+                                            bool underrun) noexcept {
   if (transits_ == 0) return std::nullopt;
   const double wanted = target(now_ns);
   // Beyond a quarter of a second nothing can be won by slow correction.
   const double give_up = 0.25e9 / static_cast<double>(period_ns_);
-  if (!seated_ || std::abs(wanted - cursor_) > give_up) {
-    reseats_ += seated_ ? 1 : 0;
+  if (!synchronized_ || std::abs(wanted - cursor_) > give_up) {
+    resyncs_ += synchronized_ ? 1 : 0;
     cursor_ = std::floor(wanted);
-    seated_ = true;
+    synchronized_ = true;
     last_correction_ns_ = now_ns;
     return cursor_;
   }
   const double step = static_cast<double>(control_period_ns) / static_cast<double>(period_ns_);
-  if (starving && wanted - cursor_ < -1.5) {
+  if (underrun && wanted - cursor_ < -1.5) {
     waited_ += step;  // counted as corrections, one a sample
     if (waited_ >= 1.0) {
       waited_ -= 1.0;
@@ -103,4 +88,4 @@ std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t co
   return cursor_;
 }
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::streaming

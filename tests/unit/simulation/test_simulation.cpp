@@ -5,11 +5,11 @@
 #include "common/reporting/run_report.h"
 #include "experiments/simulation/simulation.h"
 
-namespace telekerf::lap {
+namespace telekerf::simulation {
 namespace {
 
-LapSettings demo(const std::string& profile) {
-  LapSettings settings;
+SimulationSettings demo(const std::string& profile) {
+  SimulationSettings settings;
   settings.network = netem::load_profile(profile);
   return settings;
 }
@@ -17,9 +17,9 @@ LapSettings demo(const std::string& profile) {
 class LapOnPicture : public testing::TestWithParam<const char*> {};
 
 TEST_P(LapOnPicture, MeetsTheDemosBarsAt50MsEachWay) {
-  LapSettings settings = demo("thesis-constant");
+  SimulationSettings settings = demo("thesis-constant");
   settings.image = GetParam();
-  const auto report = reporting::make_report(run_lap(settings));
+  const auto report = reporting::make_report(simulate(settings));
   EXPECT_LE(report["constraint"]["rms_um"].get<double>(), 150.0);
   EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
@@ -31,19 +31,19 @@ TEST_P(LapOnPicture, MeetsTheDemosBarsAt50MsEachWay) {
 INSTANTIATE_TEST_SUITE_P(Pictures, LapOnPicture, testing::Values("heart", "gear", "letter-e"));
 
 TEST(Lap, SameSeedSameReportBitForBit) {
-  LapSettings settings = demo("thesis-constant");
+  SimulationSettings settings = demo("thesis-constant");
   settings.duration_s = 8.0;
-  const auto first = reporting::make_report(run_lap(settings)).dump();
-  EXPECT_EQ(first, reporting::make_report(run_lap(settings)).dump());
+  const auto first = reporting::make_report(simulate(settings)).dump();
+  EXPECT_EQ(first, reporting::make_report(simulate(settings)).dump());
   settings.seed = 2;
-  EXPECT_NE(first, reporting::make_report(run_lap(settings)).dump());
+  EXPECT_NE(first, reporting::make_report(simulate(settings)).dump());
 }
 
 TEST(Lap, JitterAndLossCostDelayButNoLaserOutsideTheCorridor) {
-  LapSettings settings;
+  SimulationSettings settings;
   settings.network = netem::simple_profile(0.2, 0.02, 0.05);
   settings.duration_s = 20.0;
-  const auto report = reporting::make_report(run_lap(settings));
+  const auto report = reporting::make_report(simulate(settings));
   EXPECT_GT(report["link"]["lost"].get<int>(), 20);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
   EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
@@ -51,24 +51,24 @@ TEST(Lap, JitterAndLossCostDelayButNoLaserOutsideTheCorridor) {
 }
 
 TEST(Lap, TheThesisControlRateIsOneSettingAway) {
-  LapSettings settings = demo("thesis-constant");
+  SimulationSettings settings = demo("thesis-constant");
   settings.duration_s = 10.0;
   settings.master.node.control_hz = settings.slave.node.control_hz = 2400.0;
   settings.master.node.stream_hz = settings.slave.node.stream_hz = 1200.0;
-  const auto report = reporting::make_report(run_lap(settings));
+  const auto report = reporting::make_report(simulate(settings));
   EXPECT_LE(report["constraint"]["rms_um"].get<double>(), 150.0);
   EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
   EXPECT_NEAR(report["link"]["packets_per_s"].get<double>(), 75.0, 1.0);
 }
 
 TEST(Lap, TheMastersAreScaledByBeta) {
-  LapSettings settings = demo("ideal");
+  SimulationSettings settings = demo("ideal");
   settings.duration_s = 8.0;
   settings.master.beta = 0.8;
-  const auto report = reporting::make_report(run_lap(settings));
+  const auto report = reporting::make_report(simulate(settings));
   EXPECT_EQ(report["beta"].get<double>(), 0.8);
   EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
 }
 
 }  // namespace
-}  // namespace telekerf::lap
+}  // namespace telekerf::simulation

@@ -1,46 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The play-out buffer ("delay regulator"): master ticks are applied a fixed time after they were made, so
-// that jitter and reordering on the link become a constant delay (observer.md, "Play-out buffer").
+// The play-out clock ("delay regulator"): samples are applied a fixed time after they were made, so that
+// jitter and reordering on the link become a constant delay (docs/delay.md).
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
 
-#include "common/protocol/messages.h"
-
-namespace telekerf::slave {
-
-/// What the master said about one stream sample.
-struct StreamSample {
-  Vec3 value = Vec3::Zero();  ///< position (m); of a bare acceleration stream nothing
-  bool button = false;
-  bool engaged = false;
-  /// Changes with epoch, law and beta: samples of two generations are not comparable.
-  std::uint32_t generation = 0;
-  std::uint32_t block = 0;  ///< an anchored stream goes from one anchor to the next
-  Law law = Law::kLocal;
-  Vec3 velocity_m_per_s = Vec3::Zero();       ///< of an anchored stream
-  Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< held from this sample to the next; not of a local stream
-  bool bridged = false;  ///< between known samples, but not itself known: never with the laser on
-};
-
-/// The newest stream samples by their index (master tick / ticks per sample); older ones are overwritten.
-class JitterBuffer {
- public:
-  static constexpr std::size_t kSize = 8192;
-
-  void clear() noexcept;
-  void store(std::int64_t index, const StreamSample& sample) noexcept;
-  const StreamSample* find(std::int64_t index) const noexcept;
-
- private:
-  struct Slot {
-    std::int64_t index = -1;
-    StreamSample sample;
-  };
-  std::array<Slot, kSize> slots_{};
-};
+namespace telekerf::streaming {
 
 struct PlayoutSettings {
   double jitter_quantile = 0.995;
@@ -58,15 +25,16 @@ class PlayoutClock {
  public:
   explicit PlayoutClock(const PlayoutSettings& settings) noexcept : settings_(settings) {}
 
-  /// Forgets the link; the next arrival seats the clock anew.
+  /// Forgets the link; the next arrival synchronizes the clock.
   void reset() noexcept;
   /// A block of `count` samples whose last has index `last` arrived; `lost` says that blocks before it are
   /// missing.
   void arrived(std::int64_t now_ns, std::int64_t last, int count, std::int64_t sample_period_ns,
                bool lost) noexcept;
-  /// Advances by one control step; returns the stream time to apply, in samples, once the clock is seated.
-  /// `starving`: the last step found no data; then a clock that runs too early waits instead of running on.
-  std::optional<double> advance(std::int64_t now_ns, std::int64_t control_period_ns, bool starving) noexcept;
+  /// Advances by one control step; returns the stream time to apply, in samples, once the clock is
+  /// synchronized. `underrun`: the last step found no data; then a clock that runs too early waits instead of
+  /// running on.
+  std::optional<double> advance(std::int64_t now_ns, std::int64_t control_period_ns, bool underrun) noexcept;
 
   /// Depth from the fastest arrival of a block's last sample to its use, in samples.
   int depth_samples() const noexcept { return depth_; }
@@ -74,8 +42,8 @@ class PlayoutClock {
   double wait_s() const noexcept { return (depth_ - (block_ - 1)) * static_cast<double>(period_ns_) * 1e-9; }
   /// Whole-sample corrections since the start (clock drift, changed depth, overruns).
   std::uint64_t corrections() const noexcept { return corrections_; }
-  /// Times the clock had to be seated anew.
-  std::uint64_t reseats() const noexcept { return reseats_; }
+  /// Times the clock had to be synchronized anew.
+  std::uint64_t resyncs() const noexcept { return resyncs_; }
 
  private:
   void choose_depth() noexcept;
@@ -93,11 +61,11 @@ class PlayoutClock {
   double loss_memory_s_ = 0.0;  ///< how long losses are still taken for usual
   std::int64_t last_arrival_ns_ = 0;
   std::int64_t last_correction_ns_ = 0;
-  bool seated_ = false;
+  bool synchronized_ = false;
   double cursor_ = 0.0;
   double waited_ = 0.0;  ///< samples, fraction not yet counted
   std::uint64_t corrections_ = 0;
-  std::uint64_t reseats_ = 0;
+  std::uint64_t resyncs_ = 0;
 };
 
-}  // namespace telekerf::slave
+}  // namespace telekerf::streaming

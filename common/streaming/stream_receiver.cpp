@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/streaming/stream_receiver.h"
+
+#include <algorithm>
+
+namespace telekerf::streaming {
+namespace {
+
+/// A stamp further ahead than this of what the elapsed time allows is a broken or hostile clock.
+constexpr double kFuture_s = 1.0;
+
+/// Accelerations have no straight line through them; their anchor is for the reference.
+codec::Trend trend_of(const CommandHeader& header) noexcept {
+  if (header.law != Law::kLocal) return {};
+  return {header.anchor.position_m, header.anchor.velocity_m_per_s * (header.sample_period_ns * 1e-9)};
+}
+codec::Trend trend_of(const StateHeader& header) noexcept {
+  return {header.anchor.position_m, header.anchor.velocity_m_per_s * (header.sample_period_ns * 1e-9)};
+}
+
+/// Samples of both are comparable.
+bool same_source(const CommandHeader& a, const CommandHeader& b) noexcept {
+  return a.beta == b.beta && a.law == b.law;
+}
+bool same_source(const StateHeader& /*a*/, const StateHeader& /*b*/) noexcept { return true; }
+
+/// Samples of both are counted alike.
+template <class Header>
+bool same_count(const Header& a, const Header& b) noexcept {
+  return a.sample_period_ns == b.sample_period_ns && a.ticks_per_sample == b.ticks_per_sample;
+}
+
+template <class Header>
+std::int64_t first_index(const Header& header) noexcept {
+  return static_cast<std::int64_t>(header.first_tick / header.ticks_per_sample);
+}
+
+/// By how many numbers `a` is ahead of `b`, around the end of 32 bits.
+std::int32_t ahead(std::uint32_t a, std::uint32_t b) noexcept { return static_cast<std::int32_t>(a - b); }
+
+}  // namespace
+
+template <class Block>
+Arrival StreamReceiver<Block>::refuse() noexcept {
+  ++counters_.refused;
+  return {.kind = Arrival::Kind::kRefused};
+}
+
+template <class Block>
+Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int64_t useful_from,
+                                       std::optional<std::uint32_t> contour_id) noexcept {
+  const Block& block = received.value;
+  if (heard_ && block.epoch != header_.epoch) {
+    if (!(silent_s(received.received_ns) > silence_s_)) return refuse();
+    heard_ = false;
+    decoder_.reset();
+  }
+  if (block.sample_period_ns == 0 || block.ticks_per_sample == 0) return refuse();
+  if (contour_id && block.contour_id != *contour_id) return refuse();
+  if (heard_ && ahead(block.sequence, header_.sequence) <= 0) return overtaken(block, useful_from);
+
+  const std::int64_t first = first_index(block);
+  const bool begins = !heard_ || !same_count<Header>(block, header_);
+  if (!begins && static_cast<double>(first - newest_) * block.sample_period_ns * 1e-9 >
+                     silent_s(received.received_ns) + kFuture_s) {
+    return refuse();
+  }
+  const auto decoded = decoder_.decode(block.payload.view(), trend_of(block));
+  if (!decoded) return refuse();
+
+  Arrival arrival{.kind = Arrival::Kind::kNew, .begins = begins, .first = first, .packet = *decoded};
+  if (heard_) arrival.missing = block.sequence - header_.sequence - 1;
+  if (begins) {
+    first_sequence_ = block.sequence;
+    newest_ = -1;
+  }
+  if (begins || !same_source(block, header_)) ++generation_;
+  counters_.lost += arrival.missing;
+  ++counters_.blocks;
+  newest_ = std::max(newest_, first + arrival.packet->block_size - 1);
+  header_ = block;
+  arrived_ns_ = received.received_ns;
+  heard_ = true;
+  return arrival;
+}
+
+template <class Block>
+Arrival StreamReceiver<Block>::overtaken(const Block& block, std::int64_t useful_from) noexcept {
+  Arrival arrival{.kind = Arrival::Kind::kStale, .first = first_index(block)};
+  const bool counted_lost = ahead(block.sequence, first_sequence_) >= 0;
+  if (counted_lost && same_count<Header>(block, header_) && same_source(block, header_) &&
+      arrival.first + codec::kMaxBlock - 1 >= useful_from) {
+    // What comes twice is refused by the decoder.
+    if (const auto decoded = decoder_.decode(block.payload.view(), trend_of(block))) {
+      arrival.kind = Arrival::Kind::kLate;
+      arrival.packet = *decoded;
+      --counters_.lost;
+      ++counters_.blocks;
+      return arrival;
+    }
+  }
+  ++counters_.stale;
+  return arrival;
+}
+
+template class StreamReceiver<CommandBlock>;
+template class StreamReceiver<StateBlock>;
+
+}  // namespace telekerf::streaming

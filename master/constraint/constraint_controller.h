@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The virtual constraint as the master's node uses it: circle, law, and what passes between them smoothly.
+#pragma once
+
+#include <optional>
+
+#include "master/constraint/constraint_law.h"
+
+namespace telekerf::master {
+
+/// Generator and law together, with entries and changes of mode that fade instead of jumping.
+class ConstraintController {
+ public:
+  explicit ConstraintController(const ConstraintSettings& settings) noexcept
+      : settings_(settings), mode_{settings.corridor_m, settings.stiffness_n_per_m} {}
+
+  /// The next step starts on the curve nearest to the tool, wherever that is.
+  void enter() noexcept;
+  void set_mode(const ConstraintMode& mode) noexcept;
+  /// Desired tool acceleration, m/s^2. `hand_n`: estimated force of the hand.
+  Vec3 step(const GuidePath& guide, const KinematicState& tool, const Vec3& hand_n, double dt_s) noexcept;
+
+  const ActiveConstraint& active() const noexcept { return active_; }
+  const ConstraintMode& mode() const noexcept { return mode_; }
+
+ private:
+  void begin_entry(const KinematicState& tool) noexcept;
+  ConstraintReference reference() const noexcept;
+  Vec2 hold_against_creep(const KinematicState& tool, const Vec3& hand_n) noexcept;
+
+  ConstraintSettings settings_;
+  ConstraintMode mode_;
+  ConstraintGenerator generator_;
+  ActiveConstraint active_;
+  bool entering_ = true;
+  std::optional<Vec2> rest_m_;         ///< where a tool that nobody moves came to rest
+  Vec2 entry_m_ = Vec2::Zero();        ///< offset in plane and in z at entry
+  Vec2 entry_m_per_s_ = Vec2::Zero();  ///< and its rate
+  double entered_s_ = 0.0;
+  double entry_duration_s_ = 0.0;
+  double faster_m_per_s_ = 0.0;  ///< than the bends allow, left over from the corridor
+  double opened_s_ = 1e9;        ///< since guidance became a corridor
+};
+
+}  // namespace telekerf::master

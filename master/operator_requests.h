@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// What operators ask the master for by event: whether the slave shall follow, and at which scale.
+#pragma once
+
+#include <atomic>
+#include <span>
+
+#include "common/protocol/messages.h"
+
+namespace telekerf::master {
+
+inline constexpr double kSmallestBeta = 0.01;
+inline constexpr double kLargestBeta = 10.0;
+
+/// Events are heard in the control loop; contours are scaled in another thread, one at a time.
+class OperatorRequests {
+ public:
+  OperatorRequests(bool engage, double beta) noexcept
+      : engage_(engage), wanted_beta_(beta), beta_in_force_(beta) {}
+
+  /// True: another scale is asked for than before, so the contour must be prepared for it. A scale out of
+  /// bounds is no request. Wait-free.
+  bool hear(std::span<const EventMessage> events) noexcept;
+  /// The slave shall follow, as soon as everything is ready for it.
+  bool engage() const noexcept { return engage_; }
+
+  /// The scale that a contour is to be prepared for.
+  double wanted_beta() const noexcept { return wanted_beta_.load(); }
+  /// What became of a contour at the scale `beta`. Refused: the last scale that was granted is wanted again,
+  /// unless another one has been asked for meanwhile.
+  void granted(double beta) noexcept { beta_in_force_ = beta; }
+  void refused(double beta) noexcept { wanted_beta_.compare_exchange_strong(beta, beta_in_force_); }
+
+ private:
+  bool engage_;
+  std::atomic<double> wanted_beta_;
+  double beta_in_force_;  ///< the preparing thread's
+};
+
+}  // namespace telekerf::master

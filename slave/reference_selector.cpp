@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/reference_selector.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace telekerf::slave {
+namespace {
+
+/// Where samples are missing the reference goes on at constant velocity this long, then it slows down to a
+/// stop.
+constexpr double kCoast_s = 0.032;
+
+}  // namespace
+
+ReferenceSelector::ReferenceSelector(const robot::RobotModel& model,
+                                     const control::BumplessTransferSettings& transfer, double dt_s)
+    : radius_m_(model.workspace.radius_m),
+      half_height_m_(0.5 * model.workspace.height_m),
+      max_m_per_s_(model.limits.velocity_m_per_s),
+      dt_s_(dt_s),
+      transfer_(transfer) {}
+
+void ReferenceSelector::rest_at(const Vec3& position_m) noexcept {
+  reference_ = hold_ = KinematicState{.position_m = position_m};
+}
+
+void ReferenceSelector::handle_events(std::span<const EventMessage> events) noexcept {
+  for (const auto& event : events) {
+    if (event.kind == EventMessage::Kind::kStop) mode_ = SlaveMode::kStopped;
+    if (event.kind == EventMessage::Kind::kClearStop && mode_ == SlaveMode::kStopped)
+      mode_ = SlaveMode::kWaiting;
+  }
+}
+
+Selected ReferenceSelector::step(const streaming::Played& played) noexcept {
+  const streaming::StreamSample* sample = played.sample;
+  if (played.cursor && (sample == nullptr || sample->concealed) && mode_ == SlaveMode::kFollowing)
+    ++missed_ticks_;
+
+  Selected out;
+  out.button = sample != nullptr && sample->button;
+  const bool led = follows(played);
+  auto applied = streaming::Applied::kNothing;
+  if (led) applied = sample->concealed ? streaming::Applied::kConcealed : streaming::Applied::kSample;
+  out.acknowledgement = log_.step(applied, played.index, played.begins);
+  if (led) out.applied_tick = played.tick;
+
+  transferred_ = false;
+  const KinematicState source = led ? follow(played) : hold(out.acknowledgement.age);
+  reference_ = transfer_.apply(source, transferred_ ? 0.0 : dt_s_);
+  clamp_to_workspace(reference_);
+  out.reference = reference_;
+  out.acceleration_m_per_s2 = source.acceleration_m_per_s2;
+  const bool streamed = source_generation_ != 0;
+  out.following = mode_ == SlaveMode::kFollowing && streamed;
+  out.bare = streamed && source_law_ == Law::kRemoteAcceleration;
+  return out;
+}
+
+bool ReferenceSelector::follows(const streaming::Played& played) noexcept {
+  const streaming::StreamSample* sample = played.sample;
+  if (sample != nullptr && !sample->engaged) tripped_ = false;
+  if (mode_ == SlaveMode::kStopped) return false;  // latched: whatever the stream says
+  if (sample != nullptr && sample->engaged) {
+    mode_ = SlaveMode::kFollowing;
+    if (sample->law == Law::kRemoteAcceleration) tripped_ = tripped_ || !within_limits(played.state);
+    return !tripped_;
+  }
+  if (!played.fresh && mode_ == SlaveMode::kFollowing) {
+    mode_ = SlaveMode::kHolding;
+  } else if (sample != nullptr) {
+    mode_ = SlaveMode::kWaiting;
+  }
+  return false;
+}
+
+KinematicState ReferenceSelector::follow(const streaming::Played& played) noexcept {
+  const streaming::StreamSample& sample = *played.sample;
+  if (played.discontinuity) source_block_ = 0;
+  const bool new_source = source_generation_ != sample.generation || source_law_ != sample.law;
+  source_generation_ = sample.generation;
+  source_law_ = sample.law;
+  if (sample.law == Law::kRemoteAcceleration) {
+    // The tool itself is the reference; nothing pulls it anywhere, the acceleration is all there is.
+    if (new_source) transfer_to(played.state);
+    return played.state;
+  }
+  // From one anchor to the next, over a corrected clock, after a gap: go on from where the reference is.
+  const bool new_anchor = sample.law == Law::kAnchored && source_block_ != sample.block;
+  if (new_source || source_block_ == 0 || new_anchor) transfer_to(played.state);
+  source_block_ = sample.block;
+  return played.state;
+}
+
+KinematicState ReferenceSelector::hold(std::int64_t unled_steps) noexcept {
+  if (mode_ == SlaveMode::kFollowing && !tripped_ && static_cast<double>(unled_steps) * dt_s_ < kCoast_s) {
+    const bool begins = source_generation_ != 0;
+    if (begins) {
+      hold_ = reference_;
+      hold_.acceleration_m_per_s2.setZero();
+      source_generation_ = 0;
+    }
+    hold_ = advanced(hold_, dt_s_);
+    if (begins) transfer_to(hold_);
+    return hold_;
+  }
+  if (source_generation_ != 0 || !hold_.velocity_m_per_s.isZero()) {
+    hold_ = KinematicState{.position_m = reference_.position_m};
+    source_generation_ = 0;
+    transfer_to(hold_);
+  }
+  return hold_;
+}
+
+void ReferenceSelector::transfer_to(const KinematicState& source) noexcept {
+  // What the reference would be now, had its source gone on.
+  transfer_.start(advanced(reference_, dt_s_), source);
+  transferred_ = true;
+}
+
+bool ReferenceSelector::within_limits(const KinematicState& state) const noexcept {
+  const double speed = state.velocity_m_per_s.norm();
+  Vec3 rest_m = state.position_m;
+  if (speed > 0.0) {
+    rest_m += (kCoast_s + transfer_.way_to_rest_m(speed) / speed) * state.velocity_m_per_s;
+  }
+  return rest_m.head<2>().norm() < radius_m_ && std::abs(rest_m.z()) < half_height_m_ && speed < max_m_per_s_;
+}
+
+void ReferenceSelector::clamp_to_workspace(KinematicState& state) const noexcept {
+  const double distance_m = state.position_m.head<2>().norm();
+  if (distance_m > radius_m_) {
+    const Vec2 outward = state.position_m.head<2>() / distance_m;
+    state.position_m.head<2>() = radius_m_ * outward;
+    const double speed = outward.dot(state.velocity_m_per_s.head<2>());
+    if (speed > 0.0) state.velocity_m_per_s.head<2>() -= speed * outward;
+    state.acceleration_m_per_s2.setZero();
+  }
+  if (std::abs(state.position_m.z()) > half_height_m_) {
+    state.position_m.z() = std::clamp(state.position_m.z(), -half_height_m_, half_height_m_);
+    state.velocity_m_per_s.z() = 0.0;
+    state.acceleration_m_per_s2.z() = 0.0;
+  }
+}
+
+}  // namespace telekerf::slave

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the slave's tool is to follow: the command stream, while it leads within the limits, or a pose that is
+// held. One reference without a jump, whatever it comes from.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "common/control/bumpless_transfer.h"
+#include "common/protocol/messages.h"
+#include "common/robot/robot_model.h"
+#include "common/streaming/acknowledgement.h"
+#include "common/streaming/command_receiver.h"
+
+namespace telekerf::slave {
+
+using control::KinematicState;
+
+enum class SlaveMode : std::uint8_t {
+  kWaiting,    ///< no commands yet, or disengaged: holds its pose
+  kFollowing,  ///< applies the stream
+  kHolding,    ///< was following, but the stream has dried up: holds, laser off
+  kStopped,    ///< latched emergency stop
+};
+
+/// Of one control step.
+struct Selected {
+  KinematicState reference;
+  bool following = false;  ///< a sample of the stream is followed; false: the way on from one, or a held pose
+  /// The stream's accelerations are all there is: nothing draws the tool to the reference, which is the tool.
+  bool bare = false;
+  Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< of the source, without what is left of a transfer
+  bool button = false;
+  double applied_tick = -1.0;  ///< master tick that the reference is of; negative: none
+  streaming::Acknowledgement acknowledgement;
+};
+
+class ReferenceSelector {
+ public:
+  /// `model`: workspace and limits of the slave's robot.
+  ReferenceSelector(const robot::RobotModel& model, const control::BumplessTransferSettings& transfer,
+                    double dt_s);
+
+  /// The tool rests here when nobody has led it yet.
+  void rest_at(const Vec3& position_m) noexcept;
+  /// Emergency stop and its end. Engaging and the like come with the stream itself.
+  void handle_events(std::span<const EventMessage> events) noexcept;
+  /// Every control step, once.
+  Selected step(const streaming::Played& played) noexcept;
+
+  SlaveMode mode() const noexcept { return mode_; }
+  const KinematicState& reference() const noexcept { return reference_; }
+  /// What is left of a change of source.
+  double offset_m() const noexcept { return transfer_.offset_m(); }
+  /// Steps at which a sample was to be followed that was not there.
+  std::uint64_t missed_ticks() const noexcept { return missed_ticks_; }
+
+ private:
+  bool follows(const streaming::Played& played) noexcept;
+  KinematicState follow(const streaming::Played& played) noexcept;
+  KinematicState hold(std::int64_t unled_steps) noexcept;
+  void transfer_to(const KinematicState& source) noexcept;
+  /// Slow enough, and to be stopped before the workspace ends.
+  bool within_limits(const KinematicState& state) const noexcept;
+  void clamp_to_workspace(KinematicState& state) const noexcept;
+
+  double radius_m_;
+  double half_height_m_;
+  double max_m_per_s_;
+  double dt_s_;
+  SlaveMode mode_ = SlaveMode::kWaiting;
+  control::BumplessTransfer transfer_;
+  streaming::AcknowledgementLog log_;
+  KinematicState reference_;
+  KinematicState hold_;                  ///< source while not following
+  std::uint32_t source_generation_ = 0;  ///< 0: holding
+  std::uint32_t source_block_ = 0;
+  Law source_law_ = Law::kLocal;
+  bool transferred_ = false;  ///< the source changed at this very step
+  bool tripped_ = false;      ///< bare accelerations led out of bounds: held until disengaged
+  std::uint64_t missed_ticks_ = 0;
+};
+
+}  // namespace telekerf::slave

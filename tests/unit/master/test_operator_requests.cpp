@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "master/operator_requests.h"
+
+namespace telekerf::master {
+namespace {
+
+using Kind = EventMessage::Kind;
+
+bool hear(OperatorRequests& requests, Kind kind, double value = 0.0) {
+  EventMessage event;
+  event.kind = kind;
+  event.value = value;
+  return requests.hear({&event, 1});
+}
+
+TEST(OperatorRequests, TheLastWordOnEngagingHolds) {
+  OperatorRequests requests(false, 0.5);
+  EXPECT_FALSE(requests.engage());
+  EXPECT_FALSE(hear(requests, Kind::kEngage));
+  EXPECT_TRUE(requests.engage());
+  hear(requests, Kind::kStop);
+  EXPECT_TRUE(requests.engage()) << "a stop is no change of mind";
+  hear(requests, Kind::kDisengage);
+  EXPECT_FALSE(requests.engage());
+}
+
+TEST(OperatorRequests, AScaleIsAskedForOnceAndWithinBounds) {
+  OperatorRequests requests(false, 0.5);
+  EXPECT_FALSE(hear(requests, Kind::kSetBeta, 0.5)) << "it is so already";
+  for (const double beta :
+       {0.0, -1.0, 0.5 * kSmallestBeta, 2.0 * kLargestBeta, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_FALSE(hear(requests, Kind::kSetBeta, beta)) << beta;
+  }
+  EXPECT_TRUE(hear(requests, Kind::kSetBeta, 0.8));
+  EXPECT_FALSE(hear(requests, Kind::kSetBeta, 0.8));
+  EXPECT_EQ(requests.wanted_beta(), 0.8);
+}
+
+TEST(OperatorRequests, ARefusedScaleGivesWayToTheLastOneThatWasGranted) {
+  OperatorRequests requests(false, 0.5);
+  requests.granted(0.5);
+  hear(requests, Kind::kSetBeta, 0.8);
+  requests.granted(0.8);
+  hear(requests, Kind::kSetBeta, 0.1);
+  requests.refused(0.1);
+  EXPECT_EQ(requests.wanted_beta(), 0.8);
+  EXPECT_TRUE(hear(requests, Kind::kSetBeta, 0.1)) << "and may be asked for again";
+
+  hear(requests, Kind::kSetBeta, 0.9);
+  requests.refused(0.1);
+  EXPECT_EQ(requests.wanted_beta(), 0.9) << "another was asked for meanwhile";
+}
+
+}  // namespace
+}  // namespace telekerf::master

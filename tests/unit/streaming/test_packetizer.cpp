@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sending end: full blocks, numbered, anchored, decodable; settings change where blocks begin.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "common/codec/decoder.h"
+#include "common/streaming/packetizer.h"
+#include "tests/unit/streaming/blocks.h"
+
+namespace telekerf::streaming {
+namespace {
+
+class PacketizerTest : public testing::Test {
+ protected:
+  /// Samples until a block is full; false: it could not be coded.
+  bool fill(const Vec3& instead = Vec3::Zero(), int at = -1) {
+    lengths_ = 0;
+    if (packets_.at_beginning()) packets_.begin(index_, {place(index_), Vec3(1e-2, 0.0, 0.0)});
+    for (bool full = false; !full; ++index_, ++lengths_) {
+      full = packets_.add(lengths_ == at ? instead : place(index_), lengths_ % 2 == 1);
+    }
+    block_ = {};
+    return packets_.pack(77, block_);
+  }
+
+  codec::Trend trend() const {
+    return {block_.anchor.position_m, block_.anchor.velocity_m_per_s * (block_.sample_period_ns * 1e-9)};
+  }
+
+  Packetizer packets_{{.codec = {.max_rms = 1e-7, .redundancy = 1},
+                       .ticks_per_sample = 2,
+                       .sample_period_ns = 1'000'000,
+                       .epoch = 9}};
+  codec::BlockDecoder decoder_;
+  StateBlock block_;
+  std::int64_t index_ = 0;
+  int lengths_ = 0;
+};
+
+TEST_F(PacketizerTest, ABlockSaysItsPlaceInTheStreamAndDecodesToItsSamples) {
+  for (std::uint32_t n = 1; n <= 5; ++n) {
+    const std::int64_t first = index_;
+    ASSERT_TRUE(fill());
+    EXPECT_EQ(block_.sequence, n);
+    EXPECT_EQ(block_.epoch, 9u);
+    EXPECT_EQ(block_.first_tick, static_cast<Tick>(2 * first));
+    EXPECT_EQ(block_.ticks_per_sample, 2);
+    EXPECT_EQ(block_.sent_ns, 77);
+    EXPECT_EQ(block_.anchor.position_m, place(first));
+    EXPECT_EQ(packets_.buttons(), 0xAAAAu);
+    const auto packet = decoder_.decode(block_.payload.view(), trend());
+    ASSERT_TRUE(packet);
+    EXPECT_EQ((*packet)->blocks, n == 1 ? 1 : 2);
+    const auto& newest = (*packet)->blocks_newest_first[0];
+    EXPECT_EQ(newest.button, 0xAAAAu);
+    for (int i = 0; i < kBlock; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      EXPECT_LT((newest.samples[at] - place(first + i)).norm(), 1e-6);
+      EXPECT_EQ(newest.samples[at], packets_.decoded()[at]) << "the sender knows what is received";
+    }
+  }
+}
+
+TEST_F(PacketizerTest, OtherSettingsApplyFromTheNextBlock) {
+  ASSERT_TRUE(fill());
+  packets_.begin(index_, {});
+  packets_.add(place(index_++), false);
+  packets_.change({.block = 32, .max_rms = 1e-7});
+  ASSERT_TRUE(fill());
+  EXPECT_EQ(lengths_ + 1, kBlock) << "the one that was begun stays as long as it was";
+  ASSERT_TRUE(fill());
+  EXPECT_EQ(lengths_, 32);
+}
+
+TEST_F(PacketizerTest, ABlockThatCannotBeCodedCostsItsNumberAndNothingElse) {
+  ASSERT_TRUE(fill());
+  EXPECT_FALSE(fill(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), 3));
+  const std::int64_t first = index_;
+  ASSERT_TRUE(fill());
+  EXPECT_EQ(block_.sequence, 3u);
+  EXPECT_EQ(block_.first_tick, static_cast<Tick>(2 * first));
+  const auto packet = decoder_.decode(block_.payload.view(), trend());
+  ASSERT_TRUE(packet);
+  EXPECT_EQ((*packet)->blocks, 1) << "stands alone";
+}
+
+TEST_F(PacketizerTest, SettingsOutOfBoundsAreRefused) {
+  EXPECT_ANY_THROW(packets_.change({.block = 65}));
+  ASSERT_TRUE(fill());
+  EXPECT_EQ(lengths_, kBlock);
+}
+
+}  // namespace
+}  // namespace telekerf::streaming

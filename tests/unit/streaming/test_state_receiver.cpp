@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// The master's end of the state stream: every sample once and in order, whatever the link does.
+#include <gtest/gtest.h>
+
+#include "common/streaming/state_receiver.h"
+#include "tests/unit/streaming/blocks.h"
+
+namespace telekerf::streaming {
+namespace {
+
+class StateReceiverTest : public testing::Test {
+ protected:
+  StateBlock next() {
+    StateBlock block = sender_.next();
+    block.master_epoch = 3;
+    block.applied_tick = block.first_tick + kBlock - 1 - 40;  // 40 ticks ago
+    block.applied_bitmap = ~std::uint64_t{0};
+    return block;
+  }
+  /// Takes the block; checks that its samples follow those before.
+  const Feedback& take(const StateBlock& block) {
+    const Feedback& feedback = receiver_.receive({block, now_ns_});
+    now_ns_ += kBlock * kMs;
+    for (const SlaveSample& sample : feedback.samples) {
+      EXPECT_GT(sample.time, newest_);
+      skipped_ += static_cast<int>(sample.time - newest_ - 1);
+      newest_ = sample.time;
+      EXPECT_LT((sample.position_m - place(sample.time)).norm(), 1e-6);
+      EXPECT_NEAR(sample.velocity_m_per_s.x(), 1e-2, 2e-3);
+      EXPECT_EQ(sample.index, sample.time - 40);
+    }
+    return feedback;
+  }
+
+  StateReceiver receiver_{0.5, 3, 1};
+  Sender<StateBlock> sender_{7};
+  std::int64_t now_ns_ = 0;
+  std::int64_t newest_ = -1;
+  int skipped_ = 0;
+};
+
+TEST_F(StateReceiverTest, LostBlocksComeByTheirCopiesAndNothingComesTwice) {
+  for (int n = 0; n < 60; ++n) {
+    const StateBlock block = next();
+    if (n % 5 == 3) continue;
+    EXPECT_EQ(take(block).samples.size(), n % 5 == 4 ? 2u * kBlock : kBlock);
+  }
+  EXPECT_EQ(newest_, 60 * kBlock - 1);
+  EXPECT_EQ(skipped_, 0);
+  EXPECT_EQ(receiver_.counters().lost, 12u);
+}
+
+TEST_F(StateReceiverTest, WhatWasOvertakenBringsNothing) {
+  take(next());
+  const StateBlock late = next();
+  take(next());
+  EXPECT_TRUE(take(late).samples.empty());
+  EXPECT_EQ(receiver_.receive({late, now_ns_}).kind, Arrival::Kind::kStale);
+  EXPECT_EQ(newest_, 3 * kBlock - 1);
+}
+
+TEST_F(StateReceiverTest, ASlaveOfAnotherMasterIsSeenButHasAppliedNothingOfOurs) {
+  StateBlock block = next();
+  EXPECT_TRUE(take(block).samples.back().applied);
+  block = next();
+  block.master_epoch = 99;
+  const Feedback& feedback = take(block);
+  EXPECT_FALSE(feedback.ours);
+  ASSERT_EQ(feedback.samples.size(), static_cast<std::size_t>(kBlock));
+  for (const SlaveSample& sample : feedback.samples) EXPECT_FALSE(sample.applied);
+}
+
+TEST_F(StateReceiverTest, ForcesComeWithTheirIndexAndBrokenOnesCostNoPosition) {
+  codec::BlockEncoder forces({.max_rms = 0.01, .redundancy = 1, .quantum = 1e-3, .anchored = false});
+  const auto with_force = [&] {
+    StateBlock block = next();
+    const std::vector<Vec3> pushed(kBlock, Vec3(2.0, -1.0, 0.5));
+    block.force.size =
+        static_cast<std::uint16_t>(forces.encode(pushed, 0, {}, block.force.room()).value_or(0));
+    return block;
+  };
+  EXPECT_FALSE(take(next()).force_n);
+  const Feedback& pushed = take(with_force());
+  ASSERT_TRUE(pushed.force_n);
+  EXPECT_EQ(pushed.force_n->first(), kBlock);
+  EXPECT_NEAR(pushed.force_n->at(kBlock + 3).x(), 2.0, 0.05);
+  StateBlock broken = with_force();
+  broken.force.size /= 2;
+  const Feedback& half = take(broken);
+  EXPECT_FALSE(half.force_n);
+  EXPECT_EQ(half.samples.size(), static_cast<std::size_t>(kBlock));
+  EXPECT_EQ(receiver_.force_counters().of(codec::CodecError::kTruncated), 1u);
+}
+
+TEST_F(StateReceiverTest, ARestartedSlaveIsListenedToAfterASilence) {
+  take(next());
+  Sender<StateBlock> restarted(8);
+  EXPECT_EQ(receiver_.receive({restarted.next(), now_ns_}).kind, Arrival::Kind::kRefused);
+  now_ns_ += 600 * kMs;
+  const Feedback& feedback = receiver_.receive({restarted.next(), now_ns_});
+  EXPECT_TRUE(feedback.begins);
+  ASSERT_FALSE(feedback.samples.empty());
+  EXPECT_EQ(feedback.samples.back().time, 2 * kBlock - 1);
+}
+
+}  // namespace
+}  // namespace telekerf::streaming
