@@ -44,7 +44,7 @@ int run(Flags& flags) {
   flags.station.epoch = settings.epoch;
   Station station(flags.station);
 
-  Process process(settings, text_of(SlaveMode::kWaiting));
+  Process process(settings, "slave", text_of(SlaveMode::kWaiting));
   Reader<CommandBlock> commands(process.bus());
   Reader<EventMessage> events(process.bus());
   Writer<StateBlock> states(process.bus());
@@ -90,8 +90,8 @@ void add_parameters(Flags& flags, Settings& settings) {
   flags.bus.declare(settings);
   flags.netem.declare(settings);
   settings.moved("automatic", "is a program of its own now: telekerf-machine");
-  for (const char* name : {"speed_mm_s", "controller", "corner", "material", "sensor", "kerf_um", "no_framing",
-                           "machining_hz", "wait_s"})
+  for (const char* name : {"speed_mm_s", "controller", "corner", "material", "sensor", "kerf_um",
+                           "no_framing", "machining_hz", "wait_s"})
     settings.moved(name, "belongs to telekerf-machine now");
 }
 

@@ -13,8 +13,8 @@ const BusSettings& with_signals_caught(const BusSettings& settings) {
 
 }  // namespace
 
-Process::Process(const BusSettings& settings, const char* initial_state)
-    : bus_(with_signals_caught(settings)), status_(settings.role, initial_state) {}
+Process::Process(const BusSettings& settings, const std::string& who, const char* initial_state)
+    : bus_(with_signals_caught(settings)), status_(who, initial_state) {}
 
 std::string Process::place() const {
   return fmt::format("cell '{}' of domain {}", bus_.settings().cell, bus_.settings().domain);

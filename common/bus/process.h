@@ -15,9 +15,9 @@ namespace telekerf {
 
 class Process {
  public:
-  /// From now on signals end it in order. `initial_state` need not be said. Throws StartupError if the cell
-  /// does not take it, see Bus.
-  explicit Process(const BusSettings& settings, const char* initial_state = nullptr);
+  /// From now on signals end it in order. `who` begins what it says, `initial_state` need not be said. Throws
+  /// StartupError if the cell does not take it, see Bus.
+  Process(const BusSettings& settings, const std::string& who, const char* initial_state = nullptr);
 
   Bus& bus() noexcept { return bus_; }
   StatusReporter& status() noexcept { return status_; }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/runtime/bounds.h"
+#include "common/runtime/enum_table.h"
 
 namespace telekerf {
 
@@ -42,6 +43,13 @@ class ConfigFile {
   /// One of `choices`, refused otherwise.
   std::string choice_or(const std::string& key, const std::string& fallback,
                         const std::vector<std::string>& choices) const;
+  /// What one of the table's words stands for.
+  template <typename Value>
+  Value choice_or(const std::string& key, const Value& fallback, const EnumTable<Value>& table) const {
+    std::vector<std::string> words;
+    for (const auto& row : table) words.emplace_back(row.word);
+    return *table.find(choice_or(key, std::string(table.word(fallback)), words));
+  }
   /// Exactly `count` numbers (count 0: any number of them).
   std::vector<double> numbers(const std::string& key, std::size_t count, Bounds bounds = {}) const;
   std::vector<std::string> texts_or(const std::string& key, const std::vector<std::string>& fallback) const;
