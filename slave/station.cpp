@@ -11,22 +11,16 @@
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::slave {
-namespace {
-
-Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
-}  // namespace
-
 void StationSettings::declare(Settings& settings) {
-  settings.add("robot", robot, "robot: a shipped name or a file");
+  settings.add("robot", robot, kRobot, "robot: a shipped name or a file");
   machine.declare(settings);
   beam.declare(settings);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
-  settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot");
-  settings.add("control_hz", node.control_hz, {.min = 200, .max = 20000},
+  settings.add("seed", seed, kSeeds, "of the simulated robot");
+  settings.add("control_hz", node.control_hz, {.min = 200, .max = 20000, .unit = "Hz"},
                "control rate, a multiple of stream_hz");
-  settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000},
+  settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
                "samples a second in the state stream");
   settings.add("codec", codec, "of the state stream", codec::codec_names());
   settings.add("block", node.feedback.block, {.min = 4, .max = 64}, "samples a block of the state stream");
@@ -40,12 +34,13 @@ void StationSettings::declare(Settings& settings) {
                "RMS error of a block's forces that is kept instead [N], 0: force_keep");
   settings.add("redundancy", node.feedback.redundancy, {.min = 0, .max = 7},
                "previous blocks repeated in a packet");
-  settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 5, .max = 400}, "of the tracking law");
-  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000},
+  settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 5, .max = 400, .unit = "rad/s"},
+               "of the tracking law");
+  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000, .unit = "rad/s"},
                "of the disturbance observer");
-  settings.add("stale_s", node.command_timeout_s, {.min = 0.02, .max = 10},
+  settings.add("stale_s", node.command_timeout_s, {.min = 0.02, .max = 10, .unit = "s"},
                "no command for this long: hold, laser off");
-  settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000}, "laser power");
+  settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"}, "laser power");
 }
 
 StationSettings StationSettings::validated() const {
@@ -111,9 +106,9 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   SlaveOutputs out = node_.step(now_ns, inputs);
   out.laser_w = beam_.emit(out.laser_w, false);
   machine_.write(out.currents_a);
-  recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick,
-                  triple(out.reference.position_m), triple(true_tool_m.value_or(out.tool_m)), out.laser_w,
-                  static_cast<int>(out.interlock), out.settled, triple(out.force_n)});
+  recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick, out.reference.position_m,
+                  true_tool_m.value_or(out.tool_m), out.laser_w, static_cast<int>(out.interlock), out.settled,
+                  out.force_n});
   ++tick_;
   machine_.advance();
   return out;

@@ -24,7 +24,7 @@ cv::Mat draw_cut(const RunRecord& record) {
     if (row.laser_w > 0.0) workpiece.expose(in_plane(row.tool_m), row.laser_w * dt_s);
   }
 
-  const laser::Material wood = laser::material("wood");
+  const laser::Material& wood = laser::kWood;
   const double full_j = 4.0 * workpiece.pixel_m() * workpiece.pixel_m() * 1e6;  // 4 J/mm^2 chars fully
   cv::Mat burnt;
   cv::exp(workpiece.energy_j() * (-3.0 / full_j), burnt);
@@ -50,7 +50,7 @@ cv::Mat draw_cut(const RunRecord& record) {
     }
   }
   stroke({140, 130, 120}, false);
-  for (const auto& point : record.contour_m) path.push_back(pixel({point[0], point[1]}));
+  for (const auto& point : record.contour_m) path.push_back(pixel(point));
   stroke({200, 110, 30}, record.contour_closed);
 
   laser::draw_scale_bar(picture, workpiece.pixel_m(), laser::ink_of(wood));

@@ -64,8 +64,7 @@ Motor read_motor(const ConfigFile& file) {
 
 Sensor read_sensor(const ConfigFile& file) {
   Sensor s;
-  s.kind = file.choice_or("sensor.kind", "encoder", {"encoder", "hall"}) == "encoder" ? Sensor::Kind::kEncoder
-                                                                                      : Sensor::Kind::kHall;
+  s.kind = file.choice_or("sensor.kind", s.kind, kSensorKinds);
   s.resolution_m = file.number_or("sensor.resolution_m", s.resolution_m, {.min = 0, .max = 1e-3});
   s.pitch_m = file.number_or("sensor.pitch_m", s.pitch_m, {.min = 1e-4, .max = 1});
   s.adc_bits = static_cast<int>(file.integer_or("sensor.adc_bits", s.adc_bits, {.min = 4, .max = 24}));

@@ -7,6 +7,7 @@
 
 #include "common/robot/delta_kinematics.h"
 #include "common/robot/workspace.h"
+#include "common/runtime/enum_table.h"
 
 namespace telekerf::robot {
 
@@ -30,6 +31,12 @@ struct Sensor {
   bool calibrated = true;           ///< Hall: read through calibrate_hall()'s result, not as if ideal
   double offset_mismatch = 0.0;     ///< Hall: largest offset of a channel, as a share of its amplitude
 };
+
+inline constexpr EnumRow<Sensor::Kind> kSensorKindRows[] = {
+    {"encoder", Sensor::Kind::kEncoder, "counts, without error between them"},
+    {"hall", Sensor::Kind::kHall, "two Hall sensors a joint: noise, mismatch, calibration"},
+};
+inline constexpr EnumTable<Sensor::Kind> kSensorKinds(kSensorKindRows);
 
 /// Friction of one joint (SI): (coulomb + (breakaway - coulomb) exp(-(v/stribeck)^2)) tanh(v/smoothing) +
 /// viscous v.

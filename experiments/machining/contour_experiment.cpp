@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -33,10 +32,10 @@ struct Options {
   std::string robot = "slave-keops";
   double width_mm = 0.0;
   double speed_mm_s = 8.0;
-  std::string controller = "auto";
-  std::string corner = "rounded";
-  std::string plant = "full";
-  std::string material = "wood";
+  machining::ControllerKind controller = machining::ControllerKind::kAuto;
+  machining::CornerPolicy corner = machining::CornerPolicy::kRounded;
+  bool ideal = false;
+  const laser::Material* material = &laser::kWood;
   std::string out;
   double tolerance_um = 10.0;
   double along_rad_s = 0.0;
@@ -47,21 +46,14 @@ struct Options {
   bool no_model_ahead = false;
   bool sweep = false;
   std::uint64_t seed = 1;
-  Settings settings;
 };
 
-machining::ControllerKind kind_of(const std::string& name) {
-  if (name == "independent") return machining::ControllerKind::kIndependent;
-  if (name == "preview") return machining::ControllerKind::kPreview;
-  if (name == "contouring") return machining::ControllerKind::kContouring;
-  return machining::ControllerKind::kAuto;
-}
-
-machining::CornerPolicy corner_of(const std::string& name) {
-  if (name == "exact") return machining::CornerPolicy::kExact;
-  if (name == "slow") return machining::CornerPolicy::kSlow;
-  return machining::CornerPolicy::kRounded;
-}
+/// Whether the plant is an ideal one.
+constexpr EnumRow<bool> kPlantRows[] = {
+    {"full", false, "friction, mismatch, Hall sensors"},
+    {"ideal", true, "none of them"},
+};
+constexpr EnumTable<bool> kPlants(kPlantRows);
 
 /// An irregular outline like the ones of figure 8.5: a circle with eleven seeded harmonics, dark on a grey
 /// ground with noise.
@@ -256,7 +248,7 @@ ContourRunSettings run_settings(const Options& options, const robot::RobotModel&
   s.robot = options.robot;
   s.plan.keep_within(model.limits);
   s.plan.speed_m_per_s = options.speed_mm_s * 1e-3;
-  s.plan.corner = corner_of(options.corner);
+  s.plan.corner = options.corner;
   s.plan.tolerance_m = options.tolerance_um * 1e-6;
   s.follower.loop_delay = options.loop_delay;
   s.follower.preview = !options.no_preview;
@@ -264,8 +256,8 @@ ContourRunSettings run_settings(const Options& options, const robot::RobotModel&
   s.follower.tune_for_speed(s.plan.speed_m_per_s, s.plan.corner == machining::CornerPolicy::kSlow);
   if (options.along_rad_s > 0.0) s.follower.along_rad_s = options.along_rad_s;
   if (options.across_rad_s > 0.0) s.follower.across_rad_s = options.across_rad_s;
-  s.controller = kind_of(options.controller);
-  s.ideal = options.plant == "ideal";
+  s.controller = options.controller;
+  s.ideal = options.ideal;
   s.mismatch = options.mismatch;
   s.seed = options.seed;
   return s;
@@ -286,19 +278,19 @@ ordered_json one_picture(const std::string& image, const Options& options,
                       {"length_mm", plan->path.length_m() * 1e3},
                       {"closed", contour.closed},
                       {"robot", model.name},
-                      {"controller", options.controller},
-                      {"corner", options.corner},
-                      {"plant", options.plant},
+                      {"controller", machining::kControllers.word(options.controller)},
+                      {"corner", machining::kCorners.word(options.corner)},
+                      {"plant", kPlants.word(options.ideal)},
                       {"seed", options.seed},
                       {"control_hz", settings.plan.control_hz}};
   result.update(measure(run, settings));
   result["tuning"] = tuning(settings);
-  result["burn"] = machining::burn({&run.pass, 1}, options.material, out);
+  result["burn"] = machining::burn({&run.pass, 1}, *options.material, out);
   write_contour_trace(run, out / "trace.csv");
 
-  std::vector<Named> runs{{options.controller, &run}};
+  std::vector<Named> runs{{std::string(machining::kControllers.word(options.controller)), &run}};
   ContourRun baseline;
-  if (experiment.closed && options.controller != "independent") {
+  if (experiment.closed && options.controller != machining::ControllerKind::kIndependent) {
     ContourRunSettings other = settings;
     other.controller = machining::ControllerKind::kIndependent;
     baseline = run_contour(*plan, contour, other);
@@ -348,7 +340,6 @@ ordered_json one_picture(const std::string& image, const Options& options,
 }
 
 int run(Options& options, const ContourExperiment& experiment) {
-  options.settings.fill();
   const std::filesystem::path out = options.out;
   ordered_json result;
   if (!options.image.empty()) {
@@ -370,36 +361,39 @@ int run(Options& options, const ContourExperiment& experiment) {
   return 0;
 }
 
+void add_parameters(Options& o, Settings& s) {
+  s.add("image", o.image, kPicture, "picture: a shipped name or a file; none: the thesis' set");
+  s.add("robot", o.robot, kRobot, "that machines: a shipped name or a file");
+  s.add("width_mm", o.width_mm, {.min = 0, .max = 1000, .unit = "mm"},
+        "width of the whole picture, 0: fitted to the workspace");
+  s.add("speed_mm_s", o.speed_mm_s, {.min = 0.1, .max = 300, .unit = "mm/s"}, "tangential speed");
+  s.add("controller", o.controller, machining::kControllers, "how the robot is kept on the path");
+  s.add("corner", o.corner, machining::kCorners, "what to do at corners");
+  s.add("tolerance_um", o.tolerance_um, {.min = 0, .max = 1000, .unit = "um"}, "rounding of corners");
+  s.add("plant", o.ideal, kPlants, "what is machined with");
+  s.add("material", o.material, laser::kMaterials, "what the beam meets");
+  s.add("mismatch", o.mismatch, {.min = 0, .max = 0.5}, "how far the plant is off its file, as a share");
+  s.add("loop_delay", o.loop_delay, {.min = 0, .max = machining::kMaxLoopDelay},
+        "samples from a reading to the effect of its currents");
+  s.add("no_preview", o.no_preview, "accelerations of the same sample, as if the loop had no delay");
+  s.add("no_model_ahead", o.no_model_ahead, "no force of the model sent ahead, only the observer");
+  s.add("along_rad_s", o.along_rad_s, {.min = 0, .max = 500, .unit = "rad/s"},
+        "bandwidth along the path, 0: by speed");
+  s.add("across_rad_s", o.across_rad_s, {.min = 0, .max = 500, .unit = "rad/s"},
+        "contouring: across it, 0: the usual one");
+  s.add("sweep", o.sweep, "contour error against speed, 1 to 100 mm/s");
+  s.add("seed", o.seed, kSeeds, "of everything random");
+  s.add("out", o.out, kFolder, "folder for the results");
+}
+
 }  // namespace
 
-void add_contour_experiment(CLI::App& app, Action& action, const ContourExperiment& experiment) {
-  auto* command = app.add_subcommand(experiment.name, experiment.help);
-  auto o = std::make_shared<Options>();
-  o->speed_mm_s = experiment.speed_mm_s;
-  o->out = "out/" + experiment.name;
-  auto& s = o->settings;
-  s.add("image", o->image, "picture: a shipped name or a file; none: the thesis' set");
-  s.add("robot", o->robot, "that machines: a shipped name or a file");
-  s.add("width_mm", o->width_mm, {.min = 0, .max = 1000},
-        "width of the whole picture, 0: fitted to the workspace");
-  s.add("speed_mm_s", o->speed_mm_s, {.min = 0.1, .max = 300}, "tangential speed");
-  s.add("controller", o->controller, "law", {"auto", "independent", "preview", "contouring"});
-  s.add("corner", o->corner, "what to do at corners", {"exact", "rounded", "slow"});
-  s.add("tolerance_um", o->tolerance_um, {.min = 0, .max = 1000}, "rounding of corners");
-  s.add("plant", o->plant, "full: friction, mismatch, Hall sensors; ideal: none of them", {"full", "ideal"});
-  s.add("material", o->material, "what the beam meets", laser::material_names());
-  s.add("mismatch", o->mismatch, {.min = 0, .max = 0.5}, "how far the plant is off its file, as a share");
-  s.add("loop_delay", o->loop_delay, {.min = 0, .max = machining::kMaxLoopDelay},
-        "samples from a reading to the effect of its currents");
-  s.add("no_preview", o->no_preview, "accelerations of the same sample, as if the loop had no delay");
-  s.add("no_model_ahead", o->no_model_ahead, "no force of the model sent ahead, only the observer");
-  s.add("along_rad_s", o->along_rad_s, {.min = 0, .max = 500}, "bandwidth along the path, 0: by speed");
-  s.add("across_rad_s", o->across_rad_s, {.min = 0, .max = 500}, "contouring: across it, 0: the usual one");
-  s.add("sweep", o->sweep, "contour error against speed, 1 to 100 mm/s");
-  s.add("seed", o->seed, {.min = 0, .max = 1e15}, "of everything random");
-  s.add("out", o->out, "folder for the results");
-  s.attach(*command);
-  command->callback([o, experiment, &action] { action = [o, experiment] { return run(*o, experiment); }; });
+void add_contour_experiment(Program& program, const ContourExperiment& experiment) {
+  Options options;
+  options.speed_mm_s = experiment.speed_mm_s;
+  options.out = "out/" + experiment.name;
+  program.add(experiment.name, experiment.help, options, add_parameters,
+              [experiment](const Options& o) { return run(o, experiment); });
 }
 
 }  // namespace telekerf::experiments

@@ -147,7 +147,7 @@ ordered_json measure(std::span<const ContourPass> passes, double speed_m_per_s) 
           {"closure_gap_um", any_closed ? ordered_json(gap * 1e6) : ordered_json()}};
 }
 
-ordered_json burn(std::span<const ContourPass> passes, const std::string& material_name,
+ordered_json burn(std::span<const ContourPass> passes, const laser::Material& material,
                   const std::filesystem::path& folder) {
   std::vector<Vec2> all;
   for (const ContourPass& pass : passes)
@@ -163,7 +163,7 @@ ordered_json burn(std::span<const ContourPass> passes, const std::string& materi
   source.max_power_w = most_w;
   laser::HeightMap map(
       {.centre_m = box.centre(), .half_width_m = 0.5 * box.size().maxCoeff() + 0.5e-3, .pixel_m = 7.5e-6},
-      laser::material(material_name), source);
+      material, source);
   std::vector<Polyline> paths;
   for (const ContourPass& pass : passes) {
     const NearestIndex corridor(*pass.contour);
@@ -192,7 +192,7 @@ ordered_json burn(std::span<const ContourPass> passes, const std::string& materi
     throw StartupError(folder.string() + ": cannot be written");
   }
   const laser::EnergyStatistics& energy = map.energy();
-  return {{"material", material_name},
+  return {{"material", material.name},
           {"depth_um", length > 0.0 ? 1e6 * whole.depth_m / length : 0.0},
           {"depth_variation_percent", 100.0 * whole.depth_variation},
           {"kerf_um", length > 0.0 ? 1e6 * whole.kerf_m / length : 0.0},

@@ -2,6 +2,7 @@
 // A controller on its drive: readings and references in, currents out, one step at a time.
 #pragma once
 
+#include "common/runtime/enum_table.h"
 #include "slave/machining/controller.h"
 
 namespace telekerf::machining {
@@ -12,6 +13,13 @@ enum class ControllerKind : std::uint8_t {
   kPreview,
   kContouring,
 };
+inline constexpr EnumRow<ControllerKind> kControllerRows[] = {
+    {"auto", ControllerKind::kAuto, "contouring on closed contours, preview on open ones"},
+    {"independent", ControllerKind::kIndependent, "every joint for itself"},
+    {"preview", ControllerKind::kPreview, "joints with the accelerations of the samples to come"},
+    {"contouring", ControllerKind::kContouring, "loops along and across the path"},
+};
+inline constexpr EnumTable<ControllerKind> kControllers(kControllerRows);
 
 /// What of the robot's file is used beside feedback.
 enum class ModelUse : std::uint8_t {

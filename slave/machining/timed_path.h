@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/robot/robot_model.h"
+#include "common/runtime/enum_table.h"
 #include "slave/laser/pulsed_source.h"
 #include "slave/machining/path.h"
 
@@ -18,6 +19,12 @@ enum class CornerPolicy : std::uint8_t {
   kRounded,  ///< rounded up to a tolerance, constant speed
   kSlow,     ///< adaptive preview (thesis 9.2): little rounding, speed by curvature, power follows speed
 };
+inline constexpr EnumRow<CornerPolicy> kCornerRows[] = {
+    {"exact", CornerPolicy::kExact, "as little rounding as a sampled path allows, constant speed"},
+    {"rounded", CornerPolicy::kRounded, "rounded up to a tolerance, constant speed"},
+    {"slow", CornerPolicy::kSlow, "little rounding, speed by curvature, power follows speed"},
+};
+inline constexpr EnumTable<CornerPolicy> kCorners(kCornerRows);
 
 struct TimedPathSettings {
   double control_hz = 2400.0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/recording/run_record.h"
+#include "slave/laser/material.h"
 #include "slave/machining/job.h"
 
 namespace telekerf::machining {
@@ -20,8 +21,9 @@ struct WorkRow {
 };
 
 struct WorkRecord {
-  std::string controller, corner, sensor, material;  ///< as the user chose them
-  double speed_m_per_s = 0.0;                        ///< commanded
+  std::string controller, corner, sensor;  ///< as the user chose them
+  const laser::Material* material = &laser::kWood;
+  double speed_m_per_s = 0.0;  ///< commanded
   DriveRecord drive;
   std::vector<WorkRow> rows{};
   int limit_violations = 0;
@@ -32,5 +34,8 @@ struct WorkRecord {
 /// is nothing of the wall clock. Throws StartupError.
 nlohmann::ordered_json report_work(const std::filesystem::path& folder, const Job& job,
                                    const WorkRecord& work);
+
+/// What result.json holds, for people.
+std::string table_of(const nlohmann::ordered_json& result);
 
 }  // namespace telekerf::machining

@@ -143,8 +143,7 @@ TEST(DriveProcesses, TheMasterMovesItToTheContourAndInventsNoHand) {
 }
 
 std::vector<std::string> machining(const RobotProcess& robot, const std::string& out) {
-  return cell(
-      {"--automatic", "--no-framing", "--record", out, "--drive", robot.drive(), "--drive-stale-s", "0.5"});
+  return cell({"--no-framing", "--record", out, "--drive", robot.drive(), "--drive-stale-s", "0.5"});
 }
 
 TEST(DriveProcesses, ItMachinesAContour) {
@@ -154,7 +153,7 @@ TEST(DriveProcesses, ItMachinesAContour) {
   Program vision("telekerf-vision", cell({"--image", "circle", "--width-mm", "12"}));
   auto arguments = machining(robot, out);
   arguments.insert(arguments.end(), {"--speed-mm-s", "20"});
-  Program slave("telekerf-slave", arguments);
+  Program slave("telekerf-machine", arguments);
   ASSERT_EQ(slave.wait(seconds(60)), 0) << slave.output() << vision.output();
   const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
   EXPECT_TRUE(result["finished"].get<bool>());
@@ -174,7 +173,7 @@ TEST(DriveProcesses, ItsLossEndsTheMachiningWithTheBeamOut) {
   LaserAtWork laser;
   auto arguments = machining(robot, out);
   arguments.insert(arguments.end(), {"--laser", laser.name(), "--laser-max-w", "20"});
-  Program slave("telekerf-slave", arguments);
+  Program slave("telekerf-machine", arguments);
   ASSERT_TRUE(slave.says("cutting", seconds(30))) << slave.output();
   std::this_thread::sleep_for(seconds(1));
   robot.kill();
@@ -209,7 +208,7 @@ TEST(LaserProcesses, ALaserThatGoesAwayEndsTheMachining) {
   auto laser = std::make_unique<LaserAtWork>();
   const std::string name = laser->name();
   Program vision("telekerf-vision", cell({"--image", "circle", "--width-mm", "12"}));
-  Program slave("telekerf-slave", cell({"--automatic", "--no-framing", "--record", out, "--laser", name}));
+  Program slave("telekerf-machine", cell({"--no-framing", "--record", out, "--laser", name}));
   ASSERT_TRUE(slave.says("cutting", seconds(30))) << slave.output();
   laser.reset();
   EXPECT_EQ(slave.wait(seconds(20)), 2) << slave.output();
@@ -225,10 +224,8 @@ TEST(LaserProcesses, ALaserThatIsNotThereIsRefused) {
     const laser::LaserSocket closed;
     laser = closed.laser();
   }
-  for (const auto& mode : {std::vector<std::string>{}, std::vector<std::string>{"--automatic"}}) {
-    auto arguments = cell({"--laser", laser});
-    arguments.insert(arguments.end(), mode.begin(), mode.end());
-    Program slave("telekerf-slave", arguments);
+  for (const char* program : {"telekerf-slave", "telekerf-machine"}) {
+    Program slave(program, cell({"--laser", laser}));
     EXPECT_EQ(slave.wait(seconds(10)), 2) << slave.output();
     EXPECT_TRUE(slave.says("laser = " + laser + ": Connection refused; is the laser switched on", seconds(1)))
         << slave.output();

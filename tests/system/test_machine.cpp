@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ./telekerf machine's processes on loopback: vision and telekerf-slave --automatic.
+// ./telekerf machine's processes on loopback: vision and telekerf-machine.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -32,11 +32,11 @@ std::pair<double, double> laser_of(const std::string& trace) {
 TEST(Machine, CutsEveryContourOfAFlangeFromTheInsideOut) {
   const std::string out = (Program::scratch() / "flange").string();
   Program vision("telekerf-vision", with({"--image", "flange", "--width-mm", "12"}));
-  Program slave("telekerf-slave",
-                with({"--automatic", "--speed-mm-s", "50", "--material", "fibreglass", "--record", out}));
-  ASSERT_EQ(slave.wait(seconds(60)), 0) << slave.output() << vision.output();
+  Program machine("telekerf-machine",
+                  with({"--speed-mm-s", "50", "--material", "fibreglass", "--record", out}));
+  ASSERT_EQ(machine.wait(seconds(60)), 0) << machine.output() << vision.output();
   for (const std::string said : {"7 contours to cut", "framing, pilot beam only", "90 %", "finished"})
-    EXPECT_NE(slave.output().find(said), std::string::npos) << said << "\n" << slave.output();
+    EXPECT_NE(machine.output().find(said), std::string::npos) << said << "\n" << machine.output();
   const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
   EXPECT_EQ(result["contours_cut"].get<int>(), 7);
   EXPECT_EQ(result["order"].back().get<int>(), 0) << "the rim comes last";
@@ -53,11 +53,11 @@ TEST(Machine, CutsEveryContourOfAFlangeFromTheInsideOut) {
 TEST(Machine, AnInterruptPutsTheBeamOutAndStillReports) {
   const std::string out = (Program::scratch() / "stopped").string();
   Program vision("telekerf-vision", with({"--image", "circle"}));
-  Program slave("telekerf-slave", with({"--automatic", "--no-framing", "--record", out}));
-  ASSERT_TRUE(slave.says("cutting", seconds(30))) << slave.output();
+  Program machine("telekerf-machine", with({"--no-framing", "--record", out}));
+  ASSERT_TRUE(machine.says("cutting", seconds(30))) << machine.output();
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  slave.interrupt();
-  ASSERT_EQ(slave.wait(seconds(20)), 1) << slave.output();
+  machine.interrupt();
+  ASSERT_EQ(machine.wait(seconds(20)), 1) << machine.output();
   const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
   EXPECT_FALSE(result["finished"].get<bool>());
   const auto [last_w, most_w] = laser_of(out + "/trace.csv");
@@ -66,10 +66,10 @@ TEST(Machine, AnInterruptPutsTheBeamOutAndStillReports) {
 }
 
 TEST(Machine, WithoutVisionItSaysWhatItWaitsForAndGivesUp) {
-  Program slave("telekerf-slave", with({"--automatic", "--wait-s", "2"}));
-  ASSERT_EQ(slave.wait(seconds(30)), 2) << slave.output();
-  const std::string said = slave.output();
-  const std::string waiting = "slave: waiting for a contour from telekerf-vision in cell 'machine'";
+  Program machine("telekerf-machine", with({"--wait-s", "2"}));
+  ASSERT_EQ(machine.wait(seconds(30)), 2) << machine.output();
+  const std::string said = machine.output();
+  const std::string waiting = "machine: waiting for a contour from telekerf-vision in cell 'machine'";
   const auto at = said.find(waiting);
   ASSERT_NE(at, std::string::npos) << said;
   EXPECT_EQ(said.find(waiting, at + 1), std::string::npos) << said;
@@ -80,9 +80,9 @@ TEST(Machine, WithoutVisionItSaysWhatItWaitsForAndGivesUp) {
 TEST(Machine, WhatDoesNotFitIsRefusedWithOneSentence) {
   for (const auto& [flag, value] : std::vector<std::pair<std::string, std::string>>{
            {"--material", "cheese"}, {"--controller", "magic"}, {"--speed-mm-s", "0"}, {"--kerf-um", "-1"}}) {
-    Program slave("telekerf-slave", with({"--automatic", flag, value}));
-    EXPECT_EQ(slave.wait(seconds(20)), 2) << flag;
-    const std::string said = slave.output();
+    Program machine("telekerf-machine", with({flag, value}));
+    EXPECT_EQ(machine.wait(seconds(20)), 2) << flag;
+    const std::string said = machine.output();
     EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
   }
 }

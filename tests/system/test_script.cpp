@@ -117,7 +117,7 @@ class ScriptFlags : public Script {
   ScriptFlags() {
     fs::create_directories(here_ / "stubs/bin");
     std::ofstream(here_ / "stubs/build.ninja");
-    for (const std::string name : {"vision", "slave", "master", "inspect"}) {
+    for (const std::string name : {"vision", "slave", "machine", "master", "inspect"}) {
       const fs::path stub = here_ / "stubs/bin" / ("telekerf-" + name);
       std::ofstream(stub) << "#!/bin/sh\n[ \"$1\" != --help ] || exec '" TELEKERF_BIN_DIR "/telekerf-" << name
                           << "' --help\nprintf '%s\\n' \"$@\" >" << name << ".txt\n";
@@ -140,14 +140,14 @@ TEST_F(ScriptFlags, OfADemoGoToTheProgramThatKnowsThem) {
       "demo --image 'a b.png' --width-mm 30 --beta=0.25 --law local --block 8 --keep 2 --redundancy 0 "
       "--max-rms 1e-3 --codec raw --estimator none --force-keep 3 --force-max-rms 0 --stale-s 0.1 "
       "--hand-speed-mm-s -5 --seed 7 --cell blue --master-robot m --slave-robot s --master-seed 9 --domain 3 "
-      "--automatic --vision-fit-all --beta 0.3 --out run");
+      "--vision-fit-all --beta 0.3 --out run");
   ASSERT_EQ(demo.code, 0) << demo.err;
   for (const std::string words : {"--image a b.png", "--width-mm 30", "--robot s", "--fit-all", "--cell blue",
                                   "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
     EXPECT_TRUE(has("vision", words)) << words << text_of("vision.txt");
   for (const std::string words :
-       {"--force-keep 3", "--force-max-rms 0", "--stale-s 0.1", "--robot s", "--seed 7", "--automatic",
-        "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
+       {"--force-keep 3", "--force-max-rms 0", "--stale-s 0.1", "--robot s", "--seed 7", "--cell blue",
+        "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
     EXPECT_TRUE(has("slave", words)) << words << text_of("slave.txt");
   for (const std::string words :
        {"--beta 0.3", "--law local", "--block 8", "--keep 2", "--redundancy 0", "--max-rms 1e-3",
@@ -166,8 +166,8 @@ TEST_F(ScriptFlags, OfAMachineGoToTheProgramThatKnowsThem) {
   for (const std::string words :
        {"--image a.svg", "--width-mm 30", "--mode outline", "--robot r", "--fit-all"})
     EXPECT_TRUE(has("vision", words)) << words << text_of("vision.txt");
-  for (const std::string words : {"--seed 7", "--laser-w 3", "--robot r", "--automatic"})
-    EXPECT_TRUE(has("slave", words)) << words << text_of("slave.txt");
+  for (const std::string words : {"--seed 7", "--laser-w 3", "--robot r"})
+    EXPECT_TRUE(has("machine", words)) << words << text_of("machine.txt");
   // Two at a time do not meet.
   EXPECT_NE(text_of("vision.txt").find("--cell\nmachine-"), std::string::npos);
 }

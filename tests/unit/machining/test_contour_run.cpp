@@ -183,7 +183,7 @@ Cut cut(const Polyline& drawn, double compensation_m, bool hole) {
   EXPECT_TRUE(plan);
   const ContourRun run = run_contour(*plan, line, settings);
   const laser::PulsedSourceSettings source;
-  laser::HeightMap map({.half_width_m = 5e-3, .pixel_m = 4e-6}, laser::material("wood"), source);
+  laser::HeightMap map({.half_width_m = 5e-3, .pixel_m = 4e-6}, laser::kWood, source);
   Polyline tool{{}, true};
   for (std::size_t i = 0; i + 1 < run.pass.rows.size(); ++i) {
     const machining::PassRow& row = run.pass.rows[i];

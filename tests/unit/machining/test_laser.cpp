@@ -12,7 +12,7 @@ namespace {
 
 /// A straight mark along x.
 HeightMap marked(double speed_m_per_s, const std::string& name, double power_w = 10.0) {
-  HeightMap map({.half_width_m = 1e-3, .pixel_m = 5e-6}, material(name), PulsedSourceSettings{});
+  HeightMap map({.half_width_m = 1e-3, .pixel_m = 5e-6}, *kMaterials.find(name).value(), PulsedSourceSettings{});
   const double dt = 1.0 / 2400.0;
   for (double x = -0.8e-3; x < 0.8e-3; x += speed_m_per_s * dt) {
     map.expose({x, 0}, {x + speed_m_per_s * dt, 0}, power_w, dt);
@@ -75,7 +75,7 @@ TEST(HeightMap, PowerThatFollowsTheSpeedLeavesTheDepth) {
 }
 
 TEST(HeightMap, JoulesAreAllBookedInsideOrOutsideTheCorridor) {
-  HeightMap map({.half_width_m = 2e-3, .pixel_m = 10e-6}, material("wood"), PulsedSourceSettings{});
+  HeightMap map({.half_width_m = 2e-3, .pixel_m = 10e-6}, kWood, PulsedSourceSettings{});
   const geometry::NearestIndex contour(kLine);
   map.expose({0, 0.1e-3}, {0, 0.1e-3}, 10.0, 0.1, 0.0, &contour, 0.5e-3);
   map.expose({0, 0.7e-3}, {0, 0.7e-3}, 10.0, 0.05, 0.0, &contour, 0.5e-3);
@@ -85,9 +85,9 @@ TEST(HeightMap, JoulesAreAllBookedInsideOrOutsideTheCorridor) {
 }
 
 TEST(HeightMap, NothingIsDeeperThanTheWorkpieceIsThick) {
-  HeightMap map({.half_width_m = 1e-3, .pixel_m = 10e-6}, material("fibreglass"), PulsedSourceSettings{});
+  HeightMap map({.half_width_m = 1e-3, .pixel_m = 10e-6}, kFibreglass, PulsedSourceSettings{});
   map.expose({0, 0}, {0, 0}, 20.0, 5.0);
-  EXPECT_LE(map.depth_at({0, 0}), material("fibreglass").thickness_m * (1 + 1e-6));
+  EXPECT_LE(map.depth_at({0, 0}), kFibreglass.thickness_m * (1 + 1e-6));
 }
 
 TEST(Kerf, IsAboutAsWideAsTheSpotAndEven) {
@@ -143,11 +143,6 @@ TEST(Kerf, WhatIsNarrowerThanTheKerfIsRefused) {
   ASSERT_FALSE(passage);
   EXPECT_NE(passage.error().find("--kerf-um"), std::string::npos) << passage.error();
   EXPECT_FALSE(compensated(rooms, 4e-3, true)) << "nothing is left of it";
-}
-
-TEST(Material, UnknownOnesAreRefusedByName) {
-  EXPECT_THROW(material("cheese"), StartupError);
-  for (const auto& name : material_names()) EXPECT_EQ(material(name).name, name);
 }
 
 }  // namespace

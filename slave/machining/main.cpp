@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-machine: machines the contours that vision publishes, without a master.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "common/bus/bus_flags.h"
+#include "common/bus/contour_subscriber.h"
+#include "common/bus/endpoints.h"
+#include "common/bus/process.h"
+#include "common/runtime/program.h"
+#include "common/runtime/results.h"
+#include "common/runtime/startup_error.h"
+#include "netem/drivers/netem_flags.h"
+#include "slave/machining/station.h"
+
+namespace telekerf::machining {
+namespace {
+
+struct Flags {
+  BusFlags bus;
+  netem::NetemFlags netem;
+  StationSettings station;
+  std::string record;
+  double wait_s = 20.0;  ///< for vision, then it gives up
+};
+
+const char* text_of(JobPhase phase) {
+  switch (phase) {
+    case JobPhase::kApproach:
+      return "approaching";
+    case JobPhase::kFraming:
+      return "framing, pilot beam only";
+    case JobPhase::kTravel:
+      return "travelling, beam off";
+    case JobPhase::kCut:
+      return "cutting";
+    case JobPhase::kReturn:
+      return "returning";
+  }
+  return "unknown";
+}
+
+/// The job, or null if a stop came first. Throws StartupError.
+const Job* awaited(const ContourSubscriber<Job>& contour, Process& process, double wait_s) {
+  constexpr double kPatience_s = 0.5;  // vision is usually there by then
+  const auto since = std::chrono::steady_clock::now();
+  bool told = false;
+  while (contour.current() == nullptr && !stop_requested() && !contour.refused()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - since;
+    if (!told && waited.count() > kPatience_s) {
+      told = true;
+      process.status().say("waiting for a contour from telekerf-vision in " + process.place());
+    }
+    if (waited.count() > wait_s) {
+      throw environment_error(fmt::format("no contour for {:g} s in {}: is telekerf-vision running there?",
+                                          wait_s, process.place()));
+    }
+  }
+  if (contour.refused()) throw input_error(contour.refusal());
+  return contour.current();
+}
+
+int run(const Flags& flags) {
+  if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "result");
+  BusSettings settings = flags.bus.bus_settings(Site::kSlave, "slave");  // of which a cell has one
+  if (settings.name.empty()) settings.name = "machine";
+  settings.receive_filter = flags.netem.emulator(settings.site);
+  Station station(flags.station);
+
+  Process process(settings, "machine");
+  StatusReporter& status = process.status();
+  Reader<EventMessage> events(process.bus());
+  ContourSubscriber<Job> contour(process.bus(), [&](const ContourMessage& m) { return station.prepare(m); });
+  if (station.machine().plant() == nullptr)
+    status.say(flags.station.machine.drive + " is not simulated: the measured tool is recorded");
+  process.ready();
+  const Job* const job = awaited(contour, process, flags.wait_s);
+  if (job == nullptr) return 1;
+  if (!flags.record.empty()) make_folder("--record", flags.record);
+  status.say(fmt::format("{} {} to cut, {:.1f} mm, about {:.1f} s in all", job->plans.size(),
+                         job->plans.size() == 1 ? "contour" : "contours", job->cut_length_m * 1e3,
+                         job->time_s()));
+  station.begin(*job);
+
+  bool stop = false;
+  // A signal stops the tool first; the work ends when it stands.
+  const LoopStatistics loop = run_loop(station.control_hz(), [&](std::int64_t) {
+    while (const auto event = events.take()) stop = stop || event->value.kind == EventMessage::Kind::kStop;
+    stop = stop || stop_requested();
+    const JobExecutorOutputs out = station.step(stop);
+    status.state(text_of(out.phase));
+    status.progress(out.progress, station.time_s());
+    return !station.ended();
+  });
+  station.release();
+
+  bool inside = true;
+  if (!flags.record.empty()) {
+    const auto result = station.report(flags.record, loop);
+    inside = result["burn"]["energy_outside_corridor_j"].get<double>() == 0.0;
+    fmt::print("{}", table_of(result));
+  }
+  if (station.machine().failed()) throw hardware_error(station.machine().failure());
+  if (station.beam().failed()) throw hardware_error(station.beam().failure());
+  status.say(!inside ? "bad: the laser left the corridor" : station.finished() ? "finished" : "stopped");
+  return station.finished() && inside ? 0 : 1;
+}
+
+void add_parameters(Flags& flags, Settings& settings) {
+  flags.station.add_parameters(settings);
+  settings.add("record", flags.record, kFolder, "for what the work leaves");
+  settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
+               "gives up after this long without a contour");
+  flags.bus.declare(settings);
+  flags.netem.declare(settings);
+}
+
+}  // namespace
+}  // namespace telekerf::machining
+
+int main(int argc, char** argv) {
+  using namespace telekerf::machining;
+  return telekerf::run_program(
+      argc, argv, "telekerf-machine",
+      "The robot with the laser: machines the contours that vision publishes, without a master", Flags{},
+      add_parameters, run);
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "common/recording/run_record.h"
+#include "common/runtime/startup_error.h"
+
+namespace telekerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(RunRecord, AFolderThatHoldsAnotherRunOfTheSiteIsRefused) {
+  const fs::path folder = fs::path(testing::TempDir()) / ("record-" + std::to_string(getpid()));
+  EXPECT_NO_THROW(refuse_record_folder("--record", folder, "master")) << "it is not there yet";
+  EXPECT_FALSE(fs::exists(folder)) << "nothing is made";
+  RunRecord record;
+  record.master.push_back({.tick = 3});
+  write_contour(folder, record);
+  write_master(folder, record);
+  EXPECT_NO_THROW(refuse_record_folder("--record", folder, "slave")) << "both sites may share it";
+  try {
+    refuse_record_folder("--record", folder, "master");
+    ADD_FAILURE();
+  } catch (const StartupError& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kEnvironment);
+    EXPECT_EQ(error.what(), "--record " + folder.string() +
+                                ": holds the record of another run (master.json); name another folder");
+  }
+  fs::remove_all(folder);
+}
+
+TEST(RunRecord, ARecorderCountsWhatItHasNoRoomFor) {
+  Recorder<SlaveRow> recorder(2);
+  for (std::uint64_t tick = 0; tick < 5; ++tick) recorder.push({.tick = tick});
+  ASSERT_EQ(recorder.rows().size(), 2U);
+  EXPECT_EQ(recorder.rows().back().tick, 1U);
+  EXPECT_EQ(recorder.dropped(), 3U);
+}
+
+}  // namespace
+}  // namespace telekerf
