@@ -83,7 +83,7 @@ void announce(const std::stop_token& stop, const Progress& progress, double dura
   if (terminal) fmt::print("\r\033[K");
 }
 
-void record_run(const Flags& flags, const Station& station, const ContourSubscriber<GuidedContour>& contour,
+void record_run(const Flags& flags, const Station& station, ContourSubscriber<GuidedContour>& contour,
                 const Bus& bus, const netem::ReceivePathEmulator* emulator, const ReaderCounters& states,
                 const LoopStatistics& loop) {
   RunRecord record;

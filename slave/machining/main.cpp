@@ -44,7 +44,7 @@ const char* text_of(JobPhase phase) {
 }
 
 /// The job, or null if a stop came first. Throws StartupError.
-const Job* awaited(const ContourSubscriber<Job>& contour, Process& process, double wait_s) {
+const Job* awaited(ContourSubscriber<Job>& contour, Process& process, double wait_s) {
   constexpr double kPatience_s = 0.5;  // vision is usually there by then
   const auto since = std::chrono::steady_clock::now();
   bool told = false;
