@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "common/vision/extraction/extract.h"
+#include "common/vision/extraction/pixel_contour.h"
 
 namespace telekerf::vision {
 

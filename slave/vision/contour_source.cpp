@@ -43,7 +43,7 @@ LoadRequest load_request(const ContourRequest& request) {
   const auto anchor = anchor_of(request.anchor);
   if (!anchor) throw StartupError(fmt::format("anchor = {}: must be box, first or image", request.anchor));
   LoadRequest load;
-  load.extract.mode = *mode;
+  load.extraction.mode = *mode;
   load.scale.anchor = *anchor;
   load.scale.picture_width_m = request.width_m;
   load.scale.workspace_radius_m = request.workspace_radius_m;
@@ -52,7 +52,7 @@ LoadRequest load_request(const ContourRequest& request) {
   return load;
 }
 
-tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const std::string& source,
+tl::expected<ContourMessage, std::string> message_of(const LoadedContours& loaded, const std::string& source,
                                                      double workspace_radius_m) {
   const geometry::Polyline& line = loaded.contours[loaded.selected];
   double reach_m = 0.0;

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "common/geometry/nearest.h"
-#include "common/vision/extraction/extract.h"
+#include "common/vision/extraction/contour_extraction.h"
 #include "slave/vision/drawing.h"
 
 namespace {
@@ -83,7 +83,7 @@ int main() {
       look.seed = seed;
       pictures.push_back(drawing::render(drawing, look));
     }
-    for (const vision::Mode mode : {vision::Mode::kAuto, vision::Mode::kOutline, vision::Mode::kStroke}) {
+    for (const vision::ExtractionMode mode : {vision::ExtractionMode::kAuto, vision::ExtractionMode::kOutline, vision::ExtractionMode::kStroke}) {
       Times ours;
       Times theirs;
       std::size_t points = 0;
@@ -121,7 +121,7 @@ int main() {
     std::size_t points = 0;
     for (int round = -2; round < kRounds; ++round) {
       const double ms = milliseconds([&] {
-        const auto found = vision::extract(picture, {.mode = vision::Mode::kStroke});
+        const auto found = vision::extract(picture, {.mode = vision::ExtractionMode::kStroke});
         if (found) points = found->contours.front().points_px.size();
       });
       if (round >= 0) times.all.push_back(ms);
