@@ -73,7 +73,7 @@ tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, cons
         fmt::format("contour {} is asked for, the picture has {}", request.select, found->contours.size()));
   }
   LoadedContours out;
-  out.mode = name_of(found->mode);
+  out.mode = kExtractionModes.word(found->mode);
   out.why = found->why;
   out.selected = request.select;
   out.contrast = found->contrast;

@@ -37,10 +37,10 @@ std::uint32_t digest_of(const ContourMessage& message) {
 }  // namespace
 
 LoadRequest load_request(const ContourRequest& request) {
-  const auto mode = mode_of(request.mode);
+  const auto mode = kExtractionModes.find(request.mode);
   if (!mode)
     throw StartupError(fmt::format("mode = {}: must be auto, outline, stroke or thesis", request.mode));
-  const auto anchor = anchor_of(request.anchor);
+  const auto anchor = kAnchorModes.find(request.anchor);
   if (!anchor) throw StartupError(fmt::format("anchor = {}: must be box, first or image", request.anchor));
   LoadRequest load;
   load.extraction.mode = *mode;

@@ -83,7 +83,8 @@ int main() {
       look.seed = seed;
       pictures.push_back(drawing::render(drawing, look));
     }
-    for (const vision::ExtractionMode mode : {vision::ExtractionMode::kAuto, vision::ExtractionMode::kOutline, vision::ExtractionMode::kStroke}) {
+    for (const vision::ExtractionMode mode :
+         {vision::ExtractionMode::kAuto, vision::ExtractionMode::kOutline, vision::ExtractionMode::kStroke}) {
       Times ours;
       Times theirs;
       std::size_t points = 0;
@@ -103,8 +104,8 @@ int main() {
       worst_best = std::max(worst_best, of_best);
       worst_median = std::max(worst_median, of_median);
       fmt::print("{:10} {:8} {:8} {:9.2f} {:9.2f} {:9.2f} | {:9.2f} {:9.2f} | {:7.2f} {:9.2f}\n", name,
-                 vision::name_of(mode), points, ours.at(0.0), ours.at(0.5), ours.at(0.9), theirs.at(0.0),
-                 theirs.at(0.5), of_best, of_median);
+                 vision::kExtractionModes.word(mode), points, ours.at(0.0), ours.at(0.5), ours.at(0.9),
+                 theirs.at(0.0), theirs.at(0.5), of_best, of_median);
     }
   }
   fmt::print("largest ratio {:.2f} of the best times, {:.2f} of the medians (bar: 2)\n\n", worst_best,

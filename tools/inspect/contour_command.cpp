@@ -56,13 +56,13 @@ std::size_t harmonics_of(const std::string& text) {
 
 vision::LoadRequest request_of(const Options& o) {
   vision::LoadRequest request;
-  request.extraction.mode = *vision::mode_of(o.mode);
+  request.extraction.mode = *vision::kExtractionModes.find(o.mode);
   if (!o.start.empty()) request.extraction.start_px = Vec2(o.start[0], o.start[1]);
   if (!o.end.empty()) request.extraction.end_px = Vec2(o.end[0], o.end[1]);
   if (o.width_mm > 0.0) request.scale.picture_width_m = 1e-3 * o.width_mm;
   if (o.height_mm > 0.0) request.scale.picture_height_m = 1e-3 * o.height_mm;
   request.scale.workspace_radius_m = 1e-3 * o.workspace_mm;
-  request.scale.anchor = *vision::anchor_of(o.anchor);
+  request.scale.anchor = *vision::kAnchorModes.find(o.anchor);
   request.select = o.select;
   return request;
 }

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
 
@@ -23,11 +23,6 @@
 namespace telekerf::vision {
 namespace {
 
-constexpr std::array<std::pair<ExtractionMode, std::string_view>, 4> kNames{
-    {{ExtractionMode::kAuto, "auto"},
-     {ExtractionMode::kThesis, "thesis"},
-     {ExtractionMode::kOutline, "outline"},
-     {ExtractionMode::kStroke, "stroke"}}};
 constexpr double kMinLength_px = 16.0;
 
 /// Largest first; specks go.
@@ -129,16 +124,6 @@ tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlin
 }
 
 }  // namespace
-
-std::string_view name_of(ExtractionMode mode) {
-  return std::find_if(kNames.begin(), kNames.end(), [&](const auto& n) { return n.first == mode; })->second;
-}
-
-std::optional<ExtractionMode> mode_of(std::string_view name) {
-  const auto found =
-      std::find_if(kNames.begin(), kNames.end(), [&](const auto& n) { return n.second == name; });
-  return found == kNames.end() ? std::nullopt : std::optional(found->first);
-}
 
 tl::expected<Extraction, std::string> extract(const cv::Mat& image, const ExtractionSettings& settings) {
   const auto grey = grey_plane(image);

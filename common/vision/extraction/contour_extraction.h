@@ -5,9 +5,9 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <tl/expected.hpp>
 
+#include "common/runtime/enum_table.h"
 #include "common/vision/extraction/pixel_contour.h"
 
 namespace telekerf::vision {
@@ -19,8 +19,13 @@ enum class ExtractionMode {
   kStroke,   ///< one pass along the centre line of a drawn stroke
 };
 
-std::string_view name_of(ExtractionMode mode);
-std::optional<ExtractionMode> mode_of(std::string_view name);
+inline constexpr EnumRow<ExtractionMode> kExtractionModeRows[] = {
+    {"auto", ExtractionMode::kAuto, "outline for filled regions, stroke for thin drawn lines"},
+    {"outline", ExtractionMode::kOutline, "the closed boundary of a region, finer than a pixel"},
+    {"stroke", ExtractionMode::kStroke, "one pass along the centre line of a drawn stroke"},
+    {"thesis", ExtractionMode::kThesis, "Canny's edges, and a window that travels along their band"},
+};
+inline constexpr EnumTable<ExtractionMode> kExtractionModes(kExtractionModeRows);
 
 struct ExtractionSettings {
   ExtractionMode mode = ExtractionMode::kAuto;

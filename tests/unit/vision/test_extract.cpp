@@ -40,7 +40,7 @@ TEST_P(Truth, PointsLieOnTheDrawingInOrder) {
 }
 
 std::string name_of_case(const testing::TestParamInfo<Case>& info) {
-  std::string out = std::string(info.param.shape) + "_" + std::string(name_of(info.param.mode));
+  std::string out = std::string(info.param.shape) + "_" + std::string(kExtractionModes.word(info.param.mode));
   std::replace(out.begin(), out.end(), '-', '_');
   return out;
 }
@@ -99,7 +99,7 @@ TEST(Extract, SharpCornersOfAStrokeAreGoneRound) {
         const PixelContour& contour = found->contours.front();
         EXPECT_EQ(contour.closed, drawing.lines_px.front().closed);
         const Comparison c = compare(contour, drawing.lines_px.front());
-        const auto what = testing::Message() << name_of(mode) << ", pen " << pen << ", "
+        const auto what = testing::Message() << kExtractionModes.word(mode) << ", pen " << pen << ", "
                                              << drawing.lines_px.front().size() << " corners";
         EXPECT_LT(c.rms_px, 0.5) << what;
         EXPECT_LT(c.max_px, 2.0) << what;

@@ -93,7 +93,7 @@ TEST(Extract, StrokesThatRunOffThePictureAreRefused) {
   cv::line(loop, {420, 240}, {660, 240}, cv::Scalar(40), 6, cv::LINE_AA);
   for (const ExtractionMode mode :
        {ExtractionMode::kAuto, ExtractionMode::kOutline, ExtractionMode::kStroke, ExtractionMode::kThesis}) {
-    EXPECT_NE(complaint(loop, mode).find("border"), std::string::npos) << name_of(mode);
+    EXPECT_NE(complaint(loop, mode).find("border"), std::string::npos) << kExtractionModes.word(mode);
   }
 }
 
