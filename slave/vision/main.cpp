@@ -14,17 +14,17 @@
 #include "common/runtime/resources.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
-#include "slave/vision/camera.h"
+#include "slave/vision/cameras/cameras.h"
 #include "slave/vision/vision_node.h"
 
-namespace telekerf::vision {
+namespace telekerf::vision_process {
 namespace {
 
 struct Flags {
   BusFlags bus;
   netem::NetemFlags netem;
   std::string image = "heart";
-  int camera = -1;
+  std::string camera = "none";
   std::string mode = "auto";
   std::string anchor = "box";
   int select = 0;
@@ -36,8 +36,8 @@ struct Flags {
 ContourRequest request_of(const Flags& flags) {
   ContourRequest request;
   request.image = flags.image;
-  request.mode = flags.mode;
-  request.anchor = flags.anchor;
+  request.mode = *vision::kExtractionModes.find(flags.mode);
+  request.anchor = *vision::kAnchorModes.find(flags.anchor);
   request.select = static_cast<std::size_t>(flags.select);
   if (flags.width_mm > 0.0) request.width_m = flags.width_mm * 1e-3;
   request.fit_all = flags.fit_all;
@@ -60,12 +60,13 @@ void say(const ContourMessage& contour) {
 }
 
 int run(const Flags& flags) {
-  const auto camera = flags.camera >= 0 ? open_device(flags.camera) : open_image(path_of(flags.image));
+  const bool live = flags.camera != "none";
+  const auto camera = live ? open_camera(flags.camera) : open_image(path_of(flags.image));
   VisionNode node(request_of(flags));
-  Camera::Look look = camera->next();
-  VisionNode::Outcome outcome = node.step(look);
+  Camera::Result seen = camera->next();
+  VisionNode::Outcome outcome = node.step(seen);
   // A file's first look decides; what lies under a camera may come later.
-  if (flags.camera < 0 && node.state() == VisionNode::State::kNoContour) throw StartupError(outcome.remark);
+  if (!live && node.state() == VisionNode::State::kNoContour) throw input_error(outcome.remark);
 
   catch_stop_signals();
   BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "vision");
@@ -85,25 +86,31 @@ int run(const Flags& flags) {
       report_at = now + std::chrono::seconds(1);
     }
     // A live camera sets the pace; for files and for what is gone, now and then will do.
-    const bool live = look && *look && (*look)->settles;
-    std::this_thread::sleep_for(std::chrono::milliseconds(live ? 1 : 200));
-    look = camera->next();
-    outcome = node.step(look);
+    const bool more = seen && *seen && (*seen)->settles;
+    std::this_thread::sleep_for(std::chrono::milliseconds(more ? 1 : 200));
+    seen = camera->next();
+    outcome = node.step(seen);
   }
   return 0;
 }
 
 }  // namespace
-}  // namespace telekerf::vision
+}  // namespace telekerf::vision_process
 
 int main(int argc, char** argv) {
   CLI::App app("Finds the contour in a picture and publishes it", "telekerf-vision");
-  telekerf::vision::Flags flags;
+  using namespace telekerf::vision_process;
+  Flags flags;
   telekerf::Settings settings;
   settings.add("image", flags.image,
                "a shipped picture's name, a picture, SVG or DXF file, a folder of them, or a video");
-  settings.add("camera", flags.camera, {.min = -1, .max = 255},
-               "number of a /dev/video device; -1: none, use image");
+  settings.add(
+      "camera", flags.camera,
+      fmt::format("what shows the workpiece in place of image: none, the N of a /dev/video device, {}",
+                  camera_forms()),
+      [](const std::string& camera) {
+        return camera == "none" ? std::string() : complaint_about_camera(camera);
+      });
   settings.add("mode", flags.mode, "from pixels to points", {"auto", "outline", "stroke", "thesis"});
   settings.add("anchor", flags.anchor,
                "what lies on the workpiece's origin: the contour's box or first point, or the image's centre",

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
 

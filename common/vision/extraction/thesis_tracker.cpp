@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "common/geometry/polyline.h"
 #include "common/vision/extraction/edge_band.h"
 
 namespace telekerf::vision {

@@ -132,7 +132,7 @@ class Reader {
 
   Vec2 position_of(const tinyxml2::XMLElement& e) {
     const SvgCoordinates at = coordinates(e);
-    return {at("x"), at("y")};
+    return Vec2(at("x"), at("y"));
   }
 
   /// Width and height of a nested viewport: those of the `use` count first, all there is where none is given.

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where pictures come from: a hardware vendor implements `Camera`; here are files, folders, videos and V4L2.
+// The seam to whatever shows the workpiece: a hardware vendor implements `Camera` and enters it in
+// cameras.cpp.
 #pragma once
 
-#include <memory>
-#include <opencv2/core.hpp>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <tl/expected.hpp>
 
-namespace telekerf::vision {
+namespace telekerf::vision_process {
 
 /// What a camera showed. Files are named, not read: a drawing has no pixels, a large picture is read reduced.
 struct Frame {
@@ -21,7 +21,7 @@ struct Frame {
 class Camera {
  public:
   /// A new frame, or nothing new, or the reason why the camera is gone.
-  using Look = tl::expected<std::optional<Frame>, std::string>;
+  using Result = tl::expected<std::optional<Frame>, std::string>;
 
   Camera() = default;
   virtual ~Camera() = default;
@@ -30,13 +30,7 @@ class Camera {
 
   /// Never waits longer than a frame's time, or what the driver takes to find out that its device is gone. A
   /// camera that is gone is looked for again at each call.
-  virtual Look next() = 0;
+  virtual Result next() = 0;
 };
 
-/// A picture, drawing, folder of pictures (in the order of their names) or video; what is changed or added
-/// later is a new frame. Throws StartupError when there is no such thing.
-std::unique_ptr<Camera> open_image(const std::string& path);
-/// Device /dev/videoN. Throws StartupError when it cannot be opened.
-std::unique_ptr<Camera> open_device(int number);
-
-}  // namespace telekerf::vision
+}  // namespace telekerf::vision_process
