@@ -16,7 +16,7 @@ int draw_all(const std::filesystem::path& folder) {
   std::uint64_t seed = 11;
   for (const std::string& name : telekerf::drawing::names()) {
     const auto drawing = telekerf::drawing::by_name(name);
-    // Pen strokes appearance like paper under a lamp, regions like prints.
+    // Pen strokes look like paper under a lamp, regions like prints.
     telekerf::drawing::Appearance appearance;
     appearance.seed = seed++;
     appearance.ink = drawing->filled ? 62.0 : 48.0;
