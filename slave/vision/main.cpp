@@ -108,9 +108,7 @@ int main(int argc, char** argv) {
       "camera", flags.camera,
       fmt::format("what shows the workpiece in place of image: none, the N of a /dev/video device, {}",
                   camera_forms()),
-      [](const std::string& camera) {
-        return camera == "none" ? std::string() : complaint_about_camera(camera);
-      });
+      [](const std::string& camera) { return camera == "none" ? std::string() : validate_camera(camera); });
   settings.add("mode", flags.mode, "from pixels to points", {"auto", "outline", "stroke", "thesis"});
   settings.add("anchor", flags.anchor,
                "what lies on the workpiece's origin: the contour's box or first point, or the image's centre",

@@ -3,10 +3,14 @@
 // cameras.cpp.
 #pragma once
 
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
+
+#include "common/runtime/device_registry.h"
 
 namespace telekerf::vision_process {
 
@@ -32,5 +36,14 @@ class Camera {
   /// camera that is gone is looked for again at each call.
   virtual Result next() = 0;
 };
+
+/// How users name cameras: each kind has a row of its own beside its class.
+using CameraRegistry = DeviceRegistry<std::unique_ptr<Camera>>;
+using CameraKind = CameraRegistry::Kind;
+
+/// Validates what stands behind the colon of a camera that shows files.
+inline std::string validate_path(std::string_view path) {
+  return path.empty() ? "a path must follow the colon" : "";
+}
 
 }  // namespace telekerf::vision_process

@@ -3,11 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <optional>
+#include <filesystem>
 #include <string_view>
 
-#include "common/runtime/device_registry.h"
 #include "slave/vision/cameras/file_camera.h"
 #include "slave/vision/cameras/file_kind.h"
 #include "slave/vision/cameras/folder_camera.h"
@@ -17,38 +15,14 @@
 namespace telekerf::vision_process {
 namespace {
 
-std::string complaint_about_path(std::string_view path) {
-  return path.empty() ? "needs a path behind the colon" : "";
-}
-
-/// Of /dev/videoN.
-std::optional<int> number_of(std::string_view text) {
-  int number = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size() || number < 0 || number > 255)
-    return std::nullopt;
-  return number;
-}
-
-std::string complaint_about_number(std::string_view text) {
-  return number_of(text) ? "" : "the number of a /dev/video device must be from 0 to 255";
-}
-
-template <typename PathCamera>
-std::unique_ptr<Camera> at_path(std::string_view path) {
-  return std::make_unique<PathCamera>(std::filesystem::path(path));
-}
-
-std::unique_ptr<Camera> v4l2(std::string_view text) { return std::make_unique<V4l2Camera>(*number_of(text)); }
-
-using Table = DeviceRegistry<std::unique_ptr<Camera>>;
-constexpr Table::Kind kKinds[] = {
-    {"v4l2", "v4l2:N", complaint_about_number, v4l2},
-    {"file", "file:PATH", complaint_about_path, at_path<FileCamera>},
-    {"folder", "folder:PATH", complaint_about_path, at_path<FolderCamera>},
-    {"video", "video:PATH", complaint_about_path, at_path<VideoCamera>},
+// A camera of your own: its header above, and one row.
+constexpr CameraKind kKinds[] = {
+    kV4l2Camera,
+    kFileCamera,
+    kFolderCamera,
+    kVideoCamera,
 };
-constexpr Table kCameras("camera", kKinds);
+constexpr CameraRegistry kCameras("camera", kKinds);
 
 /// A number alone is that of a /dev/video device.
 std::string spelt_out(const std::string& camera) {
@@ -58,18 +32,16 @@ std::string spelt_out(const std::string& camera) {
 
 /// Looks once, so that what is not there is refused at the start.
 std::unique_ptr<Camera> proven(const std::string& camera, ErrorKind kind, std::string_view remedy) {
-  if (const auto first = kCameras.attach(camera)->next(); !first)
+  if (const auto first = kCameras.open(camera)->next(); !first)
     throw StartupError(kind, fmt::format("{}; {}", first.error(), remedy));
-  return kCameras.attach(camera);
+  return kCameras.open(camera);
 }
 
 }  // namespace
 
 std::string camera_forms() { return kCameras.forms(); }
 
-std::string complaint_about_camera(const std::string& camera) {
-  return kCameras.complaint(spelt_out(camera));
-}
+std::string validate_camera(const std::string& camera) { return kCameras.validate(spelt_out(camera)); }
 
 std::unique_ptr<Camera> open_camera(const std::string& camera) {
   return proven(spelt_out(camera), ErrorKind::kHardware,

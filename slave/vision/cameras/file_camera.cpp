@@ -13,4 +13,6 @@ Camera::Result FileCamera::next() {
   return Frame{file_.filename().string(), file_.string()};
 }
 
+std::unique_ptr<Camera> open_file_camera(std::string_view path) { return std::make_unique<FileCamera>(path); }
+
 }  // namespace telekerf::vision_process

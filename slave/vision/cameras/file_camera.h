@@ -3,7 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "slave/vision/cameras/camera.h"
@@ -21,5 +23,9 @@ class FileCamera : public Camera {
   std::filesystem::path file_;
   std::optional<FileStamp> seen_;
 };
+
+std::unique_ptr<Camera> open_file_camera(std::string_view path);
+
+inline constexpr CameraKind kFileCamera{"file", "file:PATH", validate_path, open_file_camera};
 
 }  // namespace telekerf::vision_process

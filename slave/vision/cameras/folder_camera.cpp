@@ -28,4 +28,8 @@ Camera::Result FolderCamera::next() {
   return std::nullopt;
 }
 
+std::unique_ptr<Camera> open_folder_camera(std::string_view path) {
+  return std::make_unique<FolderCamera>(path);
+}
+
 }  // namespace telekerf::vision_process

@@ -5,6 +5,8 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <string_view>
 #include <utility>
 
 #include "slave/vision/cameras/camera.h"
@@ -22,5 +24,9 @@ class FolderCamera : public Camera {
   std::filesystem::path folder_;
   std::map<std::filesystem::path, FileStamp> seen_;
 };
+
+std::unique_ptr<Camera> open_folder_camera(std::string_view path);
+
+inline constexpr CameraKind kFolderCamera{"folder", "folder:PATH", validate_path, open_folder_camera};
 
 }  // namespace telekerf::vision_process

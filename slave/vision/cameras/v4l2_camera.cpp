@@ -3,11 +3,24 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 namespace telekerf::vision_process {
+namespace {
+
+std::optional<int> device_number(std::string_view text) {
+  int number = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool whole = error == std::errc{} && end == text.data() + text.size();
+  return whole && number >= 0 && number <= 255 ? std::optional(number) : std::nullopt;
+}
+
+}  // namespace
 
 V4l2Camera::V4l2Camera(int number) : number_(number), capture_(std::make_unique<cv::VideoCapture>()) {}
 
@@ -28,6 +41,14 @@ Camera::Result V4l2Camera::next() {
     return tl::unexpected(fmt::format("{}: gives no picture", name));
   }
   return Frame{name, "", std::move(image), true};
+}
+
+std::string validate_device_number(std::string_view text) {
+  return device_number(text) ? "" : "the number of a /dev/video device must be from 0 to 255";
+}
+
+std::unique_ptr<Camera> open_v4l2_camera(std::string_view number) {
+  return std::make_unique<V4l2Camera>(device_number(number).value());
 }
 
 }  // namespace telekerf::vision_process

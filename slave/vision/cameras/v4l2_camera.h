@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "slave/vision/cameras/camera.h"
 
@@ -24,5 +26,11 @@ class V4l2Camera : public Camera {
   int number_;
   std::unique_ptr<cv::VideoCapture> capture_;
 };
+
+/// Validates the N of /dev/videoN.
+std::string validate_device_number(std::string_view text);
+std::unique_ptr<Camera> open_v4l2_camera(std::string_view number);
+
+inline constexpr CameraKind kV4l2Camera{"v4l2", "v4l2:N", validate_device_number, open_v4l2_camera};
 
 }  // namespace telekerf::vision_process

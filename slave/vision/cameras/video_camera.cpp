@@ -52,4 +52,8 @@ void VideoCamera::keep_pace() {
   std::this_thread::sleep_until(due_);
 }
 
+std::unique_ptr<Camera> open_video_camera(std::string_view path) {
+  return std::make_unique<VideoCamera>(path);
+}
+
 }  // namespace telekerf::vision_process

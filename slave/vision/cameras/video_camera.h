@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "slave/vision/cameras/camera.h"
 #include "slave/vision/cameras/file_stamp.h"
@@ -33,5 +34,9 @@ class VideoCamera : public Camera {
   int shown_ = 0;
   std::chrono::steady_clock::time_point due_;
 };
+
+std::unique_ptr<Camera> open_video_camera(std::string_view path);
+
+inline constexpr CameraKind kVideoCamera{"video", "video:PATH", validate_path, open_video_camera};
 
 }  // namespace telekerf::vision_process

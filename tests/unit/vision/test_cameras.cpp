@@ -105,17 +105,17 @@ TEST(Cameras, AreChosenByAWord) {
   const Folder folder("words");
   folder.put("heart.png", picture_of("heart"));
   for (const std::string& camera : {"file:" + folder.file("heart.png"), "folder:" + folder.path()}) {
-    EXPECT_EQ(complaint_about_camera(camera), "");
+    EXPECT_EQ(validate_camera(camera), "");
     const auto frame = open_camera(camera)->next();
     ASSERT_TRUE(frame && *frame) << camera;
     EXPECT_EQ((*frame)->source, "heart.png") << camera;
   }
-  EXPECT_EQ(complaint_about_camera("video:" + folder.file("none.avi")), "");
+  EXPECT_EQ(validate_camera("video:" + folder.file("none.avi")), "");
   EXPECT_THROW(open_camera("video:" + folder.file("none.avi")), StartupError);
-  for (const char* camera : {"0", "v4l2:0", "255"}) EXPECT_EQ(complaint_about_camera(camera), "") << camera;
+  for (const char* camera : {"0", "v4l2:0", "255"}) EXPECT_EQ(validate_camera(camera), "") << camera;
   for (const char* camera : {"", "-1", "256", "v4l2", "v4l2:x", "v4l2:1x", "file", "file:", "microscope:3"})
-    EXPECT_NE(complaint_about_camera(camera), "") << camera;
-  EXPECT_NE(complaint_about_camera("microscope:3").find(camera_forms()), std::string::npos);
+    EXPECT_NE(validate_camera(camera), "") << camera;
+  EXPECT_NE(validate_camera("microscope:3").find(camera_forms()), std::string::npos);
 }
 
 }  // namespace
