@@ -33,11 +33,11 @@ class Announcements {
 }  // namespace
 
 ContourMessage find_contour(const SimulationSettings& settings) {
-  vision::ContourRequest request;
+  vision_process::ContourRequest request;
   request.image = settings.image;
   if (settings.width_mm > 0.0) request.width_m = settings.width_mm * 1e-3;
   request.workspace_radius_m = robot::load_robot(settings.slave.robot).workspace.radius_m;
-  return vision::find_contour(request);
+  return vision_process::find_contour(request);
 }
 
 RunRecord simulate(const SimulationSettings& settings) { return simulate(settings, find_contour(settings)); }

@@ -12,7 +12,11 @@
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
-#include "common/vision/export.h"
+#include "common/vision/export/csv.h"
+#include "common/vision/export/gcode.h"
+#include "common/vision/export/overlay.h"
+#include "common/vision/export/svg.h"
+#include "common/vision/load.h"
 #include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {
@@ -20,13 +24,13 @@ namespace {
 
 struct Options {
   std::string input;
-  std::string mode = "auto";
+  vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
   std::vector<double> start;
   std::vector<double> end;
   std::optional<double> width_mm;
   std::optional<double> height_mm;
   double workspace_mm = 20.0;
-  std::string anchor = "box";
+  vision::AnchorMode anchor = vision::AnchorMode::kBoundingBox;
   std::string harmonics = "auto";
   double tolerance_mm = 0.05;
   std::size_t select = 0;
@@ -51,14 +55,14 @@ std::size_t harmonics_of(const std::string& text) {
 
 vision::LoadRequest request_of(const Options& o) {
   vision::LoadRequest request;
-  request.extract.mode = *vision::mode_of(o.mode);
-  if (!o.start.empty()) request.extract.start_px = Vec2(o.start[0], o.start[1]);
-  if (!o.end.empty()) request.extract.end_px = Vec2(o.end[0], o.end[1]);
+  request.extraction.mode = o.mode;
+  if (!o.start.empty()) request.extraction.start_px = Vec2(o.start[0], o.start[1]);
+  if (!o.end.empty()) request.extraction.end_px = Vec2(o.end[0], o.end[1]);
   if (o.height_mm && !o.width_mm) throw usage_error("--height-mm needs --width-mm");
   if (o.width_mm) request.scale.picture_width_m = 1e-3 * *o.width_mm;
   if (o.height_mm) request.scale.picture_height_m = 1e-3 * *o.height_mm;
   request.scale.workspace_radius_m = 1e-3 * o.workspace_mm;
-  request.scale.anchor = *vision::anchor_of(o.anchor);
+  request.scale.anchor = o.anchor;
   request.select = o.select;
   return request;
 }
@@ -127,13 +131,13 @@ void add_parameters(Options& o, Settings& s) {
   const Bounds length_mm{.min = 1e-3, .max = 1e6, .unit = "mm"};
   s.add("input", o.input, kPicture, "PNG, JPEG, ..., SVG or DXF file, or the name of a shipped picture")
       .as_argument();
-  s.add("mode", o.mode, "how pixels become points", {"auto", "outline", "stroke", "thesis"});
+  s.add("mode", o.mode, vision::kExtractionModes, "how pixels become points");
   s.add("start", o.start, 2, pixels, "X,Y: where the path starts");
   s.add("end", o.end, 2, pixels, "X,Y: where an open path ends");
   s.add("width_mm", o.width_mm, length_mm, "true width of the whole picture; without it: see workspace_mm");
   s.add("height_mm", o.height_mm, length_mm, "and its true height, where pixels are not square");
   s.add("workspace_mm", o.workspace_mm, length_mm, "without width_mm the contour fills 60 % of this radius");
-  s.add("anchor", o.anchor, "what lies on the workpiece's origin", {"box", "first", "image"});
+  s.add("anchor", o.anchor, vision::kAnchorModes, "what lies on the workpiece's origin");
   s.add("harmonics", o.harmonics, TextForm{"auto|NUMBER"},
         "elliptic Fourier descriptors of a closed contour");
   s.add("tolerance_mm", o.tolerance_mm, {.min = 1e-6, .max = 1e3, .unit = "mm"},

@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/vision/extraction/contour_extraction.h"
-#include "common/vision/extraction/extract.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {
@@ -16,8 +15,8 @@ namespace {
 
 struct Case {
   const char* shape;
-  Mode mode;
-  Mode used;  ///< what auto chooses
+  ExtractionMode mode;
+  ExtractionMode used;  ///< what auto chooses
 };
 
 class Truth : public testing::TestWithParam<Case> {};
@@ -25,7 +24,7 @@ class Truth : public testing::TestWithParam<Case> {};
 TEST_P(Truth, PointsLieOnTheDrawingInOrder) {
   for (int round = 0; round < 4; ++round) {
     const drawing::Drawing drawing = turned(GetParam().shape, round);
-    const auto found = extract(drawing::render(drawing, hard_look(round)), {.mode = GetParam().mode});
+    const auto found = extract(drawing::render(drawing, hard_appearance(round)), {.mode = GetParam().mode});
     ASSERT_TRUE(found) << found.error();
     EXPECT_EQ(found->mode, GetParam().used);
     const PixelContour& contour = found->contours.front();
@@ -41,27 +40,35 @@ TEST_P(Truth, PointsLieOnTheDrawingInOrder) {
 }
 
 std::string name_of_case(const testing::TestParamInfo<Case>& info) {
-  std::string out = std::string(info.param.shape) + "_" + std::string(name_of(info.param.mode));
+  std::string out = std::string(info.param.shape) + "_" + std::string(kExtractionModes.word(info.param.mode));
   std::replace(out.begin(), out.end(), '-', '_');
   return out;
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Drawings, Truth,
-    testing::Values(Case{"line", Mode::kAuto, Mode::kStroke}, Case{"circle", Mode::kAuto, Mode::kStroke},
-                    Case{"figure-8", Mode::kAuto, Mode::kStroke}, Case{"spiral", Mode::kAuto, Mode::kStroke},
-                    Case{"heart", Mode::kAuto, Mode::kStroke}, Case{"letter-s", Mode::kAuto, Mode::kStroke},
-                    Case{"script-e", Mode::kAuto, Mode::kStroke}, Case{"gear", Mode::kAuto, Mode::kOutline},
-                    Case{"cam", Mode::kAuto, Mode::kOutline}, Case{"octagon", Mode::kAuto, Mode::kOutline},
-                    Case{"letter-e", Mode::kAuto, Mode::kOutline}, Case{"blob", Mode::kAuto, Mode::kOutline},
-                    Case{"line", Mode::kThesis, Mode::kThesis}, Case{"circle", Mode::kThesis, Mode::kThesis},
-                    Case{"figure-8", Mode::kThesis, Mode::kThesis},
-                    Case{"spiral", Mode::kThesis, Mode::kThesis},
-                    Case{"script-e", Mode::kThesis, Mode::kThesis},
-                    Case{"letter-s", Mode::kThesis, Mode::kThesis}, Case{"cam", Mode::kThesis, Mode::kThesis},
-                    Case{"octagon", Mode::kThesis, Mode::kThesis}, Case{"gear", Mode::kThesis, Mode::kThesis},
-                    Case{"blob", Mode::kThesis, Mode::kThesis}),
-    name_of_case);
+INSTANTIATE_TEST_SUITE_P(Drawings, Truth,
+                         testing::Values(Case{"line", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"circle", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"figure-8", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"spiral", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"heart", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"letter-s", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"script-e", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"gear", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"cam", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"octagon", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"letter-e", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"blob", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"line", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"circle", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"figure-8", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"spiral", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"script-e", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"letter-s", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"cam", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"octagon", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"gear", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"blob", ExtractionMode::kThesis, ExtractionMode::kThesis}),
+                         name_of_case);
 
 /// A pen drawing of straight lines between points of a unit circle's size.
 drawing::Drawing penned(std::vector<Vec2> points, bool closed, double pen_px) {
@@ -86,13 +93,13 @@ TEST(Extract, SharpCornersOfAStrokeAreGoneRound) {
         penned(star_points(1, 0.42), true, pen),                                               // 43
         penned(star_points(2, 0.0), true, pen)};  // 36, and five crossings
     for (const drawing::Drawing& drawing : drawings) {
-      for (const Mode mode : {Mode::kStroke, Mode::kThesis}) {
-        const auto found = extract(drawing::render(drawing, hard_look(2)), {.mode = mode});
+      for (const ExtractionMode mode : {ExtractionMode::kStroke, ExtractionMode::kThesis}) {
+        const auto found = extract(drawing::render(drawing, hard_appearance(2)), {.mode = mode});
         ASSERT_TRUE(found) << found.error();
         const PixelContour& contour = found->contours.front();
         EXPECT_EQ(contour.closed, drawing.lines_px.front().closed);
         const Comparison c = compare(contour, drawing.lines_px.front());
-        const auto what = testing::Message() << name_of(mode) << ", pen " << pen << ", "
+        const auto what = testing::Message() << kExtractionModes.word(mode) << ", pen " << pen << ", "
                                              << drawing.lines_px.front().size() << " corners";
         EXPECT_LT(c.rms_px, 0.5) << what;
         EXPECT_LT(c.max_px, 2.0) << what;
@@ -127,7 +134,7 @@ TEST(Extract, StrokesAreSmoothUpToTheirCorners) {
       drawing::Drawing drawing = turned("heart", round);
       drawing.pen_px = pen;
       const auto& truth = drawing.lines_px.front().points_m;
-      const auto found = extract(drawing::render(drawing, hard_look(round)));
+      const auto found = extract(drawing::render(drawing, hard_appearance(round)));
       ASSERT_TRUE(found) << found.error();
       const PixelContour& contour = found->contours.front();
       EXPECT_LT(compare(contour, drawing.lines_px.front()).max_px, 1.0)
@@ -146,7 +153,7 @@ TEST(Extract, StrokesThatCrossAtASmallAngleGoStraightOn) {
       drawing.lines_px[0].points_m.emplace_back(319.5 + 190.0 * std::sin(3 * a + 0.4),
                                                 239.5 + 180.0 * std::sin(2 * a));
     }
-    const auto found = extract(drawing::render(drawing, hard_look(1)));
+    const auto found = extract(drawing::render(drawing, hard_appearance(1)));
     ASSERT_TRUE(found) << found.error();
     const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
     EXPECT_TRUE(found->contours.front().closed);
@@ -166,7 +173,8 @@ TEST(Extract, CornersOfARegionAreSharpAndCurvesStayRound) {
     waves.lines_px[0].points_m.emplace_back(319.5 + r * std::cos(a), 239.5 + r * std::sin(a));
   }
   for (const drawing::Drawing& drawing : {star, waves}) {
-    const auto found = extract(drawing::render(drawing, hard_look(1)), {.mode = Mode::kOutline});
+    const auto found =
+        extract(drawing::render(drawing, hard_appearance(1)), {.mode = ExtractionMode::kOutline});
     ASSERT_TRUE(found) << found.error();
     const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
     EXPECT_LT(c.max_px, 1.5);
@@ -179,9 +187,9 @@ TEST(Extract, PensOfAnyWidthAndFaintLines) {
     for (const char* shape : {"circle", "figure-8", "letter-s"}) {
       drawing::Drawing drawing = turned(shape, 1);
       drawing.pen_px = pen;
-      const auto found = extract(drawing::render(drawing, hard_look(3)));
+      const auto found = extract(drawing::render(drawing, hard_appearance(3)));
       ASSERT_TRUE(found) << found.error();
-      EXPECT_EQ(found->mode, Mode::kStroke);
+      EXPECT_EQ(found->mode, ExtractionMode::kStroke);
       const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
       EXPECT_LT(c.rms_px, 0.5) << shape << " pen " << pen;
       EXPECT_LT(c.missed_px, 2.0) << shape << " pen " << pen;
@@ -191,7 +199,7 @@ TEST(Extract, PensOfAnyWidthAndFaintLines) {
 
 TEST(Extract, LightOnDarkIsTheSameDrawing) {
   const drawing::Drawing drawing = turned("script-e", 1);
-  const cv::Mat picture = drawing::render(drawing, hard_look(1));
+  const cv::Mat picture = drawing::render(drawing, hard_appearance(1));
   const auto found = extract(255 - picture);
   ASSERT_TRUE(found) << found.error();
   EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.5);
@@ -199,7 +207,7 @@ TEST(Extract, LightOnDarkIsTheSameDrawing) {
 
 TEST(Extract, HolesAreContoursOfTheirOwn) {
   const drawing::Drawing drawing = turned("flange", 1);
-  const auto found = extract(drawing::render(drawing, hard_look(1)));
+  const auto found = extract(drawing::render(drawing, hard_appearance(1)));
   ASSERT_TRUE(found) << found.error();
   ASSERT_EQ(found->contours.size(), 7u);
   EXPECT_FALSE(found->contours[0].hole);
@@ -208,7 +216,7 @@ TEST(Extract, HolesAreContoursOfTheirOwn) {
 
 TEST(Extract, EndsCanBeGivenAndCutThePath) {
   const drawing::Drawing drawing = *drawing::by_name("letter-s");
-  const cv::Mat picture = drawing::render(drawing, hard_look(1));
+  const cv::Mat picture = drawing::render(drawing, hard_appearance(1));
   const geometry::Polyline& truth = drawing.lines_px.front();
   const Vec2 first = truth.points_m.front();
   const Vec2 last = truth.points_m.back();
@@ -226,14 +234,14 @@ TEST(Extract, EndsCanBeGivenAndCutThePath) {
   EXPECT_LT((p.front() - quarter).norm(), 1.5);
   EXPECT_NEAR(geometry::length_m({p, false}), 0.75 * geometry::length_m(truth), 5.0);
   const auto ring =
-      extract(drawing::render(*drawing::by_name("circle"), hard_look(1)), {.start_px = Vec2(500, 240)});
+      extract(drawing::render(*drawing::by_name("circle"), hard_appearance(1)), {.start_px = Vec2(500, 240)});
   ASSERT_TRUE(ring);
   EXPECT_LT((ring->contours.front().points_px.front() - Vec2(501, 240)).norm(), 3.0);
 }
 
 TEST(Extract, DepthsAlphaAndPalettesAreTheSamePicture) {
   const drawing::Drawing drawing = turned("cam", 1);
-  const cv::Mat grey = drawing::render(drawing, hard_look(1));
+  const cv::Mat grey = drawing::render(drawing, hard_appearance(1));
   std::vector<cv::Mat> pictures;
   cv::Mat wide;
   grey.convertTo(wide, CV_16U, 200.0, 900.0);

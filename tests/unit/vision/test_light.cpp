@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "common/vision/extraction/extract.h"
+#include "common/vision/extraction/contour_extraction.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {
@@ -14,7 +14,7 @@ namespace {
 TEST(Extract, FaintDrawingsShadowsAndUnevenLight) {
   const drawing::Drawing circle = turned("circle", 1);
   const geometry::Polyline& truth = circle.lines_px.front();
-  drawing::Look faint = hard_look(1);
+  drawing::Appearance faint = hard_appearance(1);
   faint.paper = 140.0;
   faint.ink = 118.0;
   faint.shading = 0.0;
@@ -37,7 +37,7 @@ TEST(Extract, FaintDrawingsShadowsAndUnevenLight) {
   for (const cv::Mat& picture : {drawing::render(circle, faint), shadow, lamp}) {
     const auto found = extract(picture);
     ASSERT_TRUE(found) << found.error();
-    EXPECT_EQ(found->mode, Mode::kStroke);
+    EXPECT_EQ(found->mode, ExtractionMode::kStroke);
     const Comparison c = compare(found->contours.front(), truth);
     EXPECT_LT(c.rms_px, 0.5);
     EXPECT_LT(c.max_px, 2.0);
@@ -62,11 +62,12 @@ cv::Mat in_half_shadow(const cv::Mat& picture, double angle_rad, double darker, 
 TEST(Extract, AShadowsEdgeIsNoPartOfADrawing) {
   struct Expected {
     const char* shape;
-    Mode mode;
+    ExtractionMode mode;
   };
-  for (const Expected& c : {Expected{"figure-8", Mode::kStroke}, Expected{"spiral", Mode::kStroke},
-                            Expected{"letter-s", Mode::kStroke}, Expected{"circle", Mode::kStroke},
-                            Expected{"blob", Mode::kOutline}, Expected{"gear", Mode::kOutline}}) {
+  for (const Expected& c :
+       {Expected{"figure-8", ExtractionMode::kStroke}, Expected{"spiral", ExtractionMode::kStroke},
+        Expected{"letter-s", ExtractionMode::kStroke}, Expected{"circle", ExtractionMode::kStroke},
+        Expected{"blob", ExtractionMode::kOutline}, Expected{"gear", ExtractionMode::kOutline}}) {
     const drawing::Drawing drawing = turned(c.shape, 1);
     for (const double angle : {0.4, 2.0, 3.9}) {
       const cv::Mat lit =
@@ -86,7 +87,7 @@ TEST(Extract, ThinLinesOnUnevenPaperAndFaintRegionsAreFound) {
   const auto smaller = [](const char* shape, double scale) {
     return drawing::transformed(*drawing::by_name(shape), 0.7, scale, {319.5, 239.5}, {40.0, -10.0});
   };
-  const drawing::Look grainy{.paper = 200.0, .ink = 10.0, .noise = 2.0, .grain = 6.0, .seed = 3};
+  const drawing::Appearance grainy{.paper = 200.0, .ink = 10.0, .noise = 2.0, .grain = 6.0, .seed = 3};
   for (const char* shape : {"circle", "heart", "letter-s", "figure-8", "spiral"}) {
     const drawing::Drawing drawing = smaller(shape, 0.3);
     const auto found = extract(drawing::render(drawing, grainy));
@@ -94,12 +95,12 @@ TEST(Extract, ThinLinesOnUnevenPaperAndFaintRegionsAreFound) {
     EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.5) << shape;
   }
   for (const double noise : {2.0, 8.0}) {
-    const drawing::Look faint{.paper = 200.0, .ink = 182.0, .noise = noise, .seed = 3};
+    const drawing::Appearance faint{.paper = 200.0, .ink = 182.0, .noise = noise, .seed = 3};
     for (const char* shape : {"gear", "blob", "letter-e"}) {
       const drawing::Drawing drawing = smaller(shape, 1.0);
       const auto found = extract(drawing::render(drawing, faint));
       ASSERT_TRUE(found) << shape << ": " << found.error();
-      EXPECT_EQ(found->mode, Mode::kOutline) << shape << ", noise " << noise;
+      EXPECT_EQ(found->mode, ExtractionMode::kOutline) << shape << ", noise " << noise;
       EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.8)
           << shape << ", noise " << noise;
     }
