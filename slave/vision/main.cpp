@@ -117,10 +117,10 @@ void add_parameters(Flags& flags, Settings& settings) {
 }
 
 }  // namespace
-}  // namespace telekerf::vision
+}  // namespace telekerf::vision_process
 
 int main(int argc, char** argv) {
-  using namespace telekerf::vision;
+  using namespace telekerf::vision_process;
   return telekerf::run_program(argc, argv, "telekerf-vision",
                                "Finds the contour in a picture and publishes it", Flags{}, add_parameters,
                                run);
