@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <memory>
 
 #include "common/reporting/run_report.h"
 #include "common/runtime/results.h"
@@ -19,11 +18,9 @@ struct Options {
   lap::LapSettings lap;
   std::string netem = "thesis-constant";
   std::string out = "out/lap";
-  Settings settings;
 };
 
 int run(Options& options) {
-  options.settings.fill();
   options.lap.network = netem::load_profile(options.netem);
   const RunRecord record = lap::run_lap(options.lap);
   make_folder("--out", options.out);
@@ -32,21 +29,15 @@ int run(Options& options) {
   return reporting::stayed_inside(report) ? 0 : 1;
 }
 
-}  // namespace
-
-void add_lap_command(CLI::App& app, Action& action) {
-  auto* command =
-      app.add_subcommand("lap", "Picture to cut in virtual time: report.json, trace.csv, cut.png");
-  auto options = std::make_shared<Options>();
-  auto& s = options->settings;
-  auto& lap = options->lap;
-  s.add("image", lap.image, "picture: a shipped name or a file");
-  s.add("width_mm", lap.width_mm, {.min = 0, .max = 1000},
+void add_parameters(Options& o, Settings& s) {
+  auto& lap = o.lap;
+  s.add("image", lap.image, kPicture, "picture: a shipped name or a file");
+  s.add("width_mm", lap.width_mm, {.min = 0, .max = 1000, .unit = "mm"},
         "width of the whole picture, 0: fitted to the workspace");
-  s.add("master_robot", lap.master.robot, "the operator's: a shipped name or a file");
-  s.add("slave_robot", lap.slave.robot, "the workpiece's: a shipped name or a file");
-  s.add("netem", options->netem, "network profile: a shipped name or a file");
-  s.add("seed", lap.seed, {.min = 0, .max = 1e15}, "of everything random");
+  s.add("master_robot", lap.master.robot, kRobot, "the operator's: a shipped name or a file");
+  s.add("slave_robot", lap.slave.robot, kRobot, "the workpiece's: a shipped name or a file");
+  s.add("netem", o.netem, kProfile, "network profile: a shipped name or a file");
+  s.add("seed", lap.seed, kSeeds, "of everything random");
   s.add("beta", lap.master.beta, {.min = 0.01, .max = 10}, "slave motion = beta x master motion");
   s.add("law", lap.master.law, "who computes the slave's acceleration",
         {"anchored", "remote-acceleration", "local"});
@@ -56,10 +47,15 @@ void add_lap_command(CLI::App& app, Action& action) {
   s.add("block", lap.master.node.command.codec.block, {.min = 4, .max = 64}, "samples a block of it");
   s.add("redundancy", lap.master.node.command.codec.redundancy, {.min = 0, .max = 7},
         "previous blocks repeated in a packet");
-  s.add("duration_s", lap.duration_s, {.min = 1, .max = 600}, "length of the run");
-  s.add("out", options->out, "folder for the results");
-  s.attach(*command);
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  s.add("duration_s", lap.duration_s, {.min = 1, .max = 600, .unit = "s"}, "length of the run");
+  s.add("out", o.out, kFolder, "folder for the results");
+}
+
+}  // namespace
+
+void add_lap_command(Program& program) {
+  program.add("lap", "Picture to cut in virtual time: report.json, trace.csv, cut.png", Options{},
+              add_parameters, run);
 }
 
 }  // namespace telekerf::experiments

@@ -12,6 +12,7 @@
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
 #include "common/runtime/loop.h"
+#include "common/runtime/program.h"
 #include "common/runtime/results.h"
 #include "master/station.h"
 #include "master/telemetry.h"
@@ -193,27 +194,25 @@ int run(Flags& flags) {
   return 0;
 }
 
+void add_parameters(Flags& flags, Settings& settings) {
+  flags.station.declare(settings);
+  settings.add("record", flags.record, kFolder, "folder to record the run into");
+  settings.add("engage", flags.engage, "let the slave follow as soon as everything is ready");
+  settings.add("duration_s", flags.duration_s, {.min = 0, .max = 36000, .unit = "s"},
+               "end after this long engaged, 0: run on");
+  settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
+               "with duration_s: give up after this long not engaged");
+  flags.bus.declare(settings);
+  flags.netem.declare(settings);
+}
+
 }  // namespace
 }  // namespace telekerf::master
 
 int main(int argc, char** argv) {
-  CLI::App app("The operator's robot: confines the hand to the contour and streams its motion",
-               "telekerf-master");
-  telekerf::master::Flags flags;
-  telekerf::Settings settings;
-  flags.station.declare(settings);
-  settings.add("record", flags.record, "folder to record the run into");
-  settings.add("engage", flags.engage, "let the slave follow as soon as everything is ready");
-  settings.add("duration_s", flags.duration_s, {.min = 0, .max = 36000},
-               "end after this long engaged, 0: run on");
-  settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600},
-               "with duration_s: give up after this long not engaged");
-  flags.bus.declare(settings);
-  flags.netem.declare(settings);
-  settings.attach(app);
-  telekerf::Action action = [&] {
-    settings.fill();
-    return run(flags);
-  };
-  return telekerf::run_program(app, argc, argv, action);
+  using namespace telekerf::master;
+  return telekerf::run_program(
+      argc, argv, "telekerf-master",
+      "The operator's robot: confines the hand to the contour and streams its motion", Flags{},
+      add_parameters, run);
 }

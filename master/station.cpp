@@ -22,7 +22,7 @@ Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 }  // namespace
 
 void StationSettings::declare(Settings& settings) {
-  settings.add("robot", robot, "robot: a shipped name or a file");
+  settings.add("robot", robot, kRobot, "robot: a shipped name or a file");
   settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
                "slave motion = beta x master motion");
   machine.declare(settings);
@@ -32,17 +32,17 @@ void StationSettings::declare(Settings& settings) {
                validate_operator_input);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
-  settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot and hand");
-  settings.add("control_hz", node.control_hz, {.min = 200, .max = 20000},
+  settings.add("seed", seed, kSeeds, "of the simulated robot and hand");
+  settings.add("control_hz", node.control_hz, {.min = 200, .max = 20000, .unit = "Hz"},
                "control rate, a multiple of stream_hz");
-  settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000},
+  settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
                "samples a second in the command stream");
   settings.add("law", law, "who computes the slave's acceleration",
                {"anchored", "remote-acceleration", "local"});
   settings.add("estimator", estimator, "how the slave's state is predicted",
                {"predictor", "delayed-innovation", "thesis", "none"});
   settings.add("codec", codec, "of the command stream", codec::codec_names());
-  settings.add("tracking_rad_s", node.command.tracking_rad_s, {.min = 1, .max = 400},
+  settings.add("tracking_rad_s", node.command.tracking_rad_s, {.min = 1, .max = 400, .unit = "rad/s"},
                "bandwidth of the law that makes the commands");
   settings.add("block", node.command.codec.block, {.min = 4, .max = 64},
                "samples a block of the command stream");
@@ -54,21 +54,21 @@ void StationSettings::declare(Settings& settings) {
   settings.add("half_window", node.constraint.half_window, {.min = 1, .max = 32},
                "points to either side of the circle fit");
   settings.add("curve", curve, "what the hand is guided along", {"circles", "lines", "descriptor"});
-  settings.add("corridor_mm", corridor_mm, {.min = 0, .max = 10},
+  settings.add("corridor_mm", corridor_mm, {.min = 0, .max = 10, .unit = "mm"},
                "half width of a corridor in which the hand is free, 0: guided on the curve");
-  settings.add("corridor_stiffness_n_per_m", node.constraint.stiffness_n_per_m, {.min = 0, .max = 20000},
-               "spring inside the corridor, towards the curve");
-  settings.add("constraint_rad_s", node.constraint.bandwidth_rad_s, {.min = 10, .max = 400},
+  settings.add("corridor_stiffness_n_per_m", node.constraint.stiffness_n_per_m,
+               {.min = 0, .max = 20000, .unit = "N/m"}, "spring inside the corridor, towards the curve");
+  settings.add("constraint_rad_s", node.constraint.bandwidth_rad_s, {.min = 10, .max = 400, .unit = "rad/s"},
                "bandwidth across the curve");
-  settings.add("virtual_mass_kg", node.constraint.mass_kg, {.min = 0.1, .max = 20},
+  settings.add("virtual_mass_kg", node.constraint.mass_kg, {.min = 0.1, .max = 20, .unit = "kg"},
                "that the hand moves along the curve");
-  settings.add("virtual_drag_ns_per_m", node.constraint.drag_ns_per_m, {.min = 0, .max = 200},
-               "damping along the curve");
-  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000},
+  settings.add("virtual_drag_ns_per_m", node.constraint.drag_ns_per_m,
+               {.min = 0, .max = 200, .unit = "N s/m"}, "damping along the curve");
+  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000, .unit = "rad/s"},
                "of the disturbance observer");
-  settings.add("hand_speed_mm_s", hand_speed_mm_s, {.min = 0.1, .max = 200},
+  settings.add("hand_speed_mm_s", hand_speed_mm_s, {.min = 0.1, .max = 200, .unit = "mm/s"},
                "mean speed of the simulated hand");
-  settings.add("hand_sideways_n", hand.max_sideways_n, {.min = 0, .max = 30},
+  settings.add("hand_sideways_n", hand.max_sideways_n, {.min = 0, .max = 30, .unit = "N"},
                "how hard the simulated hand pushes off the curve");
 }
 

@@ -1,33 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of telekerf-netem; each sets `action` when it is chosen.
+// The subcommands of telekerf-netem; each adds itself to the program.
 #pragma once
-
-#include <fmt/format.h>
-
-#include <string>
 
 #include "common/runtime/program.h"
 #include "netem/core/random.h"
 
 namespace telekerf::netem {
 
-inline void add_direction(CLI::App& command, Direction& direction) {
-  const auto read = [&direction](const std::string& word) {
-    if (word != "forward" && word != "backward") {
-      throw CLI::ValidationError("--direction", fmt::format("'{}' is neither forward nor backward", word));
-    }
-    direction = word == "forward" ? Direction::kForward : Direction::kBackward;
-  };
-  command.add_option_function<std::string>("--direction", read,
-                                           "forward (operator to slave, default) or backward");
-}
+inline constexpr EnumRow<Direction> kDirectionRows[] = {
+    {"forward", Direction::kForward, "operator to slave"},
+    {"backward", Direction::kBackward, "slave to operator"},
+};
+inline constexpr EnumTable<Direction> kDirections(kDirectionRows);
 
-void add_link_command(CLI::App& app, Action& action);
-void add_tc_command(CLI::App& app, Action& action);
-void add_verify_command(CLI::App& app, Action& action);
-void add_trace_command(CLI::App& app, Action& action);
-void add_list_command(CLI::App& app, Action& action);
-void add_replay_command(CLI::App& app, Action& action);
-void add_switch_command(CLI::App& app, Action& action);
+void add_link_command(Program& program);
+void add_tc_command(Program& program);
+void add_verify_command(Program& program);
+void add_trace_command(Program& program);
+void add_list_command(Program& program);
+void add_replay_command(Program& program);
+void add_switch_command(Program& program);
 
 }  // namespace telekerf::netem

@@ -53,9 +53,11 @@ int print_list() {
 
 }  // namespace
 
-void add_list_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("list", "Shows the shipped profiles");
-  command->callback([&action] { action = print_list; });
+void add_list_command(Program& program) {
+  struct Options {};
+  program.add(
+      "list", "Shows the shipped profiles", Options{}, [](Options&, Settings&) {},
+      [](const Options&) { return print_list(); });
 }
 
 }  // namespace telekerf::netem

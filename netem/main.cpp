@@ -3,15 +3,14 @@
 #include "netem/commands.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Emulates the network between the operator's and the slave's machine", "telekerf-netem");
-  app.require_subcommand(1);
-  telekerf::Action action;
-  telekerf::netem::add_link_command(app, action);
-  telekerf::netem::add_tc_command(app, action);
-  telekerf::netem::add_verify_command(app, action);
-  telekerf::netem::add_trace_command(app, action);
-  telekerf::netem::add_replay_command(app, action);
-  telekerf::netem::add_list_command(app, action);
-  telekerf::netem::add_switch_command(app, action);
-  return telekerf::run_program(app, argc, argv, action);
+  telekerf::Program program("telekerf-netem",
+                            "Emulates the network between the operator's and the slave's machine");
+  telekerf::netem::add_link_command(program);
+  telekerf::netem::add_tc_command(program);
+  telekerf::netem::add_verify_command(program);
+  telekerf::netem::add_trace_command(program);
+  telekerf::netem::add_replay_command(program);
+  telekerf::netem::add_list_command(program);
+  telekerf::netem::add_switch_command(program);
+  return program.run(argc, argv);
 }

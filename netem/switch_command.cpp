@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <memory>
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/send_event.h"
@@ -18,11 +17,9 @@ struct Options {
   std::string profile;
   BusFlags bus;
   NetemFlags netem;
-  Settings settings;
 };
 
 int run(Options& options) {
-  options.settings.fill();
   (void)load_profile(options.profile);  // refused here rather than by everyone in the cell
   // The others stand in other folders.
   if (std::filesystem::is_regular_file(options.profile))
@@ -40,15 +37,16 @@ int run(Options& options) {
 
 }  // namespace
 
-void add_switch_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("switch", "Puts another network in place in a running cell");
-  auto options = std::make_shared<Options>();
-  command->add_option("profile", options->profile, "a shipped name, or a file that every process can read")
-      ->required();
-  options->bus.declare(options->settings);
-  options->netem.declare(options->settings);
-  options->settings.attach(*command);
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+void add_switch_command(Program& program) {
+  program.add(
+      "switch", "Puts another network in place in a running cell", Options{},
+      [](Options& o, Settings& s) {
+        s.add("profile", o.profile, kProfile, "a shipped name, or a file that every process can read")
+            .as_argument();
+        o.bus.declare(s);
+        o.netem.declare(s);
+      },
+      run);
 }
 
 }  // namespace telekerf::netem

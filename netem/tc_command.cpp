@@ -2,8 +2,6 @@
 // telekerf-netem tc: the profile as a shell script for tc, shortcomings as comments.
 #include <fmt/format.h>
 
-#include <memory>
-
 #include "common/runtime/startup_error.h"
 #include "netem/commands.h"
 #include "netem/drivers/tc.h"
@@ -39,14 +37,15 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_tc_command(CLI::App& app, Action& action) {
-  auto* command =
-      app.add_subcommand("tc", "Prints the profile as tc commands and names what tc cannot express");
-  auto options = std::make_shared<Options>();
-  command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
-  command->add_option("--dev", options->device, "network device")->required();
-  add_direction(*command, options->direction);
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+void add_tc_command(Program& program) {
+  program.add(
+      "tc", "Prints the profile as tc commands and names what tc cannot express", Options{},
+      [](Options& o, Settings& s) {
+        s.add("profile", o.profile, kProfile, "a shipped name, a TOML file or a trace").as_argument();
+        s.add("dev", o.device, TextForm{"DEVICE"}, "network device").must_be_given();
+        s.add("direction", o.direction, kDirections, "which way");
+      },
+      run);
 }
 
 }  // namespace telekerf::netem

@@ -74,37 +74,35 @@ int print_replay(const std::string& file) {
 
 }  // namespace
 
-void add_trace_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("trace", "Prints the fate of every packet as CSV, without sending any");
-  auto options = std::make_shared<TraceOptions>();
-  command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
-  command->add_option("--rate-hz", options->rate_hz, "packets per second")
-      ->check(within(0.001, 1e9))
-      ->capture_default_str();
-  command->add_option("--packets", options->packets, "how many")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the random numbers")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--bytes", options->bytes, "size of a packet, for rates and slots")
-      ->check(within(1, 65535))
-      ->capture_default_str();
-  add_direction(*command, options->direction);
-  command->callback([options, &action] { action = [options] { return print_trace(*options); }; });
+void add_trace_command(Program& program) {
+  program.add(
+      "trace", "Prints the fate of every packet as CSV, without sending any", TraceOptions{},
+      [](TraceOptions& o, Settings& s) {
+        s.add("profile", o.profile, kProfile, "a shipped name, a TOML file or a trace").as_argument();
+        s.add("rate_hz", o.rate_hz, {.min = 0.001, .max = 1e9, .unit = "Hz"}, "packets a second");
+        s.add("packets", o.packets, kSeeds, "how many");
+        s.add("seed", o.seed, kSeeds, "of the random numbers");
+        s.add("bytes", o.bytes, {.min = 1, .max = 65535, .unit = "bytes"},
+              "size of a packet, for rates and slots");
+        s.add("direction", o.direction, kDirections, "which way");
+      },
+      print_trace);
 }
 
-void add_replay_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand(
-      "replay", "Plays a recorded trace: in virtual time as CSV, or with --link between two networks");
-  auto options = std::make_shared<LinkOptions>();
-  auto link = std::make_shared<bool>(false);
-  command->add_option("trace", options->profile, "CSV as printed by `telekerf-netem trace`")->required();
-  command->add_flag("--link", *link, "drive the TUN link with it, both directions");
-  add_link_options(*command, *options);
-  command->callback([options, link, &action] {
-    action = [options, link] { return *link ? run_link(*options) : print_replay(options->profile); };
-  });
+void add_replay_command(Program& program) {
+  struct Options {
+    LinkOptions link;
+    bool linked = false;
+  };
+  program.add(
+      "replay", "Plays a recorded trace: in virtual time as CSV, or with --link between two networks",
+      Options{},
+      [](Options& o, Settings& s) {
+        s.add("trace", o.link.profile, kFile, "CSV as printed by `telekerf-netem trace`").as_argument();
+        s.add("link", o.linked, "drive the TUN link with it, both directions");
+        add_link_parameters(o.link, s);
+      },
+      [](const Options& o) { return o.linked ? run_link(o.link) : print_replay(o.link.profile); });
 }
 
 }  // namespace telekerf::netem

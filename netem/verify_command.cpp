@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/results.h"
@@ -75,22 +74,17 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_verify_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand(
-      "verify", "Sends virtual packets and holds what happens to them against the profile");
-  auto options = std::make_shared<Options>();
-  command->add_option("profile", options->profile, "a shipped name, a TOML file or a trace")->required();
-  command->add_option("--packets", options->traffic.packets, "in each direction (and stage)")
-      ->check(within(100, 20e6))
-      ->capture_default_str();
-  command->add_option("--seed", options->traffic.seed, "of the random numbers")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--rate-hz", options->traffic.rate_hz, "packets per second")
-      ->check(within(0.1, 1e6))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "one JSON object instead of a table");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+void add_verify_command(Program& program) {
+  program.add(
+      "verify", "Sends virtual packets and holds what happens to them against the profile", Options{},
+      [](Options& o, Settings& s) {
+        s.add("profile", o.profile, kProfile, "a shipped name, a TOML file or a trace").as_argument();
+        s.add("packets", o.traffic.packets, {.min = 100, .max = 20e6}, "in each direction (and stage)");
+        s.add("seed", o.traffic.seed, kSeeds, "of the random numbers");
+        s.add("rate_hz", o.traffic.rate_hz, {.min = 0.1, .max = 1e6, .unit = "Hz"}, "packets a second");
+        s.add("json", o.json, "one JSON object instead of a table");
+      },
+      [](const Options& o) { return run(o); });
 }
 
 }  // namespace telekerf::netem

@@ -11,6 +11,7 @@
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
 #include "common/runtime/loop.h"
+#include "common/runtime/program.h"
 #include "common/runtime/results.h"
 #include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
@@ -114,23 +115,21 @@ int run(Flags& flags) {
   return 0;
 }
 
-}  // namespace
-}  // namespace telekerf::slave
-
-int main(int argc, char** argv) {
-  CLI::App app("The robot with the laser: follows the master's stream", "telekerf-slave");
-  telekerf::slave::Flags flags;
-  telekerf::Settings settings;
+void add_parameters(Flags& flags, Settings& settings) {
   flags.station.declare(settings);
-  settings.add("record", flags.record, "folder to record the run into");
+  settings.add("record", flags.record, kFolder, "folder to record the run into");
   settings.add("automatic", flags.automatic, "machines the contour that vision publishes, without a master");
   flags.automatic_settings.declare(settings);
   flags.bus.declare(settings);
   flags.netem.declare(settings);
-  settings.attach(app);
-  telekerf::Action action = [&] {
-    settings.fill();
-    return run(flags);
-  };
-  return telekerf::run_program(app, argc, argv, action);
+}
+
+}  // namespace
+}  // namespace telekerf::slave
+
+int main(int argc, char** argv) {
+  using namespace telekerf::slave;
+  return telekerf::run_program(argc, argv, "telekerf-slave",
+                               "The robot with the laser: follows the master's stream", Flags{},
+                               add_parameters, run);
 }

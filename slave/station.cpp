@@ -18,15 +18,15 @@ Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 }  // namespace
 
 void StationSettings::declare(Settings& settings) {
-  settings.add("robot", robot, "robot: a shipped name or a file");
+  settings.add("robot", robot, kRobot, "robot: a shipped name or a file");
   machine.declare(settings);
   beam.declare(settings);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
-  settings.add("seed", seed, {.min = 0, .max = 1e15}, "of the simulated robot");
-  settings.add("control_hz", node.control_hz, {.min = 200, .max = 20000},
+  settings.add("seed", seed, kSeeds, "of the simulated robot");
+  settings.add("control_hz", node.control_hz, {.min = 200, .max = 20000, .unit = "Hz"},
                "control rate, a multiple of stream_hz");
-  settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000},
+  settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
                "samples a second in the state stream");
   settings.add("codec", codec, "of the state stream", codec::codec_names());
   settings.add("block", node.feedback.block, {.min = 4, .max = 64}, "samples a block of the state stream");
@@ -40,12 +40,13 @@ void StationSettings::declare(Settings& settings) {
                "RMS error of a block's forces that is kept instead [N], 0: force_keep");
   settings.add("redundancy", node.feedback.redundancy, {.min = 0, .max = 7},
                "previous blocks repeated in a packet");
-  settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 5, .max = 400}, "of the tracking law");
-  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000},
+  settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 5, .max = 400, .unit = "rad/s"},
+               "of the tracking law");
+  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000, .unit = "rad/s"},
                "of the disturbance observer");
-  settings.add("stale_s", node.stale_s, {.min = 0.02, .max = 10},
+  settings.add("stale_s", node.stale_s, {.min = 0.02, .max = 10, .unit = "s"},
                "no command for this long: hold, laser off");
-  settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000}, "laser power");
+  settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"}, "laser power");
 }
 
 StationSettings StationSettings::validated() const {

@@ -8,9 +8,10 @@ namespace telekerf {
 
 void BusFlags::declare(Settings& settings) {
   settings.add("domain", domain, {.min = 0, .max = 232}, "DDS domain");
-  settings.add("cell", cell, "name of the work cell; cells do not see each other");
-  settings.add("name", name, "name of this process, unique in the cell");
-  settings.add("peers", peers, "hosts to look for beyond the reach of multicast, separated by commas");
+  settings.add("cell", cell, kName, "name of the work cell; cells do not see each other");
+  settings.add("name", name, kName, "name of this process, unique in the cell");
+  settings.add("peers", peers, TextForm{"HOST,HOST..."},
+               "hosts to look for beyond the reach of multicast, separated by commas");
 }
 
 BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {

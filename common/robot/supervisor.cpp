@@ -22,7 +22,7 @@ constexpr std::chrono::seconds kPatience{5};
 
 void RobotSupervisorSettings::declare(Settings& settings) {
   settings.add("drive", drive, fmt::format("what moves the robot ({})", drive_forms()), validate_drive);
-  settings.add("drive_stale_s", drive_stale_s, {.min = 0.002, .max = 10},
+  settings.add("drive_stale_s", drive_stale_s, {.min = 0.002, .max = 10, .unit = "s"},
                "no reading of the drive for this long: laser off, currents zero, end");
 }
 

@@ -57,6 +57,22 @@ void collect_leaves(const toml::node& node, const std::string& key, std::vector<
 
 }  // namespace
 
+std::string complaint_about(double value, const Bounds& bounds) {
+  if (!std::isfinite(value)) return "must be a finite number";
+  if (value >= bounds.min && value <= bounds.max) return "";
+  return fmt::format("must lie within [{:g}, {:g}]{}{}", bounds.min, bounds.max, *bounds.unit ? " " : "",
+                     bounds.unit);
+}
+
+std::string range_text(const Bounds& bounds) {
+  const std::string unit = *bounds.unit ? fmt::format(" {}", bounds.unit) : "";
+  if (std::isfinite(bounds.min) && std::isfinite(bounds.max))
+    return fmt::format("{:g} to {:g}{}", bounds.min, bounds.max, unit);
+  if (std::isfinite(bounds.min)) return fmt::format("at least {:g}{}", bounds.min, unit);
+  if (std::isfinite(bounds.max)) return fmt::format("at most {:g}{}", bounds.max, unit);
+  return bounds.unit;
+}
+
 struct ConfigFile::Document {
   toml::table root;
   mutable std::set<std::string> known;
@@ -71,13 +87,13 @@ ConfigFile::ConfigFile(const std::filesystem::path& file)
     : document_(std::make_unique<Document>()), name_(file.string()) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
-    throw StartupError(fmt::format("{}: is a folder, not a file", name_));
+    throw configuration_error(fmt::format("{}: is a folder, not a file", name_));
   try {
     document_->root = toml::parse_file(name_);
   } catch (const toml::parse_error& error) {
     if (error.source().begin.line == 0)
-      throw StartupError(fmt::format("{}: cannot be read; is the name right?", name_));
-    throw StartupError(
+      throw configuration_error(fmt::format("{}: cannot be read; is the name right?", name_));
+    throw configuration_error(
         fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
   }
 }
@@ -87,7 +103,7 @@ ConfigFile::ConfigFile(const std::string& text, const std::string& name)
   try {
     document_->root = toml::parse(text);
   } catch (const toml::parse_error& error) {
-    throw StartupError(
+    throw configuration_error(
         fmt::format("{}: {} (line {})", name_, error.description(), error.source().begin.line));
   }
 }
@@ -99,20 +115,36 @@ ConfigFile& ConfigFile::operator=(ConfigFile&&) noexcept = default;
 void ConfigFile::refuse(const std::string& key, const std::string& complaint) const {
   const toml::node* node = document_->find(key);
   if (node == nullptr || node->is_table())
-    throw StartupError(fmt::format("{}: {}: {}", name_, key, complaint));
-  throw StartupError(fmt::format("{}: {} = {}: {}", name_, key, shown(*node), complaint));
+    throw configuration_error(fmt::format("{}: {}: {}", name_, key, complaint));
+  throw configuration_error(fmt::format("{}: {} = {}: {}", name_, key, shown(*node), complaint));
 }
 
 bool ConfigFile::has(const std::string& key) const {
   return document_->root.at_path(toml_path(key)).node() != nullptr;
 }
 
+std::optional<ConfigValue> ConfigFile::value(const std::string& key) const {
+  const toml::node* node = document_->find(key);
+  if (node == nullptr) return std::nullopt;
+  if (const auto* truth = node->as_boolean()) return truth->get();
+  if (const auto* text = node->as_string()) return text->get();
+  if (node->is_number()) return *node->value<double>();
+  const toml::array* array = node->as_array();
+  if (array == nullptr) return std::nullopt;
+  std::vector<double> numbers;
+  std::vector<std::string> texts;
+  for (const auto& element : *array) {
+    if (element.is_number()) numbers.push_back(*element.value<double>());
+    if (element.is_string()) texts.push_back(*element.value<std::string>());
+  }
+  if (numbers.size() == array->size()) return numbers;
+  if (texts.size() == array->size()) return texts;
+  return std::nullopt;
+}
+
 namespace {
 double checked(const ConfigFile& file, const std::string& key, double value, Bounds bounds) {
-  if (!std::isfinite(value)) file.refuse(key, "must be a finite number");
-  if (value < bounds.min || value > bounds.max) {
-    file.refuse(key, fmt::format("must lie within [{:g}, {:g}]", bounds.min, bounds.max));
-  }
+  if (const std::string wrong = complaint_about(value, bounds); !wrong.empty()) file.refuse(key, wrong);
   return value;
 }
 }  // namespace
@@ -220,7 +252,7 @@ void ConfigFile::refuse_unknown() const {
     if (here.empty()) {
       for (const auto& key : document_->known) here.insert(key.substr(0, key.find('.')));
     }
-    throw StartupError(
+    throw configuration_error(
         fmt::format("{}: unknown key '{}'; known here: {}", name_, leaf, fmt::join(here, ", ")));
   }
 }

@@ -4,22 +4,22 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
+
+#include "common/runtime/bounds.h"
 
 namespace telekerf {
 
-struct Bounds {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-};
+/// A value as a file or a command line gives it; all numbers are doubles.
+using ConfigValue = std::variant<bool, double, std::string, std::vector<double>, std::vector<std::string>>;
 
 /// Reads one TOML file. Keys are dotted paths ("geometry.base_radius_m"). Every reader marks its key as
-/// known; `refuse_unknown()` then names the first key that nobody asked for. All errors are Refusals that
-/// name the file, key, value and bound.
+/// known; `refuse_unknown()` then names the first key that nobody asked for. All errors are StartupErrors
+/// that name the file, key, value and bound.
 class ConfigFile {
  public:
   explicit ConfigFile(const std::filesystem::path& file);
@@ -30,6 +30,8 @@ class ConfigFile {
   ConfigFile& operator=(ConfigFile&&) noexcept;
 
   bool has(const std::string& key) const;
+  /// Whatever stands there; none if nothing does, or something that no ConfigValue holds.
+  std::optional<ConfigValue> value(const std::string& key) const;
   double number(const std::string& key, Bounds bounds = {}) const;
   double number_or(const std::string& key, double fallback, Bounds bounds = {}) const;
   std::int64_t integer(const std::string& key, Bounds bounds = {}) const;

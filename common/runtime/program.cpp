@@ -2,12 +2,12 @@
 #include "common/runtime/program.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <cctype>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
-#include <string>
-#include <vector>
+#include <nlohmann/json.hpp>
 
 #include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
@@ -15,57 +15,121 @@
 namespace telekerf {
 namespace {
 
-/// The command line as CLI11 wants it, last word first. It takes "-.5" for an option, "-0.5" for a number.
-std::vector<std::string> words_of(int argc, char** argv) {
-  std::vector<std::string> words;
-  for (int i = argc - 1; i > 0; --i) {
-    std::string word = argv[i];
-    if (word.size() > 2 && word.starts_with("-.") && std::isdigit(static_cast<unsigned char>(word[2])))
-      word.insert(1, "0");
-    words.push_back(std::move(word));
-  }
-  return words;
+constexpr int kCannot = 2;
+
+bool take_out(std::vector<std::string>& words, const std::string& word) {
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found == words.end()) return false;
+  words.erase(found);
+  return true;
 }
+
+constexpr const char* kCommonFlags =
+    "\n"
+    "  --config FILE               TOML file with any of these settings (names with underscores)\n"
+    "  --print-config              writes that file, with the settings as they are given here\n"
+    "  --help, --version\n";
 
 }  // namespace
 
-CLI::Validator within(double low, double high) {
-  return CLI::Validator(
-      [low, high](const std::string& text) {
-        double value = 0.0;
-        const bool good = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
-        return good ? std::string() : fmt::format("{} does not lie within [{:g}, {:g}]", text, low, high);
-      },
-      "NUMBER");
-}
-
-CLI::Validator whole_number() {
-  return CLI::Validator(
-      [](const std::string& text) {
-        const bool good = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
-        return good ? std::string() : fmt::format("'{}' is no whole number of 0 or more", text);
-      },
-      "NUMBER");
-}
-
-int run_program(CLI::App& app, int argc, char** argv, Action& action) {
-  constexpr int kCannot = 2;
-  app.set_version_flag("--version", std::string(kVersion));
-  for (CLI::App* command : app.get_subcommands({}))
-    command->set_version_flag("--version", std::string(kVersion));
-  try {
-    app.parse(words_of(argc, argv));
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    fmt::print(stderr, "{}: {}; see --help\n", app.get_name(), error.what());
-    return kCannot;
+const Command* Program::chosen(std::vector<std::string>& words) const {
+  if (commands_.size() == 1 && commands_.front().name.empty()) return &commands_.front();
+  // Settings may stand before the command: their values are not taken for it.
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i].starts_with("-")) {
+      for (const Command& command : commands_) {
+        Settings settings;
+        command.add_parameters(settings);
+        const auto declared = settings.declared();
+        const auto known = std::find_if(declared.begin(), declared.end(),
+                                        [&](const Setting& s) { return s.flag() == words[i]; });
+        if (known == declared.end()) continue;
+        if (known->type != Setting::Type::kSwitch) ++i;
+        break;
+      }
+      continue;
+    }
+    for (const Command& command : commands_) {
+      if (command.name != words[i]) continue;
+      words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
+      return &command;
+    }
+    throw usage_error(fmt::format("there is no command '{}'; see --help", words[i]));
   }
+  return nullptr;
+}
+
+std::string Program::help(const Command* command) const {
+  if (command == nullptr) {
+    std::string text = fmt::format("{}\n\nUsage: {} COMMAND [OPTIONS]\n\n", sentence_, name_);
+    for (const Command& one : commands_) text += fmt::format("  {:<18}{}\n", one.name, one.sentence);
+    return text + fmt::format("\n`{} COMMAND --help` lists its options; --version\n", name_);
+  }
+  Settings settings;
+  command->add_parameters(settings);
+  std::string usage = name_ + (command->name.empty() ? "" : " " + command->name);
+  bool options = false;
+  for (const Setting& s : settings.declared()) {
+    if (s.positional) usage += " " + s.name;
+    options = options || !s.positional;
+  }
+  std::string text =
+      fmt::format("{}\n\nUsage: {}{}\n\n", command->sentence, usage, options ? " [OPTIONS]" : "");
+  text += settings.help();
+  return text + (options ? kCommonFlags : "\n  --help, --version\n");
+}
+
+std::string Program::description() const {
+  nlohmann::ordered_json json{
+      {"program", name_}, {"sentence", sentence_}, {"commands", nlohmann::ordered_json::array()}};
+  for (const Command& command : commands_) {
+    Settings settings;
+    command.add_parameters(settings);
+    json["commands"].push_back(
+        {{"command", command.name}, {"sentence", command.sentence}, {"settings", settings.json()}});
+  }
+  return json.dump(2) + "\n";
+}
+
+int Program::dispatch(std::vector<std::string> words) {
+  if (take_out(words, "--version")) {
+    fmt::print("{}\n", kVersion);
+    return 0;
+  }
+  if (take_out(words, "--describe-settings")) {
+    fmt::print("{}", description());
+    return 0;
+  }
+  const bool helps = take_out(words, "--help") || take_out(words, "-h");
+  const bool prints = take_out(words, "--print-config");
+  const Command* const command = chosen(words);
+  if (helps) {
+    fmt::print("{}", help(command));
+    return 0;
+  }
+  if (command == nullptr) {
+    std::vector<std::string> names;
+    for (const Command& one : commands_) names.push_back(one.name);
+    throw usage_error(fmt::format("say what to do: {}; see --help", fmt::join(names, ", ")));
+  }
+  Settings settings;
+  command->add_parameters(settings);
+  settings.load(words);
+  if (prints) {
+    fmt::print("{}", settings.toml());
+    return 0;
+  }
+  settings.require_given();
+  return command->run();
+}
+
+int Program::run(int argc, char** argv) {
   try {
-    return action();
-  } catch (const StartupError& refusal) {
-    fmt::print(stderr, "{}: {}\n", app.get_name(), refusal.what());
+    return dispatch({argv + 1, argv + argc});
+  } catch (const StartupError& error) {
+    fmt::print(stderr, "{}: {}\n", name_, error.what());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: unexpected: {}\n", app.get_name(), error.what());
+    fmt::print(stderr, "{}: unexpected: {}\n", name_, error.what());
   }
   return kCannot;
 }

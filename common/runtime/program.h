@@ -1,22 +1,66 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every program shares: --help, --version, one sentence on stderr and exit code 2 when it cannot work.
+// What every program shares: its commands and their settings, --help, --version, --print-config, one sentence
+// on stderr and exit code 2 when it cannot work.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/runtime/settings.h"
 
 namespace telekerf {
 
-/// What the command line asked for; returns the exit code (0 good, 1 a bad verdict).
-using Action = std::function<int()>;
+/// Something that a program can do: with its settings loaded, it runs and returns the exit code (0 good, 1 a
+/// bad verdict).
+struct Command {
+  std::string name;
+  std::string sentence;
+  std::function<void(Settings&)> add_parameters;
+  std::function<int()> run;
+};
 
-/// Parses, runs `action` (set before, or by the callback of a chosen subcommand), reports a StartupError.
-/// Exit codes: `contract.md`; usage errors are 2 as well.
-int run_program(CLI::App& app, int argc, char** argv, Action& action);
+class Program {
+ public:
+  Program(std::string name, std::string sentence) : name_(std::move(name)), sentence_(std::move(sentence)) {}
 
-/// Bounds of an option, inclusive; refuses what is not a number as well, which CLI::Range lets pass.
-CLI::Validator within(double low, double high);
-/// Whole numbers; CLI11 alone would take -1 for the largest of them.
-CLI::Validator whole_number();
+  /// `add_parameters(options, settings)` declares, `action(options)` does it. `name`: as it stands on the
+  /// command line; empty: the program has no other commands.
+  template <typename Options, typename AddParameters, typename Action>
+  void add(const std::string& name, const std::string& sentence, Options initial,
+           AddParameters add_parameters, Action action) {
+    auto options = std::make_shared<Options>(std::move(initial));
+    commands_.push_back(
+        {name, sentence,
+         [options, add_parameters](Settings& settings) { add_parameters(*options, settings); },
+         [options, action] { return action(*options); }});
+  }
+
+  /// Loads the settings and runs the command. Exit codes: 0 and 1 are the command's; 2: it cannot be done,
+  /// one sentence on stderr says why.
+  int run(int argc, char** argv);
+
+ private:
+  int dispatch(std::vector<std::string> words);
+  /// Takes the command's name out of the words.
+  const Command* chosen(std::vector<std::string>& words) const;
+  std::string help(const Command* command) const;
+  std::string description() const;
+
+  std::string name_;
+  std::string sentence_;
+  std::vector<Command> commands_;
+};
+
+/// A program that does one thing: `main` in one line.
+template <typename Options, typename AddParameters, typename Action>
+int run_program(int argc, char** argv, const std::string& name, const std::string& sentence, Options initial,
+                AddParameters add_parameters, Action action) {
+  Program program(name, sentence);
+  program.add("", sentence, std::move(initial), add_parameters, action);
+  return program.run(argc, argv);
+}
 
 }  // namespace telekerf

@@ -5,128 +5,299 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <utility>
 
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
 
+using Type = Setting::Type;
+
+constexpr const char* kCommandLine = "command line";
+
 std::string flag_of(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
   return "--" + name;
 }
 
-std::string quoted_toml(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
+/// The whole of `text` as a number. "+1", "-.5" and "1e3" are some.
+std::optional<double> number_in(std::string_view text) {
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.begin(), text.end(), value);
+  if (error != std::errc() || end != text.end()) return std::nullopt;
+  return value;
 }
+
+/// Words of a command line as the type of the setting wants them; what is no number stays a text, and is
+/// refused as one.
+ConfigValue value_of(const Setting& setting, const std::vector<std::string>& words) {
+  switch (setting.type) {
+    case Type::kSwitch:
+      if (words.front() == "true" || words.front() == "false") return words.front() == "true";
+      return words.front();
+    case Type::kNumber:
+    case Type::kInteger:
+      if (const auto number = number_in(words.front())) return *number;
+      return words.front();
+    case Type::kNumbers: {
+      std::vector<double> numbers;
+      for (const std::string& word : words) {
+        std::istringstream parts(word);
+        for (std::string part; std::getline(parts, part, ',');) {
+          const auto number = number_in(part);
+          if (!number) return part;
+          numbers.push_back(*number);
+        }
+      }
+      return numbers;
+    }
+    case Type::kTexts: {
+      std::vector<std::string> texts;
+      for (const std::string& word : words) {
+        std::istringstream parts(word);
+        for (std::string part; std::getline(parts, part, ',');) texts.push_back(part);
+      }
+      return texts;
+    }
+    case Type::kText:
+    case Type::kChoice:
+      break;
+  }
+  return words.front();
+}
+
+bool quoted(Type type) { return type == Type::kText || type == Type::kChoice || type == Type::kTexts; }
 
 }  // namespace
 
-void Settings::add(const std::string& name, double& value, Bounds bounds, const std::string& help) {
-  entries_.push_back(
-      {name,
-       fmt::format("{} [{:g}]", help, value),
-       [name, &value, bounds](const ConfigFile& f) { value = f.number_or(name, value, bounds); },
-       false,
-       false,
-       {}});
+std::string Setting::flag() const { return flag_of(name); }
+
+Settings::Entry Settings::described(const std::string& name, Type type, const std::string& sentence) {
+  Entry entry;
+  entry.setting.name = name;
+  entry.setting.type = type;
+  entry.setting.sentence = sentence;
+  return entry;
 }
 
-void Settings::add(const std::string& name, int& value, Bounds bounds, const std::string& help) {
-  entries_.push_back({name,
-                      fmt::format("{} [{}]", help, value),
-                      [name, &value, bounds](const ConfigFile& f) {
-                        value = static_cast<int>(f.integer_or(name, value, bounds));
-                      },
-                      false,
-                      false,
-                      {}});
+Setting& Settings::enter(Entry entry) {
+  entry.setting.initial = entry.get();
+  entries_.push_back(std::move(entry));
+  return entries_.back().setting;
 }
 
-void Settings::add(const std::string& name, std::uint64_t& value, Bounds bounds, const std::string& help) {
-  entries_.push_back({name,
-                      fmt::format("{} [{}]", help, value),
-                      [name, &value, bounds](const ConfigFile& f) {
-                        value = static_cast<std::uint64_t>(
-                            f.integer_or(name, static_cast<std::int64_t>(value), bounds));
-                      },
-                      false,
-                      false,
-                      {}});
+Setting& Settings::add(const std::string& name, bool& value, const std::string& sentence) {
+  Entry entry = described(name, Type::kSwitch, sentence);
+  entry.get = [&value] { return value; };
+  entry.set = [&value](const ConfigValue& given) { value = std::get<bool>(given); };
+  return enter(std::move(entry));
 }
 
-void Settings::add(const std::string& name, bool& value, const std::string& help) {
-  entries_.push_back({name,
-                      fmt::format("{} [{}]", help, value),
-                      [name, &value](const ConfigFile& f) { value = f.boolean_or(name, value); },
-                      true,
-                      false,
-                      {}});
+Setting& Settings::add(const std::string& name, std::string& value, const TextForm& form,
+                       const std::string& sentence) {
+  Entry entry = described(name, Type::kText, sentence);
+  entry.setting.text = form;
+  entry.get = [&value] { return value; };
+  entry.set = [&value](const ConfigValue& given) { value = std::get<std::string>(given); };
+  return enter(std::move(entry));
 }
 
-void Settings::add(const std::string& name, std::string& value, const std::string& help,
-                   const std::vector<std::string>& choices) {
-  const std::string listed = choices.empty() ? "" : fmt::format(" ({})", fmt::join(choices, "|"));
-  entries_.push_back({name,
-                      fmt::format("{}{} [{}]", help, listed, value),
-                      [name, &value, choices](const ConfigFile& f) {
-                        value = choices.empty() ? f.text_or(name, value) : f.choice_or(name, value, choices);
-                      },
-                      false,
-                      true,
-                      {}});
+Setting& Settings::add(const std::string& name, std::vector<std::string>& value, const TextForm& form,
+                       const std::string& sentence) {
+  Entry entry = described(name, Type::kTexts, sentence);
+  entry.setting.text = form;
+  entry.get = [&value] { return value; };
+  entry.set = [&value](const ConfigValue& given) { value = std::get<std::vector<std::string>>(given); };
+  return enter(std::move(entry));
 }
 
-void Settings::add(const std::string& name, std::string& value, const std::string& help,
-                   const std::function<std::string(const std::string&)>& complaint) {
-  entries_.push_back({name,
-                      fmt::format("{} [{}]", help, value),
-                      [name, &value, complaint](const ConfigFile& f) {
-                        value = f.text_or(name, value);
-                        if (const std::string wrong = complaint(value); !wrong.empty()) f.refuse(name, wrong);
-                      },
-                      false,
-                      true,
-                      {}});
+Setting& Settings::add(const std::string& name, std::vector<double>& value, std::size_t count,
+                       const Bounds& bounds, const std::string& sentence) {
+  Entry entry = described(name, Type::kNumbers, sentence);
+  entry.setting.bounds = bounds;
+  entry.setting.count = count;
+  entry.get = [&value] { return value; };
+  entry.set = [&value](const ConfigValue& given) { value = std::get<std::vector<double>>(given); };
+  return enter(std::move(entry));
 }
 
-void Settings::attach(CLI::App& app) {
-  app.add_option("--config", config_, "TOML file with any of these settings (names with underscores)");
-  for (auto& entry : entries_) {
-    if (entry.is_flag) {
-      app.add_flag_callback(
-          flag_of(entry.name), [&entry] { entry.given = "true"; }, entry.help);
-    } else {
-      app.add_option_function<std::string>(
-          flag_of(entry.name), [&entry](const std::string& text) { entry.given = text; }, entry.help);
+Setting& Settings::add(const std::string& name, std::string& value, const std::string& sentence,
+                       const std::vector<std::string>& choices) {
+  Setting& setting = add(name, value, kName, sentence);
+  if (choices.empty()) return setting;
+  setting.type = Type::kChoice;
+  for (const std::string& word : choices) setting.choices.push_back({word, ""});
+  return setting;
+}
+
+Setting& Settings::add(const std::string& name, std::string& value, const std::string& sentence,
+                       const std::function<std::string(const std::string&)>& complaint) {
+  TextForm form{"NAME"};
+  form.complaint = complaint;
+  return add(name, value, form, sentence);
+}
+
+void Settings::renamed(const std::string& old, const std::string& now) {
+  gone_.push_back({old, fmt::format("is {} now", now)});
+}
+
+void Settings::moved(const std::string& old, const std::string& remedy) { gone_.push_back({old, remedy}); }
+
+/// Empty: taken. Otherwise what is wrong.
+std::string Settings::take(Entry& entry, const ConfigValue& value) {
+  const Setting& s = entry.setting;
+  switch (s.type) {
+    case Type::kSwitch:
+      if (!std::holds_alternative<bool>(value)) return "must be true or false";
+      break;
+    case Type::kNumber:
+    case Type::kInteger: {
+      const double* number = std::get_if<double>(&value);
+      if (number == nullptr) return "must be a number";
+      if (const std::string wrong = complaint_about(*number, s.bounds); !wrong.empty()) return wrong;
+      if (s.type == Type::kInteger && *number != std::floor(*number)) return "must be a whole number";
+      break;
+    }
+    case Type::kNumbers: {
+      const auto* numbers = std::get_if<std::vector<double>>(&value);
+      if (numbers == nullptr || (s.count != 0 && numbers->size() != s.count))
+        return s.count == 0 ? "must be numbers" : fmt::format("must be {} numbers", s.count);
+      for (const double number : *numbers) {
+        if (const std::string wrong = complaint_about(number, s.bounds); !wrong.empty()) return wrong;
+      }
+      break;
+    }
+    case Type::kTexts:
+      if (!std::holds_alternative<std::vector<std::string>>(value)) return "must be a list of texts";
+      break;
+    case Type::kText:
+    case Type::kChoice: {
+      const auto* text = std::get_if<std::string>(&value);
+      if (text == nullptr) return "must be a text in quotes";
+      if (s.type == Type::kText) {
+        if (const std::string wrong = s.text.complaint ? s.text.complaint(*text) : ""; !wrong.empty())
+          return wrong;
+        break;
+      }
+      std::vector<std::string> words;
+      for (const auto& choice : s.choices) words.push_back(choice.word);
+      if (std::find(words.begin(), words.end(), *text) == words.end())
+        return fmt::format("must be one of {}", fmt::join(words, ", "));
+      break;
     }
   }
+  entry.set(value);
+  entry.given = true;
+  return "";
 }
 
-void Settings::apply(const ConfigFile& file) {
-  for (const auto& entry : entries_) entry.read(file);
+void Settings::load(const ConfigFile& file) {
+  for (Entry& entry : entries_) {
+    if (entry.setting.positional || !file.has(entry.setting.name)) continue;
+    const auto value = file.value(entry.setting.name);
+    const std::string wrong = take(entry, value.value_or(std::vector<double>{}));
+    if (!wrong.empty()) file.refuse(entry.setting.name, wrong);
+  }
+  for (const Gone& gone : gone_) {
+    if (file.has(gone.name)) file.refuse(gone.name, gone.remedy);
+  }
+  for (const Entry& entry : entries_) {
+    if (!entry.setting.positional) (void)file.value(entry.setting.name);  // known here
+  }
   file.refuse_unknown();
 }
 
-void Settings::fill() {
-  if (!config_.empty()) apply(ConfigFile(std::filesystem::path(config_)));
-  for (const auto& entry : entries_) {
-    if (!entry.given) continue;
-    const std::string text = entry.quoted ? quoted_toml(*entry.given) : *entry.given;
-    try {
-      apply(ConfigFile(fmt::format("{} = {}\n", entry.name, text), "command line"));
-    } catch (const StartupError& refusal) {
-      const std::string what = refusal.what();
-      if (what.find(entry.name) != std::string::npos) throw;
-      throw StartupError(
-          fmt::format("command line: {} {}: not a value of its kind", flag_of(entry.name), *entry.given));
+Settings::Entry* Settings::find_flag(const std::string& flag) {
+  for (Entry& entry : entries_) {
+    if (!entry.setting.positional && entry.setting.flag() == flag) return &entry;
+  }
+  for (const Gone& gone : gone_) {
+    if (flag_of(gone.name) == flag)
+      throw usage_error(fmt::format("{}: {} {}", kCommandLine, flag, gone.remedy));
+  }
+  return nullptr;
+}
+
+Settings::Entry& Settings::next_argument(const std::string& word) {
+  for (Entry& entry : entries_) {
+    if (entry.setting.positional && !entry.given) return entry;
+  }
+  throw usage_error(fmt::format("{}: '{}' is not understood; see --help", kCommandLine, word));
+}
+
+void Settings::load(std::span<const std::string> words) {
+  struct Given {
+    Entry* entry;
+    std::vector<std::string> words;
+  };
+  std::vector<Given> given;
+  std::string config;
+  const auto is_flag = [](const std::string& word) { return word.size() > 2 && word.starts_with("--"); };
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (!is_flag(word)) {
+      Entry& entry = next_argument(word);
+      entry.given = true;
+      given.push_back({&entry, {word}});
+      continue;
+    }
+    const std::size_t equals = word.find('=');
+    const std::string flag = word.substr(0, equals);
+    Entry* const entry = flag == "--config" ? nullptr : find_flag(flag);
+    if (entry == nullptr && flag != "--config")
+      throw usage_error(fmt::format("{}: there is no {}; see --help", kCommandLine, flag));
+    std::vector<std::string> values;
+    if (equals != word.npos) {
+      values.push_back(word.substr(equals + 1));
+    } else if (entry != nullptr && entry->setting.type == Type::kSwitch) {
+      values.emplace_back("true");
+    } else {
+      const bool several =
+          entry != nullptr && (entry->setting.type == Type::kNumbers || entry->setting.type == Type::kTexts);
+      while (i + 1 < words.size() && !is_flag(words[i + 1]) && (values.empty() || several)) {
+        // A list ends where it is complete, so that an argument may follow it.
+        if (several && entry->setting.count != 0 && values.size() == entry->setting.count) break;
+        values.push_back(words[++i]);
+        if (several && values.size() == 1 && values.back().find(',') != word.npos) break;
+      }
+      if (values.empty())
+        throw usage_error(fmt::format("{}: {} needs a value; see --help", kCommandLine, flag));
+    }
+    if (entry == nullptr) {
+      config = values.front();
+    } else {
+      given.push_back({entry, std::move(values)});
     }
   }
+  if (!config.empty()) load(ConfigFile(std::filesystem::path(config)));
+  for (const Given& one : given) {
+    const Setting& setting = one.entry->setting;
+    const std::string wrong = take(*one.entry, value_of(setting, one.words));
+    if (wrong.empty()) continue;
+    const std::string shown = fmt::format("{}", fmt::join(one.words, " "));
+    throw usage_error(fmt::format("{}: {} = {}: {}", kCommandLine, setting.name,
+                                  quoted(setting.type) ? "'" + shown + "'" : shown, wrong));
+  }
+}
+
+void Settings::require_given() const {
+  for (const Entry& entry : entries_) {
+    const Setting& s = entry.setting;
+    if (!s.required || entry.given) continue;
+    throw usage_error(
+        fmt::format("{}: {} is missing: {}", kCommandLine, s.positional ? s.name : s.flag(), s.sentence));
+  }
+}
+
+std::vector<Setting> Settings::declared() const {
+  std::vector<Setting> all;
+  for (const Entry& entry : entries_) all.push_back(entry.setting);
+  return all;
 }
 
 }  // namespace telekerf

@@ -1,50 +1,171 @@
 // SPDX-License-Identifier: Apache-2.0
 // A setting is declared once and read two ways: as key `stream_hz` of a configuration file and as flag
-// --stream-hz.
+// --stream-hz. Help, refusals, the reference page and shell completion come from the same declaration.
 #pragma once
 
+#include <concepts>
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "common/runtime/config.h"
-#include "common/runtime/program.h"
+#include "common/runtime/enum_table.h"
 
 namespace telekerf {
 
-/// Declares settings that live in a plain struct (their values there are the defaults), then fills them:
-/// first from the file named by --config, then from the command line. Refusals name the source, key, value
-/// and bound.
+/// What a text stands for.
+struct TextForm {
+  std::string form;            ///< as a user writes it: FILE, "simulated|udp:HOST:PORT"
+  const char* shipped = "";    ///< kind of shipped data that may be named as well ("robots")
+  const char* extension = "";  ///< of these
+  /// What a text must be, if it is not; empty: it is.
+  std::function<std::string(const std::string&)> complaint = {};
+};
+inline const TextForm kName{"NAME"};
+inline const TextForm kFile{"FILE"};
+inline const TextForm kFolder{"FOLDER"};
+inline const TextForm kPicture{"PICTURE", "pictures", ".png"};
+inline const TextForm kRobot{"ROBOT", "robots", ".toml"};
+inline const TextForm kProfile{"PROFILE", "profiles", ".toml"};
+
+/// All that is known of a setting but the variable behind it.
+struct Setting {
+  enum class Type { kSwitch, kNumber, kInteger, kText, kChoice, kNumbers, kTexts };
+  struct Choice {
+    std::string word;
+    std::string sentence;
+  };
+
+  std::string name;
+  Type type = Type::kText;
+  Bounds bounds;                ///< of numbers
+  std::vector<Choice> choices;  ///< of kChoice
+  TextForm text;                ///< of texts
+  std::size_t count = 0;        ///< of numbers in a list, 0: any
+  std::string sentence;
+  std::optional<ConfigValue> initial;  ///< none: not set, and the sentence says what that means
+  bool required = false;
+  bool positional = false;  ///< a word on the command line without its flag, and no key
+
+  /// For chaining behind `Settings::add`.
+  Setting& must_be_given() {
+    required = true;
+    return *this;
+  }
+  Setting& as_argument() {
+    positional = true;
+    return must_be_given();
+  }
+  std::string flag() const;
+};
+
+namespace settings_detail {
+template <typename T>
+struct Plain {
+  using Type = T;
+};
+template <typename T>
+struct Plain<std::optional<T>> {
+  using Type = T;
+};
+template <typename T>
+using PlainType = typename Plain<T>::Type;
+template <typename T>
+concept Number = std::is_arithmetic_v<PlainType<T>> && !std::same_as<PlainType<T>, bool>;
+}  // namespace settings_detail
+
+/// The settings of one command: they live in plain structs (their values there are the defaults), and are
+/// loaded from the file named by --config, then from the command line. A setting may be std::optional: it has
+/// no default. Refusals name source, key, value and bound.
 class Settings {
  public:
-  void add(const std::string& name, double& value, Bounds bounds, const std::string& help);
-  void add(const std::string& name, int& value, Bounds bounds, const std::string& help);
-  void add(const std::string& name, std::uint64_t& value, Bounds bounds, const std::string& help);
-  void add(const std::string& name, bool& value, const std::string& help);
-  void add(const std::string& name, std::string& value, const std::string& help,
-           const std::vector<std::string>& choices = {});
-  /// `complaint`: what a value must be, if it is not; empty: it is.
-  void add(const std::string& name, std::string& value, const std::string& help,
-           const std::function<std::string(const std::string&)>& complaint);
+  template <settings_detail::Number T>
+  Setting& add(const std::string& name, T& value, const Bounds& bounds, const std::string& sentence) {
+    using Plain = settings_detail::PlainType<T>;
+    Entry entry =
+        described(name, std::integral<Plain> ? Setting::Type::kInteger : Setting::Type::kNumber, sentence);
+    entry.setting.bounds = bounds;
+    entry.get = [&value]() -> std::optional<ConfigValue> {
+      const std::optional<Plain> now = value;
+      if (!now) return std::nullopt;
+      return static_cast<double>(*now);
+    };
+    entry.set = [&value](const ConfigValue& given) { value = static_cast<Plain>(std::get<double>(given)); };
+    return enter(std::move(entry));
+  }
+  /// One of the table's words; the table must outlive the settings.
+  template <typename T>
+  Setting& add(const std::string& name, T& value, const EnumTable<settings_detail::PlainType<T>>& table,
+               const std::string& sentence) {
+    Entry entry = described(name, Setting::Type::kChoice, sentence);
+    for (const auto& row : table)
+      entry.setting.choices.push_back({std::string(row.word), std::string(row.sentence)});
+    entry.get = [&value, table]() -> std::optional<ConfigValue> {
+      const std::optional<settings_detail::PlainType<T>> now = value;
+      if (!now) return std::nullopt;
+      return std::string(table.word(*now));
+    };
+    entry.set = [&value, table](const ConfigValue& given) {
+      value = *table.find(std::get<std::string>(given));
+    };
+    return enter(std::move(entry));
+  }
+  /// True when the flag is given; in a file true or false.
+  Setting& add(const std::string& name, bool& value, const std::string& sentence);
+  Setting& add(const std::string& name, std::string& value, const TextForm& form,
+               const std::string& sentence);
+  Setting& add(const std::string& name, std::vector<std::string>& value, const TextForm& form,
+               const std::string& sentence);
+  /// `count` numbers, 0: any number of them.
+  Setting& add(const std::string& name, std::vector<double>& value, std::size_t count, const Bounds& bounds,
+               const std::string& sentence);
 
-  /// Adds the flags (and --config FILE) to `app`; `fill` is called after parsing.
-  void attach(CLI::App& app);
-  void fill();
+  // Older spellings, until their callers have tables of their own.
+  Setting& add(const std::string& name, std::string& value, const std::string& sentence,
+               const std::vector<std::string>& choices = {});
+  Setting& add(const std::string& name, std::string& value, const std::string& sentence,
+               const std::function<std::string(const std::string&)>& complaint);
+
+  /// A key and flag of before: refused with the name of today, or with the program that has it now.
+  void renamed(const std::string& old, const std::string& now);
+  void moved(const std::string& old, const std::string& remedy);
+
+  /// Throws StartupError.
+  void load(const ConfigFile& file);
+  /// The words after the program's (and command's) name. Throws StartupError.
+  void load(std::span<const std::string> words);
+  /// Throws StartupError if a setting that must be given has not been.
+  void require_given() const;
+
+  /// What --help lists, what --config reads, and all of it for programs.
+  std::string help() const;
+  std::string toml() const;
+  nlohmann::ordered_json json() const;
+  std::vector<Setting> declared() const;
 
  private:
   struct Entry {
-    std::string name;
-    std::string help;
-    std::function<void(const ConfigFile&)> read;
-    bool is_flag = false;
-    bool quoted = false;
-    std::optional<std::string> given;  ///< the command line's text
+    Setting setting;
+    std::function<std::optional<ConfigValue>()> get;
+    std::function<void(const ConfigValue&)> set;
+    bool given = false;
   };
-  void apply(const ConfigFile& file);
+  struct Gone {
+    std::string name;
+    std::string remedy;
+  };
+  static Entry described(const std::string& name, Setting::Type type, const std::string& sentence);
+  Setting& enter(Entry entry);
+  std::string take(Entry& entry, const ConfigValue& value);
+  Entry* find_flag(const std::string& flag);
+  Entry& next_argument(const std::string& word);
 
   std::vector<Entry> entries_;
-  std::string config_;
+  std::vector<Gone> gone_;
 };
 
 }  // namespace telekerf

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/codec/baselines/measure.h"
@@ -299,22 +298,17 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_codec_command(CLI::App& app, Action& action) {
-  auto* command =
-      app.add_subcommand("codec", "Rate against distortion of every codec: codec.json and two figures");
-  auto options = std::make_shared<Options>();
-  command->add_option("--out", options->out, "folder for the results")->capture_default_str();
-  command->add_option("--trace", options->traces, "CSV recordings to hold the codecs against as well");
-  command->add_option("--rate-hz", options->rate_hz, "samples a second")
-      ->check(within(100.0, 1e5))
-      ->capture_default_str();
-  command->add_option("--seconds", options->seconds, "length of the made-up traces")
-      ->check(within(5.0, 600.0))
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the made-up traces and losses")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+void add_codec_command(Program& program) {
+  program.add(
+      "codec", "Rate against distortion of every codec: codec.json and two figures", Options{},
+      [](Options& o, Settings& s) {
+        s.add("out", o.out, kFolder, "for the results");
+        s.add("trace", o.traces, kFile, "CSV recordings to hold the codecs against as well");
+        s.add("rate_hz", o.rate_hz, {.min = 100, .max = 1e5, .unit = "Hz"}, "samples a second");
+        s.add("seconds", o.seconds, {.min = 5, .max = 600, .unit = "s"}, "length of the made-up traces");
+        s.add("seed", o.seed, kSeeds, "of the made-up traces and losses");
+      },
+      run);
 }
 
 }  // namespace telekerf::experiments

@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/reporting/plot.h"
@@ -218,18 +217,16 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_constraint_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand(
-      "constraint", "The virtual constraint against its bars, and over k: constraint.json, constraint.png");
-  command->add_option("--seed", options->seed, "of robot and hand")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--duration-s", options->duration_s, "length of one run")
-      ->check(within(5.0, 100.0))
-      ->capture_default_str();
-  command->add_option("--out", options->out, "folder for the results")->capture_default_str();
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+void add_constraint_command(Program& program) {
+  program.add(
+      "constraint", "The virtual constraint against its bars, and over k: constraint.json, constraint.png",
+      Options{},
+      [](Options& o, Settings& s) {
+        s.add("seed", o.seed, kSeeds, "of robot and hand");
+        s.add("duration_s", o.duration_s, {.min = 5, .max = 100, .unit = "s"}, "length of one run");
+        s.add("out", o.out, kFolder, "for the results");
+      },
+      run);
 }
 
 }  // namespace telekerf::experiments

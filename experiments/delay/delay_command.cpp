@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -63,7 +62,6 @@ struct Options {
   int block = DelayTrial{}.block;
   int redundancy = DelayTrial{}.redundancy;
   std::uint64_t seed = 1;
-  Settings settings;
   bool one() const {
     return !law.empty() || !estimator.empty() || !codec.empty() || !netem.empty() || rtt_ms >= 0.0 ||
            jitter_ms >= 0.0 || loss >= 0.0 || block != DelayTrial{}.block ||
@@ -301,7 +299,6 @@ void print_row(const Run& run) {
 }
 
 int run(Options& options) {
-  options.settings.fill();
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Run> runs = options.one() ? std::vector<Run>{one_run(options)} : full_benchmark(options.seed);
   const std::filesystem::path folder = options.out;
@@ -331,29 +328,27 @@ int run(Options& options) {
   return good ? 0 : 1;
 }
 
+void add_parameters(Options& o, Settings& s) {
+  s.add("law", o.law, "who computes the slave's acceleration", {"anchored", "remote-acceleration", "local"});
+  s.add("estimator", o.estimator, "how the slave's state is predicted",
+        {"predictor", "delayed-innovation", "thesis", "none"});
+  s.add("codec", o.codec, "of the command stream", codec::codec_names());
+  s.add("block", o.block, {.min = 4, .max = 64}, "samples a block of it");
+  s.add("redundancy", o.redundancy, {.min = 0, .max = 7}, "previous blocks repeated in a packet");
+  s.add("netem", o.netem, kProfile, "network profile: a shipped name or a file");
+  s.add("rtt_ms", o.rtt_ms, {.min = 0, .max = 10000, .unit = "ms"},
+        "round trip; 0 if another condition is given alone");
+  s.add("jitter_ms", o.jitter_ms, {.min = 0, .max = 10000, .unit = "ms"}, "one way, standard deviation");
+  s.add("loss", o.loss, {.min = 0, .max = 1}, "as a fraction");
+  s.add("seed", o.seed, kSeeds, "of everything random");
+  s.add("out", o.out, kFolder, "folder for the results");
+}
+
 }  // namespace
 
-void add_delay_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand(
-      "delay", "Laws and estimators across delays: delay.json, plots; any condition given: one run");
-  auto options = std::make_shared<Options>();
-  auto& s = options->settings;
-  s.add("law", options->law, "who computes the slave's acceleration",
-        {"anchored", "remote-acceleration", "local"});
-  s.add("estimator", options->estimator, "how the slave's state is predicted",
-        {"predictor", "delayed-innovation", "thesis", "none"});
-  s.add("codec", options->codec, "of the command stream", codec::codec_names());
-  s.add("block", options->block, {.min = 4, .max = 64}, "samples a block of it");
-  s.add("redundancy", options->redundancy, {.min = 0, .max = 7}, "previous blocks repeated in a packet");
-  s.add("netem", options->netem, "network profile: a shipped name or a file");
-  s.add("rtt_ms", options->rtt_ms, {.min = 0, .max = 10000},
-        "round trip; 0 if another condition is given alone");
-  s.add("jitter_ms", options->jitter_ms, {.min = 0, .max = 10000}, "one way, standard deviation");
-  s.add("loss", options->loss, {.min = 0, .max = 1}, "as a fraction");
-  s.add("seed", options->seed, {.min = 0, .max = 1e15}, "of everything random");
-  s.add("out", options->out, "folder for the results");
-  s.attach(*command);
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+void add_delay_command(Program& program) {
+  program.add("delay", "Laws and estimators across delays: delay.json, plots; any condition given: one run",
+              Options{}, add_parameters, run);
 }
 
 }  // namespace telekerf::experiments

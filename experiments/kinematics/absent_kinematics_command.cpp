@@ -4,16 +4,20 @@
 #include "experiments/commands.h"
 
 namespace telekerf::experiments {
+namespace {
 
-void add_kinematics_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("kinematics", "Thesis 8.4 (not in this build: MuJoCo was missing)");
-  command->allow_extras();
-  command->callback([&action] {
-    action = []() -> int {
-      throw StartupError(
-          "this build has no MuJoCo: install libmujoco-dev (./telekerf setup does) and build again");
-    };
-  });
+struct Options {};
+
+}  // namespace
+
+void add_kinematics_command(Program& program) {
+  program.add(
+      "kinematics", "Thesis 8.4 (not in this build: MuJoCo was missing)", Options{},
+      [](Options&, Settings&) {},
+      [](const Options&) -> int {
+        throw environment_error(
+            "this build has no MuJoCo: install libmujoco-dev (./telekerf setup does) and build again");
+      });
 }
 
 }  // namespace telekerf::experiments

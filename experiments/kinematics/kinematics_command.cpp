@@ -5,7 +5,6 @@
 
 #include <array>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/reporting/plot.h"
@@ -114,17 +113,16 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_kinematics_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand(
-      "kinematics", "Thesis 8.4: kinematics and dynamics against MuJoCo; kinematics.png, results.json");
-  command->add_option("--robot", options->robot, "Shipped name or path of a robot file")
-      ->capture_default_str();
-  command->add_option("--step-m", options->step_m, "Size of the steps")
-      ->check(within(1e-4, 0.05))
-      ->capture_default_str();
-  command->add_option("--out", options->out, "Folder for the results")->capture_default_str();
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+void add_kinematics_command(Program& program) {
+  program.add(
+      "kinematics", "Thesis 8.4: kinematics and dynamics against MuJoCo; kinematics.png, results.json",
+      Options{},
+      [](Options& o, Settings& s) {
+        s.add("robot", o.robot, kRobot, "whose");
+        s.add("step_m", o.step_m, {.min = 1e-4, .max = 0.05, .unit = "m"}, "size of the steps");
+        s.add("out", o.out, kFolder, "for the results");
+      },
+      run);
 }
 
 }  // namespace telekerf::experiments

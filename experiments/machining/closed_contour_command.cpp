@@ -4,7 +4,7 @@
 
 namespace telekerf::experiments {
 
-void add_closed_contour_command(CLI::App& app, Action& action) {
+void add_closed_contour_command(Program& program) {
   add_contour_experiment(
       app, action,
       {.name = "closed-contour",

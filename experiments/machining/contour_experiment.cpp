@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -47,7 +46,6 @@ struct Options {
   bool no_model_ahead = false;
   bool sweep = false;
   std::uint64_t seed = 1;
-  Settings settings;
 };
 
 machining::ControllerKind kind_of(const std::string& name) {
@@ -348,7 +346,6 @@ ordered_json one_picture(const std::string& image, const Options& options,
 }
 
 int run(Options& options, const ContourExperiment& experiment) {
-  options.settings.fill();
   const std::filesystem::path out = options.out;
   ordered_json result;
   if (!options.image.empty()) {
@@ -370,36 +367,39 @@ int run(Options& options, const ContourExperiment& experiment) {
   return 0;
 }
 
+void add_parameters(Options& o, Settings& s) {
+  s.add("image", o.image, kPicture, "picture: a shipped name or a file; none: the thesis' set");
+  s.add("robot", o.robot, kRobot, "that machines: a shipped name or a file");
+  s.add("width_mm", o.width_mm, {.min = 0, .max = 1000, .unit = "mm"},
+        "width of the whole picture, 0: fitted to the workspace");
+  s.add("speed_mm_s", o.speed_mm_s, {.min = 0.1, .max = 300, .unit = "mm/s"}, "tangential speed");
+  s.add("controller", o.controller, "law", {"auto", "independent", "preview", "contouring"});
+  s.add("corner", o.corner, "what to do at corners", {"exact", "rounded", "slow"});
+  s.add("tolerance_um", o.tolerance_um, {.min = 0, .max = 1000, .unit = "um"}, "rounding of corners");
+  s.add("plant", o.plant, "full: friction, mismatch, Hall sensors; ideal: none of them", {"full", "ideal"});
+  s.add("material", o.material, "what the beam meets", laser::material_names());
+  s.add("mismatch", o.mismatch, {.min = 0, .max = 0.5}, "how far the plant is off its file, as a share");
+  s.add("loop_delay", o.loop_delay, {.min = 0, .max = machining::kMaxLoopDelay},
+        "samples from a reading to the effect of its currents");
+  s.add("no_preview", o.no_preview, "accelerations of the same sample, as if the loop had no delay");
+  s.add("no_model_ahead", o.no_model_ahead, "no force of the model sent ahead, only the observer");
+  s.add("along_rad_s", o.along_rad_s, {.min = 0, .max = 500, .unit = "rad/s"},
+        "bandwidth along the path, 0: by speed");
+  s.add("across_rad_s", o.across_rad_s, {.min = 0, .max = 500, .unit = "rad/s"},
+        "contouring: across it, 0: the usual one");
+  s.add("sweep", o.sweep, "contour error against speed, 1 to 100 mm/s");
+  s.add("seed", o.seed, kSeeds, "of everything random");
+  s.add("out", o.out, kFolder, "folder for the results");
+}
+
 }  // namespace
 
-void add_contour_experiment(CLI::App& app, Action& action, const ContourExperiment& experiment) {
-  auto* command = app.add_subcommand(experiment.name, experiment.help);
-  auto o = std::make_shared<Options>();
-  o->speed_mm_s = experiment.speed_mm_s;
-  o->out = "out/" + experiment.name;
-  auto& s = o->settings;
-  s.add("image", o->image, "picture: a shipped name or a file; none: the thesis' set");
-  s.add("robot", o->robot, "that machines: a shipped name or a file");
-  s.add("width_mm", o->width_mm, {.min = 0, .max = 1000},
-        "width of the whole picture, 0: fitted to the workspace");
-  s.add("speed_mm_s", o->speed_mm_s, {.min = 0.1, .max = 300}, "tangential speed");
-  s.add("controller", o->controller, "law", {"auto", "independent", "preview", "contouring"});
-  s.add("corner", o->corner, "what to do at corners", {"exact", "rounded", "slow"});
-  s.add("tolerance_um", o->tolerance_um, {.min = 0, .max = 1000}, "rounding of corners");
-  s.add("plant", o->plant, "full: friction, mismatch, Hall sensors; ideal: none of them", {"full", "ideal"});
-  s.add("material", o->material, "what the beam meets", laser::material_names());
-  s.add("mismatch", o->mismatch, {.min = 0, .max = 0.5}, "how far the plant is off its file, as a share");
-  s.add("loop_delay", o->loop_delay, {.min = 0, .max = machining::kMaxLoopDelay},
-        "samples from a reading to the effect of its currents");
-  s.add("no_preview", o->no_preview, "accelerations of the same sample, as if the loop had no delay");
-  s.add("no_model_ahead", o->no_model_ahead, "no force of the model sent ahead, only the observer");
-  s.add("along_rad_s", o->along_rad_s, {.min = 0, .max = 500}, "bandwidth along the path, 0: by speed");
-  s.add("across_rad_s", o->across_rad_s, {.min = 0, .max = 500}, "contouring: across it, 0: the usual one");
-  s.add("sweep", o->sweep, "contour error against speed, 1 to 100 mm/s");
-  s.add("seed", o->seed, {.min = 0, .max = 1e15}, "of everything random");
-  s.add("out", o->out, "folder for the results");
-  s.attach(*command);
-  command->callback([o, experiment, &action] { action = [o, experiment] { return run(*o, experiment); }; });
+void add_contour_experiment(Program& program, const ContourExperiment& experiment) {
+  Options options;
+  options.speed_mm_s = experiment.speed_mm_s;
+  options.out = "out/" + experiment.name;
+  program.add(experiment.name, experiment.help, options, add_parameters,
+              [experiment](const Options& o) { return run(o, experiment); });
 }
 
 }  // namespace telekerf::experiments

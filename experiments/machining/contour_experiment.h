@@ -18,6 +18,6 @@ struct ContourExperiment {
   bool closed = true;  ///< what kind of contour is expected
 };
 
-void add_contour_experiment(CLI::App& app, Action& action, const ContourExperiment& experiment);
+void add_contour_experiment(Program& program, const ContourExperiment& experiment);
 
 }  // namespace telekerf::experiments

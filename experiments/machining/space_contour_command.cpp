@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <numbers>
 
 #include "common/reporting/plot.h"
@@ -25,7 +24,6 @@ struct Options {
   double curvature_mm = 30.0;
   std::uint64_t seed = 1;
   std::string out = "out/space-contour";
-  Settings settings;
 };
 
 machining::Surface sphere_cap(const Vec2& p, double radius_m) {
@@ -67,7 +65,6 @@ nlohmann::ordered_json spread(const ContourRun& run, int axis) {
 }
 
 int run(Options& options) {
-  options.settings.fill();
   if (options.radius_mm > 0.95 * options.curvature_mm) {
     throw StartupError(fmt::format(
         "radius_mm = {:g}: must be at most {:g}, 95 % of curvature_mm, where a sphere is still not steep",
@@ -129,20 +126,21 @@ int run(Options& options) {
   return good ? 0 : 1;
 }
 
+void add_parameters(Options& o, Settings& s) {
+  s.add("speed_mm_s", o.speed_mm_s, {.min = 0.1, .max = 100, .unit = "mm/s"}, "tangential speed");
+  s.add("radius_mm", o.radius_mm, {.min = 1, .max = 20, .unit = "mm"}, "of the contour");
+  s.add("curvature_mm", o.curvature_mm, {.min = 10, .max = 1000, .unit = "mm"},
+        "radius of curvature of the workpiece");
+  s.add("seed", o.seed, kSeeds, "of everything random");
+  s.add("out", o.out, kFolder, "folder for the results");
+}
+
 }  // namespace
 
-void add_space_contour_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand(
-      "space-contour", "Thesis 9.2: contouring on a sphere cap and on a saddle; result.json, traces, figure");
-  auto o = std::make_shared<Options>();
-  auto& s = o->settings;
-  s.add("speed_mm_s", o->speed_mm_s, {.min = 0.1, .max = 100}, "tangential speed");
-  s.add("radius_mm", o->radius_mm, {.min = 1, .max = 20}, "of the contour");
-  s.add("curvature_mm", o->curvature_mm, {.min = 10, .max = 1000}, "radius of curvature of the workpiece");
-  s.add("seed", o->seed, {.min = 0, .max = 1e15}, "of everything random");
-  s.add("out", o->out, "folder for the results");
-  s.attach(*command);
-  command->callback([o, &action] { action = [o] { return run(*o); }; });
+void add_space_contour_command(Program& program) {
+  program.add("space-contour",
+              "Thesis 9.2: contouring on a sphere cap and on a saddle; result.json, traces, figure",
+              Options{}, add_parameters, run);
 }
 
 }  // namespace telekerf::experiments

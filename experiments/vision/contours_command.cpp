@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -336,17 +335,15 @@ class Drawer {
 
 }  // namespace
 
-void add_contours_command(CLI::App& app, Action& action) {
-  auto out = std::make_shared<std::string>();
-  auto* sub = app.add_subcommand("contours", "Thesis 3: from picture to path, figures 3.2 to 3.12");
-  sub->add_option("--out", *out, "folder for the figures")->required();
-  sub->callback([out, &action] {
-    action = [out] {
-      make_folder("--out", *out);
-      std::cout << json_text(Drawer(*out).draw()) << '\n';
-      return 0;
-    };
-  });
+void add_contours_command(Program& program) {
+  program.add(
+      "contours", "Thesis 3: from picture to path, figures 3.2 to 3.12", std::string(),
+      [](std::string& out, Settings& s) { s.add("out", out, kFolder, "for the figures").must_be_given(); },
+      [](const std::string& out) {
+        make_folder("--out", out);
+        std::cout << json_text(Drawer(out).draw()) << '\n';
+        return 0;
+      });
 }
 
 }  // namespace telekerf::experiments

@@ -6,9 +6,9 @@
 namespace telekerf::netem {
 
 void NetemFlags::declare(Settings& settings) {
-  settings.add("netem", profile,
+  settings.add("netem", profile, kProfile,
                "emulated network between the sites: a profile's name or file, none: the real one");
-  settings.add("netem_seed", seed, {.min = 0, .max = 1e15}, "of the emulated network");
+  settings.add("netem_seed", seed, kSeeds, "of the emulated network");
 }
 
 std::shared_ptr<ReceivePathEmulator> NetemFlags::emulator(Site own_site) const {

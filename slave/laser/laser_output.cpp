@@ -30,7 +30,7 @@ std::string validate_laser(const std::string& laser) { return kLasers.validate(l
 
 void LaserOutputSettings::declare(Settings& settings) {
   settings.add("laser", laser, fmt::format("what makes the beam ({})", kLasers.forms()), validate_laser);
-  settings.add("laser_max_w", laser_max_w, {.min = 0, .max = 1000},
+  settings.add("laser_max_w", laser_max_w, {.min = 0, .max = 1000, .unit = "W"},
                "power that the laser is never asked to exceed");
 }
 

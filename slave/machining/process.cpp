@@ -154,15 +154,18 @@ JobExecutorSettings executor_settings(const AutomaticSettings& settings, const T
 }  // namespace
 
 void AutomaticSettings::declare(Settings& settings) {
-  settings.add("speed_mm_s", speed_mm_s, {.min = 0.1, .max = 100}, "automatic: tangential speed");
+  settings.add("speed_mm_s", speed_mm_s, {.min = 0.1, .max = 100, .unit = "mm/s"},
+               "automatic: tangential speed");
   settings.add("controller", controller, "automatic: law", {"auto", "independent", "preview", "contouring"});
   settings.add("corner", corner, "automatic: what to do at corners", {"exact", "rounded", "slow"});
   settings.add("material", material, "automatic: what the beam meets", laser::material_names());
   settings.add("sensor", sensor, "automatic: what reads the joints", {"hall", "encoder"});
-  settings.add("kerf_um", kerf_um, {.min = 0, .max = 2000}, "automatic: width of the cut to compensate");
+  settings.add("kerf_um", kerf_um, {.min = 0, .max = 2000, .unit = "um"},
+               "automatic: width of the cut to compensate");
   settings.add("no_framing", no_framing, "automatic: no run round the work with the pilot beam");
-  settings.add("machining_hz", machining_hz, {.min = 800, .max = 10000}, "automatic: control rate");
-  settings.add("wait_s", wait_s, {.min = 1, .max = 3600},
+  settings.add("machining_hz", machining_hz, {.min = 800, .max = 10000, .unit = "Hz"},
+               "automatic: control rate");
+  settings.add("wait_s", wait_s, {.min = 1, .max = 3600, .unit = "s"},
                "automatic: give up after this long without a contour");
 }
 

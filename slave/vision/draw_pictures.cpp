@@ -36,9 +36,10 @@ int draw_all(const std::filesystem::path& folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Draws the shipped test pictures", "draw-pictures");
-  std::string folder;
-  app.add_option("folder", folder, "where the PNG files go")->required();
-  telekerf::Action action = [&] { return draw_all(folder); };
-  return telekerf::run_program(app, argc, argv, action);
+  return telekerf::run_program(
+      argc, argv, "draw-pictures", "Draws the shipped test pictures", std::string(),
+      [](std::string& folder, telekerf::Settings& settings) {
+        settings.add("folder", folder, telekerf::kFolder, "where the PNG files go").as_argument();
+      },
+      draw_all);
 }

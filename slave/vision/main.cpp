@@ -11,6 +11,7 @@
 #include "common/geometry/polyline.h"
 #include "common/robot/robot_model.h"
 #include "common/runtime/loop.h"
+#include "common/runtime/program.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
@@ -93,14 +94,8 @@ int run(const Flags& flags) {
   return 0;
 }
 
-}  // namespace
-}  // namespace telekerf::vision
-
-int main(int argc, char** argv) {
-  CLI::App app("Finds the contour in a picture and publishes it", "telekerf-vision");
-  telekerf::vision::Flags flags;
-  telekerf::Settings settings;
-  settings.add("image", flags.image,
+void add_parameters(Flags& flags, Settings& settings) {
+  settings.add("image", flags.image, kPicture,
                "a shipped picture's name, a picture, SVG or DXF file, a folder of them, or a video");
   settings.add("camera", flags.camera, {.min = -1, .max = 255},
                "number of a /dev/video device; -1: none, use image");
@@ -109,17 +104,21 @@ int main(int argc, char** argv) {
                "what lies on the workpiece's origin: the contour's box or first point, or the image's centre",
                {"box", "first", "image"});
   settings.add("select", flags.select, {.min = 0, .max = 9999}, "which contour, 0 is the largest");
-  settings.add("width_mm", flags.width_mm, {.min = 0, .max = 10000},
+  settings.add("width_mm", flags.width_mm, {.min = 0, .max = 10000, .unit = "mm"},
                "width of the whole picture; 0: the contour is fitted to 60 % of the workspace");
   settings.add("fit_all", flags.fit_all,
                "all contours together are centred and fitted, not the longest alone");
-  settings.add("robot", flags.robot, "the slave's robot: a shipped name or a file");
+  settings.add("robot", flags.robot, kRobot, "the slave's robot: a shipped name or a file");
   flags.bus.declare(settings);
   flags.netem.declare(settings);
-  settings.attach(app);
-  telekerf::Action action = [&] {
-    settings.fill();
-    return run(flags);
-  };
-  return telekerf::run_program(app, argc, argv, action);
+}
+
+}  // namespace
+}  // namespace telekerf::vision
+
+int main(int argc, char** argv) {
+  using namespace telekerf::vision;
+  return telekerf::run_program(argc, argv, "telekerf-vision",
+                               "Finds the contour in a picture and publishes it", Flags{}, add_parameters,
+                               run);
 }

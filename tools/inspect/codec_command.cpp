@@ -2,8 +2,8 @@
 // telekerf-inspect codec: what a codec makes of a trace.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/codec/baselines/measure.h"
 #include "common/runtime/results.h"
@@ -19,16 +19,19 @@ struct Options {
   std::string decoded;
   std::vector<std::string> columns;
   codec::StreamSettings stream{.redundancy = 0, .anchored = false};
+  std::optional<int> keep;
+  std::optional<double> max_rms;
   codec::LossModel link;
   double rate_hz = 1000.0;
 };
 
 int run(const Options& options) {
-  if (!(options.rate_hz >= 1.0 && options.rate_hz <= 1e6)) {
-    throw StartupError(fmt::format("--rate-hz {}: must lie within [1, 1e6]", options.rate_hz));
-  }
+  if (options.keep && options.max_rms) throw usage_error("--keep and --max-rms: give one of them");
   const auto trace = codec::read_trace(options.trace, options.rate_hz, options.columns);
-  const auto settings = codec::with_codec(options.stream, options.codec).validated();
+  codec::StreamSettings stream = options.stream;
+  stream.keep = options.keep.value_or(stream.keep);
+  stream.max_rms = options.max_rms.value_or(0.0);
+  const auto settings = codec::with_codec(stream, options.codec).validated();
   codec::Trace decoded;
   const auto figures = codec::measure(trace, settings, options.link, &decoded);
   if (!options.decoded.empty()) codec::write_trace(options.decoded, decoded);
@@ -69,40 +72,33 @@ int run(const Options& options) {
   return 0;
 }
 
+void add_parameters(Options& o, Settings& s) {
+  auto& stream = o.stream;
+  s.add("trace", o.trace, kFile, "CSV, columns of numbers").as_argument();
+  s.add("codec", o.codec, "which one", codec::codec_names());
+  s.add("block", stream.block, {.min = 1, .max = 64}, "samples a block; 4 or more of a transform");
+  s.add("keep", o.keep, {.min = 1, .max = 64},
+        fmt::format("coefficients kept an axis and block; without max_rms {}", stream.keep));
+  s.add("max_rms", o.max_rms, {.min = 0, .max = 1e6},
+        "RMS error that no block exceeds, in the trace's unit, instead of keep");
+  s.add("quantum", stream.quantum, {.min = 1e-15, .max = 1e6},
+        "finest step (with keep, and of the time-domain codecs)");
+  s.add("threshold", stream.threshold, {.min = 0, .max = 1e6}, "dead-band: absolute, or weber's fraction");
+  s.add("rate_hz", o.rate_hz, {.min = 1, .max = 1e6, .unit = "Hz"}, "samples a second");
+  s.add("columns", o.columns, kName, "of the columns to take; without it all");
+  s.add("anchored", stream.anchored, "packets carry position and velocity of their newest block");
+  s.add("redundancy", stream.redundancy, {.min = 0, .max = 7}, "previous blocks repeated in a packet");
+  s.add("loss", o.link.loss, {.min = 0, .max = 1}, "packets lost, as a fraction");
+  s.add("burst", o.link.burst, {.min = 1, .max = 1e6}, "mean length of a burst of losses, packets");
+  s.add("seed", o.link.seed, kSeeds, "of the losses");
+  s.add("decoded", o.decoded, kFile, "CSV for what the receiver has in the end");
+}
+
 }  // namespace
 
-void add_codec_command(CLI::App& app, Action& action) {
-  auto* command =
-      app.add_subcommand("codec", "Sends a trace through a codec: bits, bytes on the wire, error, delay");
-  auto options = std::make_shared<Options>();
-  auto& stream = options->stream;
-  command->add_option("trace", options->trace, "CSV file, columns of numbers")->required();
-  command->add_option("--codec", options->codec, "which one")
-      ->check(CLI::IsMember(codec::codec_names()))
-      ->capture_default_str();
-  command->add_option("--block", stream.block, "samples a block, 4 to 64")->capture_default_str();
-  auto* keep = command->add_option("--keep", stream.keep, "coefficients kept an axis and block")
-                   ->capture_default_str();
-  command->add_option("--max-rms", stream.max_rms, "RMS error that no block exceeds, in the trace's unit")
-      ->excludes(keep);
-  command->add_option("--quantum", stream.quantum, "finest step (with --keep, and of the time-domain codecs)")
-      ->capture_default_str();
-  command->add_option("--threshold", stream.threshold, "dead-band: absolute, or weber's fraction");
-  command->add_option("--rate-hz", options->rate_hz, "samples a second")->capture_default_str();
-  command->add_option("--columns", options->columns, "names of the columns to take; default all")
-      ->delimiter(',');
-  command->add_flag("--anchored", stream.anchored,
-                    "packets carry position and velocity of their newest block");
-  command->add_option("--redundancy", stream.redundancy, "previous blocks repeated in a packet")
-      ->capture_default_str();
-  command->add_option("--loss", options->link.loss, "share of packets lost")->capture_default_str();
-  command->add_option("--burst", options->link.burst, "mean length of a burst of losses, packets")
-      ->capture_default_str();
-  command->add_option("--seed", options->link.seed, "of the losses")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--decoded", options->decoded, "CSV file for what the receiver has in the end");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+void add_codec_command(Program& program) {
+  program.add("codec", "Sends a trace through a codec: bits, bytes on the wire, error, delay", Options{},
+              add_parameters, run);
 }
 
 }  // namespace telekerf::inspect

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -24,8 +23,8 @@ struct Options {
   std::string mode = "auto";
   std::vector<double> start;
   std::vector<double> end;
-  double width_mm = 0.0;
-  double height_mm = 0.0;
+  std::optional<double> width_mm;
+  std::optional<double> height_mm;
   double workspace_mm = 20.0;
   std::string anchor = "box";
   std::string harmonics = "auto";
@@ -55,8 +54,9 @@ vision::LoadRequest request_of(const Options& o) {
   request.extract.mode = *vision::mode_of(o.mode);
   if (!o.start.empty()) request.extract.start_px = Vec2(o.start[0], o.start[1]);
   if (!o.end.empty()) request.extract.end_px = Vec2(o.end[0], o.end[1]);
-  if (o.width_mm > 0.0) request.scale.picture_width_m = 1e-3 * o.width_mm;
-  if (o.height_mm > 0.0) request.scale.picture_height_m = 1e-3 * o.height_mm;
+  if (o.height_mm && !o.width_mm) throw usage_error("--height-mm needs --width-mm");
+  if (o.width_mm) request.scale.picture_width_m = 1e-3 * *o.width_mm;
+  if (o.height_mm) request.scale.picture_height_m = 1e-3 * *o.height_mm;
   request.scale.workspace_radius_m = 1e-3 * o.workspace_mm;
   request.scale.anchor = *vision::anchor_of(o.anchor);
   request.select = o.select;
@@ -122,51 +122,31 @@ int inspect(const Options& o) {
   return 0;
 }
 
+void add_parameters(Options& o, Settings& s) {
+  const Bounds pixels{.min = -1e6, .max = 1e6, .unit = "pixels"};
+  const Bounds length_mm{.min = 1e-3, .max = 1e6, .unit = "mm"};
+  s.add("input", o.input, kPicture, "PNG, JPEG, ..., SVG or DXF file, or the name of a shipped picture")
+      .as_argument();
+  s.add("mode", o.mode, "how pixels become points", {"auto", "outline", "stroke", "thesis"});
+  s.add("start", o.start, 2, pixels, "X,Y: where the path starts");
+  s.add("end", o.end, 2, pixels, "X,Y: where an open path ends");
+  s.add("width_mm", o.width_mm, length_mm, "true width of the whole picture; without it: see workspace_mm");
+  s.add("height_mm", o.height_mm, length_mm, "and its true height, where pixels are not square");
+  s.add("workspace_mm", o.workspace_mm, length_mm, "without width_mm the contour fills 60 % of this radius");
+  s.add("anchor", o.anchor, "what lies on the workpiece's origin", {"box", "first", "image"});
+  s.add("harmonics", o.harmonics, TextForm{"auto|NUMBER"},
+        "elliptic Fourier descriptors of a closed contour");
+  s.add("tolerance_mm", o.tolerance_mm, {.min = 1e-6, .max = 1e3, .unit = "mm"},
+        "largest deviation that harmonics = auto allows");
+  s.add("select", o.select, {.min = 0, .max = 1e9}, "which contour, 0 is the largest");
+  s.add("out", o.out, kFolder, "for contour.csv, contour.svg, contour.ngc and overlay.png").must_be_given();
+}
+
 }  // namespace
 
-void add_contour_command(CLI::App& app, Action& action) {
-  auto o = std::make_shared<Options>();
-  auto* sub = app.add_subcommand(
-      "contour", "Turns a picture or drawing into an ordered path, with its size and quality");
-  sub->add_option("INPUT", o->input, "PNG, JPEG, ... , SVG or DXF file, or the name of a shipped picture")
-      ->required();
-  sub->add_option("--mode", o->mode, "how pixels become points")
-      ->check(CLI::IsMember({"auto", "thesis", "outline", "stroke"}))
-      ->capture_default_str();
-  const CLI::Validator pixels = within(-1e6, 1e6);
-  sub->add_option("--start", o->start, "where the path starts, pixels X,Y")
-      ->delimiter(',')
-      ->expected(2)
-      ->check(pixels);
-  sub->add_option("--end", o->end, "where an open path ends, pixels X,Y")
-      ->delimiter(',')
-      ->expected(2)
-      ->check(pixels);
-  const CLI::Validator length_mm = within(1e-3, 1e6);
-  auto* width =
-      sub->add_option("--width-mm", o->width_mm, "true width of the whole picture")->check(length_mm);
-  sub->add_option("--height-mm", o->height_mm, "and its true height, where pixels are not square")
-      ->check(length_mm)
-      ->needs(width);
-  sub->add_option("--workspace-mm", o->workspace_mm,
-                  "without --width-mm the contour fills 60 % of this radius")
-      ->check(length_mm)
-      ->capture_default_str();
-  sub->add_option("--anchor", o->anchor, "what lies on the workpiece's origin")
-      ->check(CLI::IsMember({"box", "first", "image"}))
-      ->capture_default_str();
-  sub->add_option("--harmonics", o->harmonics,
-                  "elliptic Fourier descriptors of a closed contour: a number or auto")
-      ->capture_default_str();
-  sub->add_option("--tolerance-mm", o->tolerance_mm, "largest deviation that auto allows")
-      ->check(within(1e-6, 1e3))
-      ->capture_default_str();
-  sub->add_option("--select", o->select, "which contour, 0 is the largest")
-      ->check(whole_number())
-      ->capture_default_str();
-  sub->add_option("--out", o->out, "folder for contour.csv, contour.svg, contour.ngc and overlay.png")
-      ->required();
-  sub->callback([o, &action] { action = [o] { return inspect(*o); }; });
+void add_contour_command(Program& program) {
+  program.add("contour", "Turns a picture or drawing into an ordered path, with its size and quality",
+              Options{}, add_parameters, inspect);
 }
 
 }  // namespace telekerf::inspect

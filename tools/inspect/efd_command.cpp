@@ -7,7 +7,6 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/geometry/elliptic_fourier.h"
@@ -18,6 +17,11 @@
 
 namespace telekerf::inspect {
 namespace {
+
+struct Options {
+  std::string points;
+  std::size_t harmonics = 20;
+};
 
 int inspect(const std::string& path, std::size_t harmonics) {
   std::ifstream file(path, std::ios::binary);
@@ -45,14 +49,14 @@ int inspect(const std::string& path, std::size_t harmonics) {
 
 }  // namespace
 
-void add_efd_command(CLI::App& app, Action& action) {
-  auto path = std::make_shared<std::string>();
-  auto harmonics = std::make_shared<std::size_t>(20);
-  auto* sub = app.add_subcommand("efd", "Prints the elliptic Fourier descriptors of a closed polygon");
-  sub->add_option("POINTS", *path, "CSV file with x,y a line")->required();
-  sub->add_option("--harmonics", *harmonics, "how many")->check(within(1, 4096))->capture_default_str();
-  sub->callback(
-      [path, harmonics, &action] { action = [path, harmonics] { return inspect(*path, *harmonics); }; });
+void add_efd_command(Program& program) {
+  program.add(
+      "efd", "Prints the elliptic Fourier descriptors of a closed polygon", Options{},
+      [](Options& o, Settings& s) {
+        s.add("points", o.points, kFile, "CSV with x,y a line").as_argument();
+        s.add("harmonics", o.harmonics, {.min = 1, .max = 4096}, "how many");
+      },
+      [](const Options& o) { return inspect(o.points, o.harmonics); });
 }
 
 }  // namespace telekerf::inspect

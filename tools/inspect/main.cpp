@@ -3,13 +3,11 @@
 #include "tools/inspect/commands.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Looks at robots, contours, codecs and finished runs", "telekerf-inspect");
-  app.require_subcommand(1);
-  telekerf::Action action;
-  telekerf::inspect::add_codec_command(app, action);
-  telekerf::inspect::add_contour_command(app, action);
-  telekerf::inspect::add_efd_command(app, action);
-  telekerf::inspect::add_robot_command(app, action);
-  telekerf::inspect::add_run_command(app, action);
-  return telekerf::run_program(app, argc, argv, action);
+  telekerf::Program program("telekerf-inspect", "Looks at robots, contours, codecs and finished runs");
+  telekerf::inspect::add_codec_command(program);
+  telekerf::inspect::add_contour_command(program);
+  telekerf::inspect::add_efd_command(program);
+  telekerf::inspect::add_robot_command(program);
+  telekerf::inspect::add_run_command(program);
+  return program.run(argc, argv);
 }

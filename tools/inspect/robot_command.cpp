@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-inspect robot: kinematics and workspace of a robot file; metres in base, one JSON object out.
 #include <cstdio>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -81,6 +80,11 @@ Json hall(const robot::RobotModel& model) {
 }
 
 int run(const Options& options) {
+  if (!options.ik.empty() + !options.fk.empty() + !options.jacobian.empty() + options.workspace +
+          options.hall !=
+      1)
+    throw usage_error("say what to show, one of --ik, --fk, --jacobian, --workspace, --hall");
+  if (!options.picture.empty() && !options.workspace) throw usage_error("--picture needs --workspace");
   const robot::RobotModel model = robot::load_robot(options.robot, options.workspace);
   const robot::DeltaKinematics kinematics(model.geometry);
   Json out;
@@ -107,27 +111,22 @@ int run(const Options& options) {
   return 0;
 }
 
+void add_parameters(Options& o, Settings& s) {
+  const Bounds metres{.min = -10, .max = 10, .unit = "m"};
+  s.add("robot", o.robot, kRobot, "a shipped name or the path of a robot file").as_argument();
+  s.add("ik", o.ik, 3, metres, "joints of tool position X Y Z");
+  s.add("fk", o.fk, 3, metres, "tool position of joints D1 D2 D3");
+  s.add("jacobian", o.jacobian, 3, metres, "tool velocity per joint velocity at joints D1 D2 D3");
+  s.add("workspace", o.workspace, "largest upright cylinder, conditioning");
+  s.add("hall", o.hall, "position error of the Hall sensors before and after calibration");
+  s.add("picture", o.picture, kFile, "draws the workspace into this PNG");
+}
+
 }  // namespace
 
-void add_robot_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("robot", "Kinematics and workspace of a robot (metres, base frame)");
-  command->add_option("robot", options->robot, "Shipped name or path of a robot file")->required();
-  auto* what = command->add_option_group("what", "What to show");
-  what->add_option("--ik", options->ik, "Joints of tool position X Y Z")->expected(3)->type_name("X Y Z");
-  what->add_option("--fk", options->fk, "Tool position of joints D1 D2 D3")
-      ->expected(3)
-      ->type_name("D1 D2 D3");
-  what->add_option("--jacobian", options->jacobian, "Tool velocity per joint velocity at joints D1 D2 D3")
-      ->expected(3)
-      ->type_name("D1 D2 D3");
-  auto* workspace =
-      what->add_flag("--workspace", options->workspace, "Largest upright cylinder, conditioning");
-  what->add_flag("--hall", options->hall, "Position error of the Hall sensors before and after calibration");
-  what->require_option(1);
-  command->add_option("--picture", options->picture, "Draw the workspace into this file (PNG)")
-      ->needs(workspace);
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+void add_robot_command(Program& program) {
+  program.add("robot", "Kinematics and workspace of a robot (metres, base frame)", Options{}, add_parameters,
+              run);
 }
 
 }  // namespace telekerf::inspect

@@ -2,8 +2,6 @@
 // telekerf-inspect run FOLDER: the report of a finished run from what its processes recorded.
 #include <fmt/format.h>
 
-#include <memory>
-
 #include "common/reporting/run_report.h"
 #include "tools/inspect/commands.h"
 
@@ -50,21 +48,21 @@ void print_table(const nlohmann::ordered_json& r) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("run", "Report of a finished run: report.json, trace.csv, cut.png");
-  auto folder = std::make_shared<std::string>();
-  command->add_option("folder", *folder, "folder that the run recorded into")->required();
-  command->callback([folder, &action] {
-    action = [folder] {
-      const RunRecord record = read_run(*folder);
-      const auto report = reporting::write_report(*folder, record);
-      print_table(report);
-      fmt::print("  {0:<34}{1}/report.json, {1}/cut.png, {1}/trace.csv\n", "files", *folder);
-      if (reporting::stayed_inside(report)) return 0;
-      fmt::print("  {:<34}bad: the laser left the corridor\n", "verdict");
-      return 1;
-    };
-  });
+void add_run_command(Program& program) {
+  program.add(
+      "run", "Report of a finished run: report.json, trace.csv, cut.png", std::string(),
+      [](std::string& folder, Settings& s) {
+        s.add("folder", folder, kFolder, "that the run recorded into").as_argument();
+      },
+      [](const std::string& folder) {
+        const RunRecord record = read_run(folder);
+        const auto report = reporting::write_report(folder, record);
+        print_table(report);
+        fmt::print("  {0:<34}{1}/report.json, {1}/cut.png, {1}/trace.csv\n", "files", folder);
+        if (reporting::stayed_inside(report)) return 0;
+        fmt::print("  {:<34}bad: the laser left the corridor\n", "verdict");
+        return 1;
+      });
 }
 
 }  // namespace telekerf::inspect

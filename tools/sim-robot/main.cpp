@@ -9,7 +9,7 @@
 #include "common/robot/drivers/simulated_robot.h"
 #include "common/robot/drivers/udp_robot.h"
 #include "common/runtime/loop.h"
-#include "common/runtime/settings.h"
+#include "common/runtime/program.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {
@@ -38,22 +38,20 @@ int run(const Flags& flags) {
   return 0;
 }
 
+void add_parameters(Flags& flags, Settings& settings) {
+  settings.add("robot", flags.robot, kRobot, "robot: a shipped name or a file");
+  settings.add("mismatch", flags.mismatch, {.min = 0, .max = 0.5}, "how far it is off its file, as a share");
+  settings.add("seed", flags.seed, kSeeds, "of what is random in it");
+  settings.add("port", flags.port, {.min = 0, .max = 65535}, "UDP port on this host, 0: any free one");
+}
+
 }  // namespace
 }  // namespace telekerf::robot
 
 int main(int argc, char** argv) {
-  CLI::App app("A simulated robot in a process of its own: --drive udp:127.0.0.1:PORT moves it",
-               "telekerf-robot");
-  telekerf::robot::Flags flags;
-  telekerf::Settings settings;
-  settings.add("robot", flags.robot, "robot: a shipped name or a file");
-  settings.add("mismatch", flags.mismatch, {.min = 0, .max = 0.5}, "how far it is off its file, as a share");
-  settings.add("seed", flags.seed, {.min = 0, .max = 1e15}, "of what is random in it");
-  settings.add("port", flags.port, {.min = 0, .max = 65535}, "UDP port on this host, 0: any free one");
-  settings.attach(app);
-  telekerf::Action action = [&] {
-    settings.fill();
-    return run(flags);
-  };
-  return telekerf::run_program(app, argc, argv, action);
+  using namespace telekerf::robot;
+  return telekerf::run_program(
+      argc, argv, "telekerf-robot",
+      "A simulated robot in a process of its own: --drive udp:127.0.0.1:PORT moves it", Flags{},
+      add_parameters, run);
 }
