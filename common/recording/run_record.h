@@ -1,48 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run leaves behind: one row a tick of each robot, and the figures that only the process itself knows.
-// Metres; the master's rows in the master's workpiece frame, the slave's in the workpiece frame.
+// What a run leaves behind: the rows of each robot, and the figures that only the process itself knows.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "common/recording/rows.h"
 #include "common/runtime/loop.h"
 
 namespace telekerf {
-
-using Triple = std::array<double, 3>;
-
-struct MasterRow {
-  std::uint64_t tick = 0;
-  double t_s = 0.0;
-  Triple tool_m{};            ///< true tool, or the measured one (DriveRecord)
-  Triple hand_n{};            ///< hand force on the tool; of a real hand what is estimated
-  double constraint_n = 0.0;  ///< force by which the constraint answers, across the curve
-  bool guided = false;        ///< on the constraint, the hand moves it
-  bool engaged = false;       ///< the slave follows
-  bool button = false;
-  Triple predicted_m{};  ///< slave's tool when it applies this tick, as predicted; slave's workpiece frame
-  bool joined = false;   ///< engaged, and nothing is left of the approach of the slave to the master
-  double beta = 1.0;     ///< slave motion = beta x master motion; may change during a run
-  double force_tick = -1.0;  ///< slave tick of the force below; negative: none is known
-  Triple slave_force_n{};    ///< on the slave's tool, as fed back; slave's workpiece frame
-};
-
-struct SlaveRow {
-  std::uint64_t tick = 0;
-  double t_s = 0.0;
-  double applied = -1.0;  ///< master tick being applied; negative: none (holding)
-  Triple ref_m{};         ///< commanded reference
-  Triple tool_m{};        ///< true tool, or the measured one (DriveRecord)
-  double laser_w = 0.0;
-  int interlock = 0;
-  bool settled = false;  ///< following, and no offset of an approach is left
-  Triple force_n{};      ///< estimated, of the world on the tool
-};
 
 /// Rows kept in memory that is taken before the loop starts; when it is full, further rows are counted only.
 template <typename Row>
@@ -80,7 +49,7 @@ struct DriveRecord {
 Metadata words_of(const DriveRecord& drive);
 
 struct RunRecord {
-  std::vector<std::array<double, 2>> contour_m;  ///< as extracted, true size
+  std::vector<Vec2> contour_m;  ///< as extracted, true size
   bool contour_closed = true;
   std::vector<MasterRow> master;
   std::vector<SlaveRow> slave;
@@ -88,6 +57,11 @@ struct RunRecord {
   DriveRecord master_drive, slave_drive;
   Metadata words;  ///< netem, law, codec, image ...
 };
+
+/// Refuses a folder that holds the record of another run of `site` ("master", "slave"), and one that cannot
+/// be written to. Nothing is made. `option`: that names it.
+void refuse_record_folder(const std::string& option, const std::filesystem::path& folder,
+                          const std::string& site);
 
 /// CSV and JSON files in `folder` (created if need be); each site writes its own part. Throws StartupError.
 void write_contour(const std::filesystem::path& folder, const RunRecord& record);

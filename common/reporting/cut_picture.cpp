@@ -50,7 +50,7 @@ cv::Mat draw_cut(const RunRecord& record) {
     }
   }
   stroke({140, 130, 120}, false);
-  for (const auto& point : record.contour_m) path.push_back(pixel({point[0], point[1]}));
+  for (const auto& point : record.contour_m) path.push_back(pixel(point));
   stroke({200, 110, 30}, record.contour_closed);
 
   laser::draw_scale_bar(picture, workpiece.pixel_m(), laser::ink_of(wood));

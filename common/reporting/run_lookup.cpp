@@ -25,7 +25,7 @@ double control_period_s(const RunRecord& record) {
   return metric(record.slave_figures, "control_period_s", between_rows_s);
 }
 
-std::optional<Vec3> master_at(const RunRecord& record, double tick, Triple MasterRow::*position) {
+std::optional<Vec3> master_at(const RunRecord& record, double tick, Vec3 MasterRow::*position) {
   if (record.master.empty()) return std::nullopt;
   const double place = tick - static_cast<double>(record.master.front().tick);
   if (!(place >= 0.0) || place > static_cast<double>(record.master.size() - 1)) return std::nullopt;

@@ -10,7 +10,7 @@
 
 namespace telekerf::reporting {
 
-inline Vec2 in_plane(const Triple& point) { return {point[0], point[1]}; }
+inline Vec2 in_plane(const Vec3& point) { return point.head<2>(); }
 
 /// One of the metrics, or `fallback` if the run has none of that name.
 double metric(const Metrics& metrics, const std::string& name, double fallback = 0.0);
@@ -19,7 +19,7 @@ double metric(const Metrics& metrics, const std::string& name, double fallback =
 double control_period_s(const RunRecord& record);
 
 /// One of the master's positions at a tick that may lie between two of its rows; none outside of the record.
-std::optional<Vec3> master_at(const RunRecord& record, double tick, Triple MasterRow::*position);
+std::optional<Vec3> master_at(const RunRecord& record, double tick, Vec3 MasterRow::*position);
 
 /// Whether the slave had been brought to the master's motion by that tick.
 bool joined_at(const RunRecord& record, double tick);

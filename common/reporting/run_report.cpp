@@ -28,7 +28,7 @@ nlohmann::ordered_json um(const ErrorStatistics& spread, const char* rms_um = "r
 Polyline contour_of(const RunRecord& record) {
   Polyline line;
   line.closed = record.contour_closed;
-  for (const auto& point : record.contour_m) line.points_m.emplace_back(point[0], point[1]);
+  line.points_m = record.contour_m;
   return line;
 }
 
@@ -56,8 +56,8 @@ nlohmann::ordered_json force_json(const RunRecord& record) {
     if (row.force_tick < 0.0 || record.slave.empty()) continue;
     const double place = row.force_tick - static_cast<double>(record.slave.front().tick);
     if (!(place >= 0.0) || place > static_cast<double>(record.slave.size() - 1)) continue;
-    const Triple& sent = record.slave[static_cast<std::size_t>(place)].force_n;
-    for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3& sent = record.slave[static_cast<std::size_t>(place)].force_n;
+    for (int i = 0; i < 3; ++i) {
       force.add(row.slave_force_n[i]);
       coding.add(row.slave_force_n[i] - sent[i]);
     }
