@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/process.h"
+
+#include <fmt/format.h>
+
+namespace telekerf {
+namespace {
+
+const BusSettings& with_signals_caught(const BusSettings& settings) {
+  catch_stop_signals();
+  return settings;
+}
+
+}  // namespace
+
+Process::Process(const BusSettings& settings, const char* initial_state)
+    : bus_(with_signals_caught(settings)), status_(settings.role, initial_state) {}
+
+std::string Process::place() const {
+  return fmt::format("cell '{}' of domain {}", bus_.settings().cell, bus_.settings().domain);
+}
+
+void Process::ready() { status_.say(fmt::format("ready in {}", bus_.settings().cell)); }
+
+LoopStatistics Process::run(double rate_hz, const std::function<bool(std::int64_t)>& step) {
+  return run_loop(rate_hz, [&step](std::int64_t now_ns) { return step(now_ns) && !stop_requested(); });
+}
+
+}  // namespace telekerf

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The frame of every process of a cell: it joins, says what it does, and runs until it is done or a signal
+// comes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "common/bus/bus.h"
+#include "common/runtime/loop.h"
+#include "common/runtime/status_reporter.h"
+
+namespace telekerf {
+
+class Process {
+ public:
+  /// From now on signals end it in order. `initial_state` need not be said. Throws StartupError if the cell
+  /// does not take it, see Bus.
+  explicit Process(const BusSettings& settings, const char* initial_state = nullptr);
+
+  Bus& bus() noexcept { return bus_; }
+  StatusReporter& status() noexcept { return status_; }
+  /// "cell 'cell-1' of domain 0"
+  std::string place() const;
+
+  /// Says that everything is there.
+  void ready();
+  /// Steps at `rate_hz` until `step` returns false or a signal comes.
+  LoopStatistics run(double rate_hz, const std::function<bool(std::int64_t now_ns)>& step);
+
+ private:
+  Bus bus_;
+  StatusReporter status_;
+};
+
+}  // namespace telekerf

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/runtime/status_reporter.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+namespace telekerf {
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod{50};
+constexpr int kBarWidth = 40;
+constexpr const char* kWipe = "\r\033[K";
+
+}  // namespace
+
+StatusReporter::StatusReporter(std::string who, const char* initial)
+    : who_(std::move(who)),
+      terminal_(isatty(STDOUT_FILENO) != 0),
+      state_(initial),
+      said_(initial),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+StatusReporter::~StatusReporter() {
+  thread_.request_stop();
+  thread_.join();
+  report();
+  if (bar_) fmt::print("{}", kWipe);
+  std::fflush(stdout);
+}
+
+void StatusReporter::say(const std::string& sentence) {
+  const std::lock_guard lock(writing_);
+  fmt::print("{}{}: {}\n", terminal_ ? kWipe : "", who_, sentence);
+  std::fflush(stdout);
+}
+
+void StatusReporter::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    std::this_thread::sleep_for(kPeriod);
+    report();
+  }
+}
+
+void StatusReporter::report() {
+  if (const char* const now = state_.load(); now != said_) {
+    said_ = now;
+    say(now);
+  }
+  const double fraction = std::clamp(fraction_.load(), 0.0, 1.0);
+  const double total_s = total_s_.load();
+  if (fraction <= 0.0) return;
+  if (terminal_) {
+    const int full = static_cast<int>(fraction * kBarWidth);
+    const std::lock_guard lock(writing_);
+    fmt::print("\r  [{:#<{}}{:.<{}}] {:4.1f} s of {:.0f} s", "", full, "", kBarWidth - full,
+               fraction * total_s, total_s);
+    std::fflush(stdout);
+    bar_ = true;
+  } else if (const int tenth = static_cast<int>(10.0 * fraction); tenth > tenth_ && tenth < 10) {
+    tenth_ = tenth;
+    say(fmt::format("{} %, {:.0f} s to go", 10 * tenth, (1.0 - fraction) * total_s));
+  }
+}
+
+}  // namespace telekerf
