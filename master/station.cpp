@@ -17,8 +17,6 @@ namespace {
 /// Finest step of coded accelerations, m/s^2.
 constexpr double kAccelerationQuantum = 1e-2;
 
-Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
 }  // namespace
 
 void StationSettings::declare(Settings& settings) {
@@ -163,12 +161,12 @@ MasterOutputs Station::step(std::int64_t now_ns, GuidedContour* task, bool engag
   } else {
     hand.force_n = out.hand_n;
   }
-  recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, triple(true_tool_m.value_or(out.tool_m)),
-                  triple(hand.force_n), out.constraint_n, guided_, out.mode == MasterMode::kEngaged,
-                  inputs.button, triple(out.observed.slave.position_m), out.observed.joined,
+  recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, true_tool_m.value_or(out.tool_m), hand.force_n,
+                  out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
+                  out.observed.slave.position_m, out.observed.joined,
                   task != nullptr ? task->guide.beta : settings_.beta,
                   out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
-                  triple(out.slave_force.force_n)});
+                  out.slave_force.force_n});
   machine_.advance();
   return out;
 }

@@ -11,12 +11,6 @@
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::slave {
-namespace {
-
-Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
-}  // namespace
-
 void StationSettings::declare(Settings& settings) {
   settings.add("robot", robot, kRobot, "robot: a shipped name or a file");
   machine.declare(settings);
@@ -112,9 +106,9 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   SlaveOutputs out = node_.step(now_ns, inputs);
   out.laser_w = beam_.emit(out.laser_w, false);
   machine_.write(out.currents_a);
-  recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick,
-                  triple(out.reference.position_m), triple(true_tool_m.value_or(out.tool_m)), out.laser_w,
-                  static_cast<int>(out.interlock), out.settled, triple(out.force_n)});
+  recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick, out.reference.position_m,
+                  true_tool_m.value_or(out.tool_m), out.laser_w, static_cast<int>(out.interlock), out.settled,
+                  out.force_n});
   ++tick_;
   machine_.advance();
   return out;
