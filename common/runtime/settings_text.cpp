@@ -163,7 +163,10 @@ nlohmann::ordered_json Settings::json() const {
     }
     if (s.type == Type::kText || s.type == Type::kTexts) {
       one["form"] = s.text.form;
-      if (*s.text.shipped) one["shipped"] = s.text.shipped;
+      if (*s.text.shipped) {
+        one["shipped"] = s.text.shipped;
+        one["extension"] = s.text.extension;
+      }
     }
     for (const auto& choice : s.choices)
       one["choices"].push_back({{"word", choice.word}, {"sentence", choice.sentence}});
