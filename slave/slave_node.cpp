@@ -24,10 +24,8 @@ control::DisturbanceObserver::Gains gains_of(const SlaveSettings& settings) noex
 
 SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch)
     : model_(model),
-      kinematics_(model.geometry),
       settings_(settings),
-      acceleration_(control::AccelerationControl::settings_for(model, gains_of(settings))),
-      friction_(model.friction, gains_of(settings)),
+      joints_(model, {.observer = gains_of(settings)}),
       dt_s_(1.0 / settings.control_hz),
       commands_({.playout = settings.playout,
                  .timeout_s = settings.command_timeout_s,
@@ -41,15 +39,11 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
               epoch) {}
 
 KinematicState SlaveNode::observe(const robot::JointReading& joints) noexcept {
-  if (!located_ && joints.valid) acceleration_.reset(joints.joints_m);
-  acceleration_.observe(joints);
-  pose_.reset();
-  if (const auto pose = kinematics_.state(acceleration_.joints_m(), acceleration_.joint_velocity_m_per_s())) {
-    pose_ = *pose;
-  }
-  if (!pose_) return selector_.reference();
-  const KinematicState tool{.position_m = model_.in_workpiece(pose_->tool_m),
-                            .velocity_m_per_s = pose_->tool_velocity_m_per_s};
+  if (!located_ && joints.valid) joints_.reset(joints.joints_m);
+  posed_ = joints_.observe(joints);
+  if (!posed_) return selector_.reference();
+  const KinematicState tool{.position_m = model_.in_workpiece(joints_.state().tool_m),
+                            .velocity_m_per_s = joints_.state().tool_velocity_m_per_s};
   if (!located_ && joints.valid) {
     selector_.rest_at(tool.position_m);
     located_ = true;
@@ -59,11 +53,10 @@ KinematicState SlaveNode::observe(const robot::JointReading& joints) noexcept {
 
 Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool) const noexcept {
   const double w = settings_.bandwidth_rad_s;
-  // A pose without kinematics (it cannot be reached by following): the joints are braked where they are.
-  if (!pose_) return -2.0 * w * acceleration_.joint_velocity_m_per_s();
+  if (!posed_) return joints_.braking_m_per_s2(w);  // it cannot be reached by following
   const Vec3 wanted = selected.bare ? selected.acceleration_m_per_s2
                                     : control::tracking_acceleration(selected.reference, tool, w);
-  return pose_->joint_acceleration(control::limited(wanted, model_.limits.acceleration_m_per_s2));
+  return joints_.state().joint_acceleration(control::limited(wanted, model_.limits.acceleration_m_per_s2));
 }
 
 Interlock SlaveNode::interlock(const SlaveInputs& inputs, const Selected& selected,
@@ -75,7 +68,7 @@ Interlock SlaveNode::interlock(const SlaveInputs& inputs, const Selected& select
        .contour_known =
            corridor != nullptr && commands_.heard() && commands_.header().contour_id == corridor->contour_id,
        .engaged = selector_.mode() == SlaveMode::kFollowing,
-       .fresh = selected.following && pose_.has_value() && inputs.joints.valid,
+       .fresh = selected.following && posed_ && inputs.joints.valid,
        .inside_workspace = place.norm() <= model_.workspace.radius_m,
        .contour_distance_m = corridor == nullptr ? 1.0 : corridor->contour.find(place).distance_m,
        .speed_m_per_s = tool.velocity_m_per_s.norm(),
@@ -92,15 +85,8 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   for (const auto& command : inputs.commands) commands_.receive(command, contour_id);
   const Selected selected = selector_.step(commands_.play(now_ns, tool));
 
-  const Vec3 joint_acceleration = track(selected, tool);
-  friction_.update(acceleration_.joint_velocity_m_per_s());
-  if (pose_) {
-    inertia_kg_ = robot::joint_inertia(model_, *pose_);
-    out.force_n = control::reaction_force(model_, kinematics_, *pose_, acceleration_.disturbance_n(),
-                                          friction_.seen_n());
-  }
-  out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_,
-                                          acceleration_.disturbance_n() + friction_.missing_n());
+  if (posed_) out.force_n = joints_.reaction_force_n();
+  out.currents_a = joints_.currents(track(selected, tool));
 
   out.interlock = interlock(inputs, selected, tool);
   out.laser_w = out.interlock == Interlock::kReady && selected.button ? settings_.laser_w : 0.0;
