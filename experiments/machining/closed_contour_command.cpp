@@ -6,12 +6,11 @@ namespace telekerf::experiments {
 
 void add_closed_contour_command(Program& program) {
   add_contour_experiment(
-      app, action,
-      {.name = "closed-contour",
-       .help = "Thesis 8.2: outlines by contouring control; result.json, trace.csv, figures",
-       .pictures = {"cam", "gear", "octagon", "outline-1", "outline-2", "outline-3"},
-       .speed_mm_s = 8.0,
-       .closed = true});
+      program, {.name = "closed-contour",
+                .help = "Thesis 8.2: outlines by contouring control; result.json, trace.csv, figures",
+                .pictures = {"cam", "gear", "octagon", "outline-1", "outline-2", "outline-3"},
+                .speed_mm_s = 8.0,
+                .closed = true});
 }
 
 }  // namespace telekerf::experiments

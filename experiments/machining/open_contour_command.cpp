@@ -6,12 +6,11 @@ namespace telekerf::experiments {
 
 void add_open_contour_command(Program& program) {
   add_contour_experiment(
-      app, action,
-      {.name = "open-contour",
-       .help = "Thesis 8.1: drawn strokes by preview control; result.json, trace.csv, figures",
-       .pictures = {"letter-e", "letter-s"},
-       .speed_mm_s = 2.0,
-       .closed = false});
+      program, {.name = "open-contour",
+                .help = "Thesis 8.1: drawn strokes by preview control; result.json, trace.csv, figures",
+                .pictures = {"letter-e", "letter-s"},
+                .speed_mm_s = 2.0,
+                .closed = false});
 }
 
 }  // namespace telekerf::experiments
