@@ -339,7 +339,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
   return result;
 }
 
-int run(Options& options, const ContourExperiment& experiment) {
+int run(const Options& options, const ContourExperiment& experiment) {
   const std::filesystem::path out = options.out;
   ordered_json result;
   if (!options.image.empty()) {
