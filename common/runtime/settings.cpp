@@ -75,6 +75,14 @@ bool quoted(Type type) { return type == Type::kText || type == Type::kChoice || 
 
 }  // namespace
 
+TextForm device_form(const std::string& forms, std::function<std::string(const std::string&)> validate) {
+  TextForm form{forms};
+  for (std::size_t at = 0; (at = form.form.find(", ", at)) != std::string::npos; ++at)
+    form.form.replace(at, 2, "|");
+  form.complaint = std::move(validate);
+  return form;
+}
+
 std::string Setting::flag() const { return flag_of(name); }
 
 Settings::Entry Settings::described(const std::string& name, Type type, const std::string& sentence) {
@@ -124,22 +132,6 @@ Setting& Settings::add(const std::string& name, std::vector<double>& value, std:
   entry.get = [&value] { return value; };
   entry.set = [&value](const ConfigValue& given) { value = std::get<std::vector<double>>(given); };
   return enter(std::move(entry));
-}
-
-Setting& Settings::add(const std::string& name, std::string& value, const std::string& sentence,
-                       const std::vector<std::string>& choices) {
-  Setting& setting = add(name, value, kName, sentence);
-  if (choices.empty()) return setting;
-  setting.type = Type::kChoice;
-  for (const std::string& word : choices) setting.choices.push_back({word, ""});
-  return setting;
-}
-
-Setting& Settings::add(const std::string& name, std::string& value, const std::string& sentence,
-                       const std::function<std::string(const std::string&)>& complaint) {
-  TextForm form{"NAME"};
-  form.complaint = complaint;
-  return add(name, value, form, sentence);
 }
 
 void Settings::renamed(const std::string& old, const std::string& now) {

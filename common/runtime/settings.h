@@ -32,6 +32,9 @@ inline const TextForm kPicture{"PICTURE", "pictures", ".png"};
 inline const TextForm kRobot{"ROBOT", "robots", ".toml"};
 inline const TextForm kProfile{"PROFILE", "profiles", ".toml"};
 
+/// A device as a DeviceRegistry knows it: its forms(), and what validate() says.
+TextForm device_form(const std::string& forms, std::function<std::string(const std::string&)> validate);
+
 /// All that is known of a setting but the variable behind it.
 struct Setting {
   enum class Type { kSwitch, kNumber, kInteger, kText, kChoice, kNumbers, kTexts };
@@ -123,12 +126,6 @@ class Settings {
   /// `count` numbers, 0: any number of them.
   Setting& add(const std::string& name, std::vector<double>& value, std::size_t count, const Bounds& bounds,
                const std::string& sentence);
-
-  // Older spellings, until their callers have tables of their own.
-  Setting& add(const std::string& name, std::string& value, const std::string& sentence,
-               const std::vector<std::string>& choices = {});
-  Setting& add(const std::string& name, std::string& value, const std::string& sentence,
-               const std::function<std::string(const std::string&)>& complaint);
 
   /// A key and flag of before: refused with the name of today, or with the program that has it now.
   void renamed(const std::string& old, const std::string& now);
