@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of the link between two TUN devices, which two subcommands have.
+// The settings of the link between two TUN devices, which two subcommands have.
 #pragma once
 
 #include "common/runtime/program.h"
@@ -7,6 +7,6 @@
 
 namespace telekerf::netem {
 
-void add_link_options(CLI::App& command, LinkOptions& options);
+void add_link_parameters(LinkOptions& options, Settings& settings);
 
 }  // namespace telekerf::netem

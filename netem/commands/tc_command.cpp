@@ -4,6 +4,7 @@
 
 #include "common/runtime/startup_error.h"
 #include "netem/commands/commands.h"
+#include "netem/core/random.h"
 #include "netem/drivers/tc.h"
 
 namespace telekerf::netem {

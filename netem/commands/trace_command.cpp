@@ -8,6 +8,7 @@
 
 #include "common/runtime/startup_error.h"
 #include "netem/commands/commands.h"
+#include "netem/core/random.h"
 #include "netem/commands/link_command.h"
 #include "netem/core/emulator.h"
 #include "netem/core/trace.h"

@@ -7,6 +7,7 @@
 
 #include "common/runtime/results.h"
 #include "netem/commands/commands.h"
+#include "netem/core/random.h"
 #include "netem/verify/verify.h"
 
 namespace telekerf::netem {

@@ -18,8 +18,6 @@ struct LinkOptions {
   std::string record;  ///< folder for forward.csv and backward.csv, the outcome of every packet; empty: none
 };
 
-void add_link_parameters(LinkOptions& options, Settings& settings);
-
 /// Forwards until it is told to stop, then prints what happened to the packets. SIGHUP reads the profile
 /// again and switches to it without a gap. Returns 1 if packets were lost otherwise than the profile says.
 /// Throws StartupError.
