@@ -131,15 +131,15 @@ int run(Flags& flags) {
 }
 
 void add_parameters(Flags& flags, Settings& settings) {
-  flags.station.declare(settings);
+  flags.station.add_parameters(settings);
   settings.add("record", flags.record, kFolder, "for the record of the run");
   settings.add("engage", flags.station.engage, "lets the slave follow as soon as everything is ready");
   settings.add("duration_s", flags.duration_s, {.min = 0, .max = 36000, .unit = "s"},
                "ends after this long engaged; 0: runs on");
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
                "with duration_s: gives up after this long not engaged");
-  flags.bus.declare(settings);
-  flags.netem.declare(settings);
+  flags.bus.add_parameters(settings);
+  flags.netem.add_parameters(settings);
 }
 
 }  // namespace

@@ -19,11 +19,11 @@ constexpr double kAccelerationQuantum = 1e-2;
 
 }  // namespace
 
-void StationSettings::declare(Settings& settings) {
+void StationSettings::add_parameters(Settings& settings) {
   settings.add("robot", robot, kRobot, "robot: a shipped name or a file");
   settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
                "slave motion = beta x master motion");
-  machine.declare(settings);
+  machine.add_parameters(settings);
   settings.add("button", button, device_form(operator_input_forms(), validate_operator_input),
                "who holds the laser button while the slave follows; hand: the simulated one");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},

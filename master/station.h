@@ -35,7 +35,7 @@ struct StationSettings {
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
   double record_s = 120.0;  ///< length of the record kept
-  void declare(Settings& settings);
+  void add_parameters(Settings& settings);
   /// The settings, or a StartupError that names what does not fit.
   StationSettings validated() const;
 };

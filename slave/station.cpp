@@ -11,10 +11,10 @@
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::slave {
-void StationSettings::declare(Settings& settings) {
+void StationSettings::add_parameters(Settings& settings) {
   settings.add("robot", robot, kRobot, "robot: a shipped name or a file");
-  machine.declare(settings);
-  beam.declare(settings);
+  machine.add_parameters(settings);
+  beam.add_parameters(settings);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, kSeeds, "of the simulated robot");

@@ -20,7 +20,7 @@ constexpr std::chrono::seconds kPatience{5};
 
 }  // namespace
 
-void RobotSupervisorSettings::declare(Settings& settings) {
+void RobotSupervisorSettings::add_parameters(Settings& settings) {
   settings.add("drive", drive, device_form(drive_forms(), validate_drive), "what moves the robot");
   settings.add("drive_stale_s", drive_stale_s, {.min = 0.002, .max = 10, .unit = "s"},
                "no reading of the drive for this long: laser off, currents zero, end");

@@ -28,7 +28,7 @@ constexpr LaserRegistry kLasers("laser", kKinds);
 
 std::string validate_laser(const std::string& laser) { return kLasers.validate(laser); }
 
-void LaserOutputSettings::declare(Settings& settings) {
+void LaserOutputSettings::add_parameters(Settings& settings) {
   settings.add("laser", laser, device_form(kLasers.forms(), validate_laser), "what makes the beam");
   settings.add("laser_max_w", laser_max_w, {.min = 0, .max = 1000, .unit = "W"},
                "power that the laser is never asked to exceed");

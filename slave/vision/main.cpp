@@ -111,8 +111,8 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("fit_all", flags.fit_all,
                "all contours together are centred and fitted, not the longest alone");
   settings.add("robot", flags.robot, kRobot, "the slave's robot: a shipped name or a file");
-  flags.bus.declare(settings);
-  flags.netem.declare(settings);
+  flags.bus.add_parameters(settings);
+  flags.netem.add_parameters(settings);
 }
 
 }  // namespace
