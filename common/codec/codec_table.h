@@ -30,6 +30,7 @@ inline constexpr EnumRow<CodecChoice> kCodecRows[] = {
     {"dpcm", {&kDpcmCodec}, "differences of neighbouring samples"},
 };
 inline constexpr EnumTable<CodecChoice> kCodecs(kCodecRows);
+
 inline constexpr CodecChoice kDefaultCodec{&kSdctCodec};
 
 /// `settings` with that codec. Sample by sample: block 1 and redundancy 0.
