@@ -76,9 +76,10 @@ bool quoted(Type type) { return type == Type::kText || type == Type::kChoice || 
 }  // namespace
 
 TextForm device_form(const std::string& forms, std::function<std::string(const std::string&)> validate) {
-  TextForm form{forms};
-  for (std::size_t at = 0; (at = form.form.find(", ", at)) != std::string::npos; ++at)
-    form.form.replace(at, 2, "|");
+  TextForm form;
+  for (const char c : forms) {
+    if (c != ' ') form.form += c == ',' ? '|' : c;
+  }
   form.complaint = std::move(validate);
   return form;
 }
@@ -273,7 +274,7 @@ void Settings::load(std::span<const std::string> words) {
     if (wrong.empty()) continue;
     const std::string shown = fmt::format("{}", fmt::join(given.words, " "));
     throw usage_error(fmt::format("{}: {} = {}: {}", kCommandLine, setting.name,
-                                  quoted(setting.type) ? "'" + shown + "'" : shown, wrong));
+                                  quoted(setting.type) ? fmt::format("'{}'", shown) : shown, wrong));
   }
 }
 
