@@ -1,20 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "master/law.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "common/control/tracking_law.h"
-#include "common/runtime/startup_error.h"
 
 namespace telekerf::master {
-
-Law law_named(const std::string& name) {
-  if (const auto law = kLaws.find(name)) return *law;
-  throw StartupError(fmt::format("law = '{}' must be one of local, anchored, remote-acceleration", name));
-}
 
 double law_bandwidth(const LawSettings& settings, double delay_s) noexcept {
   if (settings.law != Law::kRemoteAcceleration) return settings.tracking_rad_s;

@@ -3,8 +3,6 @@
 // computes.
 #pragma once
 
-#include <string>
-
 #include "common/control/kinematic_state.h"
 #include "common/protocol/messages.h"
 #include "common/runtime/enum_table.h"
@@ -19,8 +17,6 @@ inline constexpr EnumRow<Law> kLawRows[] = {
     {"local", Law::kLocal, "the slave, from the master's scaled position"}};
 /// The words of command lines and reports.
 inline constexpr EnumTable<Law> kLaws(kLawRows);
-/// Throws StartupError.
-Law law_named(const std::string& name);
 
 /// The stream carries accelerations; otherwise positions.
 constexpr bool streams_accelerations(Law law) noexcept { return law != Law::kLocal; }

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-master: the operator's robot, confined to the contour; streams its motion to the slave.
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <chrono>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
-#include "common/runtime/loop.h"
+#include "common/bus/process.h"
 #include "common/runtime/program.h"
-#include "common/runtime/results.h"
+#include "common/runtime/startup_error.h"
 #include "master/station.h"
 #include "master/telemetry.h"
 #include "netem/drivers/netem_flags.h"
@@ -22,7 +21,8 @@
 namespace telekerf::master {
 namespace {
 
-constexpr Tick kTelemetryTicks = 10;  // between two looks at the values; published 50 times a second
+constexpr Tick kTelemetryTicks = 10;  // between two looks at the values
+constexpr std::chrono::milliseconds kTelemetryPeriod{20};
 
 struct Flags {
   BusFlags bus;
@@ -33,7 +33,7 @@ struct Flags {
   double wait_s = 20.0;
 };
 
-const char* name_of(MasterMode mode) {
+const char* text_of(MasterMode mode) {
   switch (mode) {
     case MasterMode::kIdle:
       return "waiting for a contour";
@@ -49,140 +49,97 @@ const char* name_of(MasterMode mode) {
   return "unknown";
 }
 
-/// What the loop lets the herald see.
-struct Progress {
-  std::atomic<MasterMode> mode{MasterMode::kIdle};
-  std::atomic<double> engaged_s{0.0};
-  Snapshot values;
-};
-
-/// Publishes what constraint and observer do, fifty times a second. Says every change of mode; to a terminal
-/// also a bar.
-void announce(const std::stop_token& stop, const Progress& progress, double duration_s,
-              Writer<TelemetryMessage>& telemetry) {
-  const bool terminal = isatty(STDOUT_FILENO) != 0;
-  MasterMode said = MasterMode::kIdle;
-  for (unsigned round = 0; !stop.stop_requested(); ++round) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    if (const auto values = progress.values.load()) telemetry.write(*values);
-    if (round % 5 != 0) continue;
-    const MasterMode mode = progress.mode.load();
-    if (mode != said) {
-      said = mode;
-      fmt::print("{}master: {}\n", terminal ? "\r\033[K" : "", name_of(mode));
-    }
-    const double share = duration_s > 0.0 ? progress.engaged_s.load() / duration_s : 0.0;
-    if (terminal && share > 0.0) {
-      constexpr int kWidth = 40;
-      const int full = std::min(kWidth, static_cast<int>(share * kWidth));
-      fmt::print("\r  cutting [{:#<{}}{:.<{}}] {:4.1f} s of {:.0f} s", "", full, "", kWidth - full,
-                 progress.engaged_s.load(), duration_s);
-    }
-    std::fflush(stdout);
-  }
-  if (terminal) fmt::print("\r\033[K");
-}
-
-void record_run(const Flags& flags, const Station& station, ContourSubscriber<GuidedContour>& contour,
-                const Bus& bus, const netem::ReceivePathEmulator* emulator, const ReaderCounters& states,
-                const LoopStatistics& loop) {
-  RunRecord record;
-  const ContourMessage message = contour.message();
-  for (const auto& point : message.points_m) record.contour_m.push_back({point.x(), point.y()});
-  record.contour_closed = message.closed;
-  record.words["image"] = message.source;
-  record.words["mode"] = message.mode;
-  record.words["netem"] = flags.netem.name();
-  station.report(record);
-  add_figures(loop, record.master_figures);
-  add_figures(bus.counters(), states, record.master_figures);
-  netem::add_figures(emulator, record.master_figures);
-  write_contour(flags.record, record);
-  write_master(flags.record, record);
-}
-
 int run(Flags& flags) {
-  if (!flags.record.empty()) refuse_unwritable("--record", flags.record);
-  BusSettings bus_settings = flags.bus.bus_settings(Site::kOperator, "master");
-  const auto emulator = flags.netem.emulator(bus_settings.site);
-  bus_settings.receive_filter = emulator;
-  flags.station.epoch = bus_settings.epoch;
+  if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "master");
+  BusSettings settings = flags.bus.bus_settings(Site::kOperator, "master");
+  const auto emulator = flags.netem.emulator(settings.site);
+  settings.receive_filter = emulator;
+  flags.station.epoch = settings.epoch;
   Station station(flags.station);
-  const robot::RobotSupervisor& machine = station.machine();
-  if (machine.plant() == nullptr) {
-    fmt::print("master: {} is not simulated, so no hand is either: it feels a real one; button = {}{}\n",
-               flags.station.machine.drive, flags.station.button,
-               flags.station.button == "hand" ? ": never held" : "");
-  }
-  catch_stop_signals();
-  Bus bus(bus_settings);
-  Reader<StateBlock> states(bus);
-  Reader<EventMessage> events(bus);
-  Writer<CommandBlock> commands(bus);
-  const netem::NetemSwitch netem_switch(bus, emulator);
-  Writer<TelemetryMessage> telemetry(bus);
+
+  Process process(settings, "master", text_of(MasterMode::kIdle));
+  StatusReporter& status = process.status();
+  Reader<StateBlock> states(process.bus());
+  Reader<EventMessage> events(process.bus());
+  Writer<CommandBlock> commands(process.bus());
+  Writer<TelemetryMessage> telemetry(process.bus());
+  const netem::NetemSwitch netem_switch(process.bus(), emulator);
   ContourSubscriber<GuidedContour> contour(
-      bus, [&](const ContourMessage& message) { return station.prepare(message); });
-  fmt::print("master: ready in {}\n", bus_settings.cell);
-  std::fflush(stdout);
+      process.bus(), [&](const ContourMessage& message) { return station.prepare(message); });
+  if (station.machine().plant() == nullptr) {
+    status.say(fmt::format("{} is not simulated, so no hand is either: it feels a real one; button = {}{}",
+                           flags.station.machine.drive, flags.station.button,
+                           flags.station.button == "hand" ? ": never held" : ""));
+  }
+  process.ready();
 
   std::vector<Received<StateBlock>> arrived_states;
   std::vector<EventMessage> arrived_events;
   arrived_states.reserve(64);
   arrived_events.reserve(64);
-  Progress progress;
+  Snapshot values;
+  std::jthread publisher([&](const std::stop_token& stop) {
+    for (; !stop.stop_requested(); std::this_thread::sleep_for(kTelemetryPeriod)) {
+      if (const auto newest = values.load()) telemetry.write(*newest);
+    }
+  });
   double engaged_s = 0.0;
   double waited_s = 0.0;
-  std::jthread herald(
-      [&](const std::stop_token& stop) { announce(stop, progress, flags.duration_s, telemetry); });
-
-  const LoopStatistics loop = run_loop(flags.station.node.control_hz, [&](std::int64_t now_ns) {
+  const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(states, arrived_states);
     drain(events, arrived_events);
     GuidedContour* const task = contour.current();
     const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events);
     if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
-    const bool engaged = out.mode == MasterMode::kEngaged;
-    (engaged ? engaged_s : waited_s) += station.control_period_s();
-    progress.mode.store(out.mode, std::memory_order_relaxed);
-    progress.engaged_s.store(engaged_s, std::memory_order_relaxed);
+    (out.mode == MasterMode::kEngaged ? engaged_s : waited_s) += station.control_period_s();
+    status.state(text_of(out.mode));
+    if (flags.duration_s > 0.0) status.progress(engaged_s / flags.duration_s, flags.duration_s);
     const MasterNode& node = station.node();
-    if (node.tick() % kTelemetryTicks == 0) {
-      progress.values.store(node.tick(),
-                            master_values(out, task ? task->guide.beta : 1.0, node.link().clocks()));
-    }
+    if (node.tick() % kTelemetryTicks == 0)
+      values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks()));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
-    return !done && !stop_requested() && !contour.refused() && !machine.failed();
+    return !done && !contour.refused() && !station.machine().failed();
   });
   station.release();
-  herald.request_stop();
-  herald.join();
 
-  if (contour.refused()) throw StartupError(contour.refusal());
-  if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !machine.failed()) {
-    throw StartupError(
-        fmt::format("nobody to work with for {:.0f} s in cell '{}' of domain {}: are telekerf-vision and "
-                    "telekerf-slave running there?",
-                    flags.wait_s, bus_settings.cell, bus_settings.domain));
+  const bool failed = station.machine().failed();
+  if (contour.refused()) throw input_error(contour.refusal());
+  if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !failed) {
+    throw environment_error(fmt::format(
+        "nobody to work with for {:.0f} s in {}: are telekerf-vision and telekerf-slave running there?",
+        flags.wait_s, process.place()));
   }
   if (!flags.record.empty() && contour.current() != nullptr) {
-    record_run(flags, station, contour, bus, emulator.get(), states.counters(), loop);
+    RunRecord record;
+    const ContourMessage message = contour.message();
+    record.contour_m = message.points_m;
+    record.contour_closed = message.closed;
+    record.words["image"] = message.source;
+    record.words["mode"] = message.mode;
+    record.words["netem"] = flags.netem.name();
+    station.report(record);
+    add_figures(loop, record.master_figures);
+    add_figures(process.bus().counters(), states.counters(), record.master_figures);
+    netem::add_figures(emulator.get(), record.master_figures);
+    write_contour(flags.record, record);
+    write_master(flags.record, record);
   }
-  if (machine.failed()) throw StartupError(machine.failure());
+  if (failed) throw hardware_error(station.machine().failure());
+  status.say(fmt::format("ended in order after {:.0f} s engaged", engaged_s));
   return 0;
 }
 
 void add_parameters(Flags& flags, Settings& settings) {
-  flags.station.declare(settings);
-  settings.add("record", flags.record, kFolder, "folder to record the run into");
-  settings.add("engage", flags.station.engage, "let the slave follow as soon as everything is ready");
+  flags.station.add_parameters(settings);
+  settings.add("record", flags.record, kFolder, "for the record of the run");
+  settings.add("engage", flags.station.engage, "lets the slave follow as soon as everything is ready");
   settings.add("duration_s", flags.duration_s, {.min = 0, .max = 36000, .unit = "s"},
-               "end after this long engaged, 0: run on");
+               "ends after this long engaged; 0: runs on");
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
-               "with duration_s: give up after this long not engaged");
-  flags.bus.declare(settings);
-  flags.netem.declare(settings);
+               "with duration_s: gives up after this long not engaged");
+  flags.bus.add_parameters(settings);
+  flags.netem.add_parameters(settings);
 }
 
 }  // namespace

@@ -19,15 +19,13 @@ constexpr double kAccelerationQuantum = 1e-2;
 
 }  // namespace
 
-void StationSettings::declare(Settings& settings) {
+void StationSettings::add_parameters(Settings& settings) {
   settings.add("robot", robot, kRobot, "robot: a shipped name or a file");
   settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
                "slave motion = beta x master motion");
-  machine.declare(settings);
-  settings.add("button", button,
-               fmt::format("who holds the laser button while the slave follows ({}); hand: the simulated one",
-                           operator_input_forms()),
-               validate_operator_input);
+  machine.add_parameters(settings);
+  settings.add("button", button, device_form(operator_input_forms(), validate_operator_input),
+               "who holds the laser button while the slave follows; hand: the simulated one");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, kSeeds, "of the simulated robot and hand");
@@ -35,11 +33,10 @@ void StationSettings::declare(Settings& settings) {
                "control rate, a multiple of stream_hz");
   settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
                "samples a second in the command stream");
-  settings.add("law", law, "who computes the slave's acceleration",
-               {"anchored", "remote-acceleration", "local"});
-  settings.add("estimator", estimator, "how the slave's state is predicted",
-               {"predictor", "delayed-innovation", "thesis", "none"});
-  settings.add("codec", codec, "of the command stream", codec::codec_names());
+  settings.add("law", node.command.law, kLaws, "who computes the slave's acceleration");
+  settings.add("estimator", node.command.observer.estimator, kEstimators,
+               "how the slave's state is predicted");
+  settings.add("codec", codec, codec::kCodecs, "of the command stream");
   settings.add("tracking_rad_s", node.command.tracking_rad_s, {.min = 1, .max = 400, .unit = "rad/s"},
                "bandwidth of the law that makes the commands");
   settings.add("block", node.command.codec.block, {.min = 4, .max = 64},
@@ -51,7 +48,7 @@ void StationSettings::declare(Settings& settings) {
                "previous blocks repeated in a packet");
   settings.add("half_window", node.constraint.half_window, {.min = 1, .max = 32},
                "points to either side of the circle fit");
-  settings.add("curve", curve, "what the hand is guided along", {"circles", "lines", "descriptor"});
+  settings.add("curve", node.constraint.curve, kCurves, "what the hand is guided along");
   settings.add("corridor_mm", corridor_mm, {.min = 0, .max = 10, .unit = "mm"},
                "half width of a corridor in which the hand is free, 0: guided on the curve");
   settings.add("corridor_stiffness_n_per_m", node.constraint.stiffness_n_per_m,
@@ -74,16 +71,12 @@ StationSettings StationSettings::validated() const {
   StationSettings settings = *this;
   settings.hand.speed_m_per_s = hand_speed_mm_s * 1e-3;
   settings.node.constraint.corridor_m = corridor_mm * 1e-3;
-  if (curve == "lines") settings.node.constraint.curve = CurveKind::kLines;
-  if (curve == "descriptor") settings.node.constraint.curve = CurveKind::kDescriptor;
   const double ratio = node.control_hz / node.stream_hz;
   if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
-    throw StartupError(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
-                                   node.control_hz, node.stream_hz));
+    throw configuration_error(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
+                                          node.control_hz, node.stream_hz));
   }
   auto& command = settings.node.command;
-  command.law = law_named(law);
-  command.observer.estimator = estimator_named(estimator);
   command.ticks_per_sample = static_cast<int>(std::lround(ratio));
   command.codec.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   command.codec.anchored = command.law == Law::kLocal;
@@ -218,9 +211,9 @@ void Station::report(RunRecord& record) const {
   f["clock_skew_ppm"] = clocks.skew * 1e6;
   f["clock_uncertainty_us"] = clocks.uncertainty_s * 1e6;
   f["observer_delay_ms"] = node_.observed().delay_s * 1e3;
-  record.words["law"] = settings_.law;
-  record.words["estimator"] = settings_.estimator;
-  record.words["codec"] = settings_.codec;
+  record.words["law"] = kLaws.word(settings_.node.command.law);
+  record.words["estimator"] = kEstimators.word(settings_.node.command.observer.estimator);
+  record.words["codec"] = codec::kCodecs.word(settings_.codec);
 }
 
 }  // namespace telekerf::master

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "common/codec/codec_table.h"
 #include "common/protocol/messages.h"
 #include "common/recording/run_record.h"
 #include "common/robot/supervisor.h"
@@ -28,16 +29,13 @@ struct StationSettings {
   bool engage = false;    ///< the slave shall follow without being told to
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   SimulatedOperatorSettings hand;
-  double hand_speed_mm_s = 20.0;  ///< what a user sets of it
-  std::string curve = "circles";  ///< circles, lines or descriptor
-  double corridor_mm = 0.0;       ///< half width in which the hand is free; 0: guidance
-  std::string law = "anchored";   ///< as a user names it
-  std::string estimator = "predictor";
-  std::string codec = "sdct";
+  double hand_speed_mm_s = 20.0;                    ///< what a user sets of it
+  double corridor_mm = 0.0;                         ///< half width in which the hand is free; 0: guidance
+  codec::CodecChoice codec = codec::kDefaultCodec;  ///< of the command stream
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
   double record_s = 120.0;  ///< length of the record kept
-  void declare(Settings& settings);
+  void add_parameters(Settings& settings);
   /// The settings, or a StartupError that names what does not fit.
   StationSettings validated() const;
 };

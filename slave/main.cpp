@@ -85,10 +85,10 @@ int run(Flags& flags) {
 }
 
 void add_parameters(Flags& flags, Settings& settings) {
-  flags.station.declare(settings);
+  flags.station.add_parameters(settings);
   settings.add("record", flags.record, kFolder, "for the record of the run");
-  flags.bus.declare(settings);
-  flags.netem.declare(settings);
+  flags.bus.add_parameters(settings);
+  flags.netem.add_parameters(settings);
   settings.moved("automatic", "is a program of its own now: telekerf-machine");
   for (const char* name : {"speed_mm_s", "controller", "corner", "material", "sensor", "kerf_um",
                            "no_framing", "machining_hz", "wait_s"})

@@ -11,10 +11,10 @@
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::slave {
-void StationSettings::declare(Settings& settings) {
+void StationSettings::add_parameters(Settings& settings) {
   settings.add("robot", robot, kRobot, "robot: a shipped name or a file");
-  machine.declare(settings);
-  beam.declare(settings);
+  machine.add_parameters(settings);
+  beam.add_parameters(settings);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, kSeeds, "of the simulated robot");
@@ -22,7 +22,7 @@ void StationSettings::declare(Settings& settings) {
                "control rate, a multiple of stream_hz");
   settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
                "samples a second in the state stream");
-  settings.add("codec", codec, "of the state stream", codec::codec_names());
+  settings.add("codec", codec, codec::kCodecs, "of the state stream");
   settings.add("block", node.feedback.block, {.min = 4, .max = 64}, "samples a block of the state stream");
   settings.add("keep", node.feedback.keep, {.min = 1, .max = 64},
                "coefficients kept of a block's positions, an axis");
@@ -47,8 +47,8 @@ StationSettings StationSettings::validated() const {
   StationSettings settings = *this;
   const double ratio = node.control_hz / node.stream_hz;
   if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
-    throw StartupError(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
-                                   node.control_hz, node.stream_hz));
+    throw configuration_error(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
+                                          node.control_hz, node.stream_hz));
   }
   settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   settings.node.feedback = codec::with_codec(settings.node.feedback, codec).validated();
@@ -79,7 +79,7 @@ std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const 
   double reach_m = 0.0;
   for (const auto& point : contour.points_m) reach_m = std::max(reach_m, point.norm());
   if (reach_m > model_.workspace.radius_m) {
-    throw StartupError(
+    throw input_error(
         fmt::format("the contour reaches {:.1f} mm from the workspace's centre, but {} reaches {:.1f} mm; "
                     "use a smaller --width-mm",
                     reach_m * 1e3, model_.name, model_.workspace.radius_m * 1e3));

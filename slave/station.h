@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "common/codec/codec_table.h"
 #include "common/protocol/messages.h"
 #include "common/recording/run_record.h"
 #include "common/robot/supervisor.h"
@@ -21,12 +22,12 @@ struct StationSettings {
   std::string robot = "slave-keops";
   robot::RobotSupervisorSettings machine;
   laser::LaserOutputSettings beam;
-  std::string codec = "sdct";  ///< of both parts of the state stream
-  double mismatch = 0.1;       ///< how far the simulated robot is off its file, as a share
+  codec::CodecChoice codec = codec::kDefaultCodec;  ///< of both parts of the state stream
+  double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
   double record_s = 120.0;
-  void declare(Settings& settings);
+  void add_parameters(Settings& settings);
   /// The settings, or a StartupError that names what does not fit.
   StationSettings validated() const;
 };

@@ -6,7 +6,7 @@
 
 namespace telekerf {
 
-void BusFlags::declare(Settings& settings) {
+void BusFlags::add_parameters(Settings& settings) {
   settings.add("domain", domain, {.min = 0, .max = 232}, "DDS domain");
   settings.add("cell", cell, kName, "name of the work cell; cells do not see each other");
   settings.add("name", name, kName, "name of this process, unique in the cell");

@@ -17,7 +17,7 @@ struct BusFlags {
   std::string name;
   std::string peers;
 
-  void declare(Settings& settings);
+  void add_parameters(Settings& settings);
   /// Settings for a process of this role; the epoch is taken from the wall clock, so that a later start has a
   /// higher one.
   BusSettings bus_settings(Site site, const std::string& role) const;

@@ -23,12 +23,12 @@ constexpr int kHighestDomain = 232;  // ports above would pass 65535
 
 BusSettings validated(BusSettings settings) {
   if (settings.domain < 0 || settings.domain > kHighestDomain) {
-    throw StartupError(fmt::format("domain {} is outside [0, {}]", settings.domain, kHighestDomain));
+    throw usage_error(fmt::format("domain {} is outside [0, {}]", settings.domain, kHighestDomain));
   }
-  if (settings.cell.empty()) throw StartupError("the cell has no name; give one with --cell");
+  if (settings.cell.empty()) throw usage_error("the cell has no name; give one with --cell");
   // DDS takes a partition with one of these for a pattern: it would be every cell at once.
   if (settings.cell.find_first_of("*?[]") != std::string::npos) {
-    throw StartupError(fmt::format("cell = '{}': a cell's name must hold none of * ? [ ]", settings.cell));
+    throw usage_error(fmt::format("cell = '{}': a cell's name must hold none of * ? [ ]", settings.cell));
   }
   if (settings.name.empty()) settings.name = settings.role;
   return settings;
@@ -53,7 +53,7 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
                     .version = kVersion};
   const auto announced = bus::presence_bytes(self_.presence);
   if (announced.empty())
-    throw StartupError("the names of cell, role and process may have 64, 32 and 64 letters");
+    throw usage_error("the names of cell, role and process may have 64, 32 and 64 letters");
   if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
 
   auto transport = bus::udp_transport();

@@ -111,7 +111,7 @@ dds::DomainParticipantQos participant_qos(const BusSettings& settings,
         port = 1u << 16;
       }
       if (port == 0 || port > 65535)
-        throw StartupError(fmt::format("peer '{}' is not HOST or HOST:PORT", peer));
+        throw usage_error(fmt::format("peer '{}' is not HOST or HOST:PORT", peer));
     }
     rtps::Locator_t locator;
     rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, resolved(peer.substr(0, colon)), port, locator);

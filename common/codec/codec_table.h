@@ -8,6 +8,7 @@
 #include "common/codec/baselines/raw.h"
 #include "common/codec/baselines/truncated_dct.h"
 #include "common/codec/sdct.h"
+#include "common/codec/settings.h"
 #include "common/runtime/enum_table.h"
 
 namespace telekerf::codec {
@@ -29,6 +30,11 @@ inline constexpr EnumRow<CodecChoice> kCodecRows[] = {
     {"dpcm", {&kDpcmCodec}, "differences of neighbouring samples"},
 };
 inline constexpr EnumTable<CodecChoice> kCodecs(kCodecRows);
+
+inline constexpr CodecChoice kDefaultCodec{&kSdctCodec};
+
+/// `settings` with that codec. Sample by sample: block 1 and redundancy 0.
+StreamSettings with_codec(StreamSettings settings, const CodecChoice& choice);
 
 /// The codec of that number on the wire; null: there is none.
 inline const AxisCodec* find_codec(CodecKind kind) noexcept {

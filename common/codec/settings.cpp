@@ -15,7 +15,7 @@ namespace {
 template <typename Number>
 void require(const char* name, Number value, Number min, Number max) {
   if (value >= min && value <= max) return;
-  throw StartupError(fmt::format("codec: {} = {}: must lie within [{}, {}]", name, value, min, max));
+  throw configuration_error(fmt::format("codec: {} = {}: must lie within [{}, {}]", name, value, min, max));
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ void require(const char* name, Number value, Number min, Number max) {
 StreamSettings StreamSettings::validated() const {
   const AxisCodec* const codec = find_codec(kind);
   if (codec == nullptr)
-    throw StartupError(fmt::format("codec: there is none of number {}", static_cast<int>(kind)));
+    throw configuration_error(fmt::format("codec: there is none of number {}", static_cast<int>(kind)));
   require("block", block, codec->min_block, kMaxBlock);
   require("keep", keep, 1, kMaxBlock);
   require("redundancy", redundancy, 0, kMaxRedundancy);
@@ -37,16 +37,21 @@ StreamSettings StreamSettings::validated() const {
   return settings;
 }
 
-StreamSettings with_codec(StreamSettings settings, const std::string& name) {
-  const auto choice = kCodecs.find(name);
-  if (!choice)
-    throw StartupError(fmt::format("codec = {}: must be one of {}", name, fmt::join(codec_names(), ", ")));
-  settings.kind = choice->codec->kind;
-  if (choice->sample_by_sample) {
+StreamSettings with_codec(StreamSettings settings, const CodecChoice& choice) {
+  settings.kind = choice.codec->kind;
+  if (choice.sample_by_sample) {
     settings.block = 1;
     settings.redundancy = 0;
   }
   return settings;
+}
+
+StreamSettings with_codec(StreamSettings settings, const std::string& name) {
+  const auto choice = kCodecs.find(name);
+  if (!choice)
+    throw configuration_error(
+        fmt::format("codec = {}: must be one of {}", name, fmt::join(codec_names(), ", ")));
+  return with_codec(settings, *choice);
 }
 
 std::vector<std::string> codec_names() {

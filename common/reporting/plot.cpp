@@ -276,7 +276,8 @@ void draw_figure(const Figure& figure, const std::filesystem::path& png) {
                                 figure.panel_width_px, figure.panel_height_px)),
                figure.panels[i]);
   }
-  if (!cv::imwrite(png.string(), picture)) throw StartupError("cannot write the picture " + png.string());
+  if (!cv::imwrite(png.string(), picture))
+    throw environment_error("cannot write the picture " + png.string());
 }
 
 }  // namespace telekerf::experiments

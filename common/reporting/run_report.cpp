@@ -113,7 +113,7 @@ nlohmann::ordered_json loop_json(const Metrics& figures) {
 }  // namespace
 
 nlohmann::ordered_json make_report(const RunRecord& record) {
-  if (record.contour_m.size() < 2) throw StartupError("the run has no contour: nothing to report");
+  if (record.contour_m.size() < 2) throw input_error("the run has no contour: nothing to report");
   const geometry::NearestIndex contour(contour_of(record));
   const double dt_s = control_period_s(record);
 

@@ -20,8 +20,8 @@ constexpr std::chrono::seconds kPatience{5};
 
 }  // namespace
 
-void RobotSupervisorSettings::declare(Settings& settings) {
-  settings.add("drive", drive, fmt::format("what moves the robot ({})", drive_forms()), validate_drive);
+void RobotSupervisorSettings::add_parameters(Settings& settings) {
+  settings.add("drive", drive, device_form(drive_forms(), validate_drive), "what moves the robot");
   settings.add("drive_stale_s", drive_stale_s, {.min = 0.002, .max = 10, .unit = "s"},
                "no reading of the drive for this long: laser off, currents zero, end");
 }
@@ -36,7 +36,7 @@ RobotSupervisor::RobotSupervisor(const RobotModel& nominal, const RobotSuperviso
   if (drive_.plant != nullptr) return;  // it is there, and its readings are counted
   const double most_hz = drive_.robot->capabilities().max_rate_hz;
   if (control_hz > most_hz) {
-    throw StartupError(
+    throw hardware_error(
         fmt::format("drive = {}: takes at most {:g} steps a second, the controller makes {:g}; "
                     "lower its rate",
                     settings_.drive, most_hz, control_hz));
@@ -56,7 +56,7 @@ RobotSupervisor::InitialPose RobotSupervisor::wait_until_ready() {
   JointReading reading = newest();
   while (!reading.valid) {
     if (std::chrono::steady_clock::now() > until) {
-      throw StartupError(
+      throw hardware_error(
           fmt::format("drive = {}: no reading for {} s; is it switched on, homed and connected?",
                       settings_.drive, kPatience.count()));
     }
@@ -66,7 +66,7 @@ RobotSupervisor::InitialPose RobotSupervisor::wait_until_ready() {
   }
   const auto tool_m = DeltaKinematics(nominal_.geometry).forward(reading.joints_m);
   if (!tool_m) {
-    throw StartupError(
+    throw hardware_error(
         fmt::format("drive = {}: the robot stands where {} has no pose: {}; move it into its workspace, or "
                     "correct its file",
                     settings_.drive, nominal_.name, describe(tool_m.error())));

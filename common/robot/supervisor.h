@@ -20,7 +20,7 @@ struct RobotSupervisorSettings {
       default;                      // no aggregate: g++ 12 warns of its text within temporaries of settings
   std::string drive = "simulated";  ///< see drives.h
   double drive_stale_s = 0.02;      ///< steps of so much time without a new reading: failed
-  void declare(Settings& settings);
+  void add_parameters(Settings& settings);
 };
 
 /// Order within a control step: read(), decide, write(), advance(). None of them allocates, waits or throws

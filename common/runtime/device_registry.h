@@ -43,7 +43,7 @@ class DeviceRegistry {
   /// Throws StartupError.
   Device open(std::string_view device, Needs... needs) const {
     if (const std::string wrong = validate(device); !wrong.empty())
-      throw StartupError(std::string(key_).append(" = ").append(device).append(": ").append(wrong));
+      throw configuration_error(std::string(key_).append(" = ").append(device).append(": ").append(wrong));
     return kind_of(device)->open(rest_of(device), needs...);
   }
 

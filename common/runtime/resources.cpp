@@ -33,8 +33,8 @@ fs::path find_resource(const std::string& kind, const std::string& name, const s
   if (fs::is_regular_file(name, ignored)) return name;
   fs::path shipped = data_folder() / kind / (name + extension);
   if (name.find('/') == std::string::npos && fs::is_regular_file(shipped, ignored)) return shipped;
-  throw StartupError(fmt::format("'{}' is neither a file nor one of the shipped {}: {}", name, kind,
-                                 fmt::join(shipped_names(kind, extension), ", ")));
+  throw usage_error(fmt::format("'{}' is neither a file nor one of the shipped {}: {}", name, kind,
+                                fmt::join(shipped_names(kind, extension), ", ")));
 }
 
 }  // namespace telekerf

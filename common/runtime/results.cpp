@@ -13,12 +13,12 @@ namespace telekerf {
 namespace fs = std::filesystem;
 
 void refuse_unwritable(const std::string& option, const fs::path& folder) {
-  if (folder.empty()) throw StartupError(fmt::format("{} is empty: name a folder for the results", option));
+  if (folder.empty()) throw usage_error(fmt::format("{} is empty: name a folder for the results", option));
   std::error_code ignored;
   fs::path there = fs::absolute(folder);
   while (!fs::exists(there, ignored) && there.has_relative_path()) there = there.parent_path();
   const auto refuse = [&](const char* complaint) {
-    throw StartupError(
+    throw environment_error(
         fmt::format("{} {}: {} {}; name another folder", option, folder.string(), there.string(), complaint));
   };
   if (!fs::is_directory(there, ignored)) refuse("is no folder");
@@ -30,7 +30,7 @@ void make_folder(const std::string& option, const fs::path& folder) {
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed)
-    throw StartupError(
+    throw environment_error(
         fmt::format("{} {}: {}; name another folder", option, folder.string(), failed.message()));
 }
 
@@ -42,13 +42,13 @@ void write_atomically(const fs::path& file, const std::string& text) {
     std::ofstream out(draft, std::ios::binary);
     out << text;
     if (!out.flush())
-      throw StartupError(fmt::format("{}: cannot be written; is the folder writable?", file.string()));
+      throw environment_error(fmt::format("{}: cannot be written; is the folder writable?", file.string()));
   }
   fs::rename(draft, file, failed);
   if (!failed) return;
   std::error_code ignored;
   fs::remove(draft, ignored);
-  throw StartupError(fmt::format("{}: {}", file.string(), failed.message()));
+  throw environment_error(fmt::format("{}: {}", file.string(), failed.message()));
 }
 
 }  // namespace telekerf

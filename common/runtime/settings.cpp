@@ -75,6 +75,15 @@ bool quoted(Type type) { return type == Type::kText || type == Type::kChoice || 
 
 }  // namespace
 
+TextForm device_form(const std::string& forms, std::function<std::string(const std::string&)> validate) {
+  TextForm form;
+  for (const char c : forms) {
+    if (c != ' ') form.form += c == ',' ? '|' : c;
+  }
+  form.complaint = std::move(validate);
+  return form;
+}
+
 std::string Setting::flag() const { return flag_of(name); }
 
 Settings::Entry Settings::described(const std::string& name, Type type, const std::string& sentence) {
@@ -124,22 +133,6 @@ Setting& Settings::add(const std::string& name, std::vector<double>& value, std:
   entry.get = [&value] { return value; };
   entry.set = [&value](const ConfigValue& given) { value = std::get<std::vector<double>>(given); };
   return enter(std::move(entry));
-}
-
-Setting& Settings::add(const std::string& name, std::string& value, const std::string& sentence,
-                       const std::vector<std::string>& choices) {
-  Setting& setting = add(name, value, kName, sentence);
-  if (choices.empty()) return setting;
-  setting.type = Type::kChoice;
-  for (const std::string& word : choices) setting.choices.push_back({word, ""});
-  return setting;
-}
-
-Setting& Settings::add(const std::string& name, std::string& value, const std::string& sentence,
-                       const std::function<std::string(const std::string&)>& complaint) {
-  TextForm form{"NAME"};
-  form.complaint = complaint;
-  return add(name, value, form, sentence);
 }
 
 void Settings::renamed(const std::string& old, const std::string& now) {
@@ -230,58 +223,58 @@ Settings::Entry& Settings::next_argument(const std::string& word) {
   throw usage_error(fmt::format("{}: '{}' is not understood; see --help", kCommandLine, word));
 }
 
-void Settings::load(std::span<const std::string> words) {
-  struct Given {
-    Entry* entry;
-    std::vector<std::string> words;
-  };
-  std::vector<Given> given;
-  std::string config;
+std::vector<Settings::Given> Settings::sorted(std::span<const std::string> words) {
   const auto is_flag = [](const std::string& word) { return word.size() > 2 && word.starts_with("--"); };
+  std::vector<Given> all;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
     if (!is_flag(word)) {
       Entry& entry = next_argument(word);
       entry.given = true;
-      given.push_back({&entry, {word}});
+      all.push_back({&entry, {word}});
       continue;
     }
     const std::size_t equals = word.find('=');
     const std::string flag = word.substr(0, equals);
-    Entry* const entry = flag == "--config" ? nullptr : find_flag(flag);
-    if (entry == nullptr && flag != "--config")
+    Given given{flag == "--config" ? nullptr : find_flag(flag), {}};
+    if (given.entry == nullptr && flag != "--config")
       throw usage_error(fmt::format("{}: there is no {}; see --help", kCommandLine, flag));
-    std::vector<std::string> values;
+    const Type type = given.entry == nullptr ? Type::kText : given.entry->setting.type;
+    const bool several = type == Type::kNumbers || type == Type::kTexts;
+    // A list ends where it is complete, so that an argument may follow it.
+    const std::size_t most = !several                          ? 1
+                             : given.entry->setting.count != 0 ? given.entry->setting.count
+                                                               : words.size();
     if (equals != word.npos) {
-      values.push_back(word.substr(equals + 1));
-    } else if (entry != nullptr && entry->setting.type == Type::kSwitch) {
-      values.emplace_back("true");
+      given.words.push_back(word.substr(equals + 1));
+    } else if (type == Type::kSwitch) {
+      given.words.emplace_back("true");
     } else {
-      const bool several =
-          entry != nullptr && (entry->setting.type == Type::kNumbers || entry->setting.type == Type::kTexts);
-      while (i + 1 < words.size() && !is_flag(words[i + 1]) && (values.empty() || several)) {
-        // A list ends where it is complete, so that an argument may follow it.
-        if (several && entry->setting.count != 0 && values.size() == entry->setting.count) break;
-        values.push_back(words[++i]);
-        if (several && values.size() == 1 && values.back().find(',') != word.npos) break;
+      while (i + 1 < words.size() && !is_flag(words[i + 1]) && given.words.size() < most) {
+        given.words.push_back(words[++i]);
+        if (several && given.words.size() == 1 && words[i].find(',') != word.npos) break;  // X,Y
       }
-      if (values.empty())
-        throw usage_error(fmt::format("{}: {} needs a value; see --help", kCommandLine, flag));
     }
-    if (entry == nullptr) {
-      config = values.front();
-    } else {
-      given.push_back({entry, std::move(values)});
-    }
+    if (given.words.empty())
+      throw usage_error(fmt::format("{}: {} needs a value; see --help", kCommandLine, flag));
+    all.push_back(std::move(given));
   }
-  if (!config.empty()) load(ConfigFile(std::filesystem::path(config)));
-  for (const Given& one : given) {
-    const Setting& setting = one.entry->setting;
-    const std::string wrong = take(*one.entry, value_of(setting, one.words));
+  return all;
+}
+
+void Settings::load(std::span<const std::string> words) {
+  const std::vector<Given> all = sorted(words);
+  for (const Given& given : all) {
+    if (given.entry == nullptr) load(ConfigFile(std::filesystem::path(given.words.front())));
+  }
+  for (const Given& given : all) {
+    if (given.entry == nullptr) continue;
+    const Setting& setting = given.entry->setting;
+    const std::string wrong = take(*given.entry, value_of(setting, given.words));
     if (wrong.empty()) continue;
-    const std::string shown = fmt::format("{}", fmt::join(one.words, " "));
+    const std::string shown = fmt::format("{}", fmt::join(given.words, " "));
     throw usage_error(fmt::format("{}: {} = {}: {}", kCommandLine, setting.name,
-                                  quoted(setting.type) ? "'" + shown + "'" : shown, wrong));
+                                  quoted(setting.type) ? fmt::format("'{}'", shown) : shown, wrong));
   }
 }
 

@@ -14,54 +14,9 @@
 
 #include "common/runtime/config.h"
 #include "common/runtime/enum_table.h"
+#include "common/runtime/setting.h"
 
 namespace telekerf {
-
-/// What a text stands for.
-struct TextForm {
-  std::string form;            ///< as a user writes it: FILE, "simulated|udp:HOST:PORT"
-  const char* shipped = "";    ///< kind of shipped data that may be named as well ("robots")
-  const char* extension = "";  ///< of these
-  /// What a text must be, if it is not; empty: it is.
-  std::function<std::string(const std::string&)> complaint = {};
-};
-inline const TextForm kName{"NAME"};
-inline const TextForm kFile{"FILE"};
-inline const TextForm kFolder{"FOLDER"};
-inline const TextForm kPicture{"PICTURE", "pictures", ".png"};
-inline const TextForm kRobot{"ROBOT", "robots", ".toml"};
-inline const TextForm kProfile{"PROFILE", "profiles", ".toml"};
-
-/// All that is known of a setting but the variable behind it.
-struct Setting {
-  enum class Type { kSwitch, kNumber, kInteger, kText, kChoice, kNumbers, kTexts };
-  struct Choice {
-    std::string word;
-    std::string sentence;
-  };
-
-  std::string name;
-  Type type = Type::kText;
-  Bounds bounds;                ///< of numbers
-  std::vector<Choice> choices;  ///< of kChoice
-  TextForm text;                ///< of texts
-  std::size_t count = 0;        ///< of numbers in a list, 0: any
-  std::string sentence;
-  std::optional<ConfigValue> initial;  ///< none: not set, and the sentence says what that means
-  bool required = false;
-  bool positional = false;  ///< a word on the command line without its flag, and no key
-
-  /// For chaining behind `Settings::add`.
-  Setting& must_be_given() {
-    required = true;
-    return *this;
-  }
-  Setting& as_argument() {
-    positional = true;
-    return must_be_given();
-  }
-  std::string flag() const;
-};
 
 namespace settings_detail {
 template <typename T>
@@ -124,12 +79,6 @@ class Settings {
   Setting& add(const std::string& name, std::vector<double>& value, std::size_t count, const Bounds& bounds,
                const std::string& sentence);
 
-  // Older spellings, until their callers have tables of their own.
-  Setting& add(const std::string& name, std::string& value, const std::string& sentence,
-               const std::vector<std::string>& choices = {});
-  Setting& add(const std::string& name, std::string& value, const std::string& sentence,
-               const std::function<std::string(const std::string&)>& complaint);
-
   /// A key and flag of before: refused with the name of today, or with the program that has it now.
   void renamed(const std::string& old, const std::string& now);
   void moved(const std::string& old, const std::string& remedy);
@@ -161,6 +110,12 @@ class Settings {
   static Entry described(const std::string& name, Setting::Type type, const std::string& sentence);
   Setting& enter(Entry entry);
   std::string take(Entry& entry, const ConfigValue& value);
+  /// Words of the command line that belong to one setting.
+  struct Given {
+    Entry* entry;  ///< null: --config
+    std::vector<std::string> words;
+  };
+  std::vector<Given> sorted(std::span<const std::string> words);
   Entry* find_flag(const std::string& flag);
   Entry& next_argument(const std::string& word);
 

@@ -21,7 +21,6 @@ enum class ErrorKind : std::uint8_t {
 class StartupError : public std::runtime_error {
  public:
   StartupError(ErrorKind kind, const std::string& sentence) : std::runtime_error(sentence), kind_(kind) {}
-  explicit StartupError(const std::string& sentence) : StartupError(ErrorKind::kConfiguration, sentence) {}
   ErrorKind kind() const noexcept { return kind_; }
 
  private:

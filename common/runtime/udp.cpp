@@ -29,7 +29,7 @@ std::string validate_udp(std::string_view text) {
 
 void refuse_udp(const UdpAddress& address, std::string_view key, std::string_view wrong,
                 std::string_view remedy) {
-  throw StartupError(fmt::format("{} = udp:{}:{}: {}; {}", key, address.host, address.port, wrong, remedy));
+  throw hardware_error(fmt::format("{} = udp:{}:{}: {}; {}", key, address.host, address.port, wrong, remedy));
 }
 
 udp::endpoint open_udp(udp::socket& socket, const UdpAddress& address, std::string_view key) {

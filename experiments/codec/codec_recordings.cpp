@@ -38,7 +38,7 @@ double noise_of(const codec::Trace& trace) {
 std::vector<SeededTrace> recorded_traces(double seconds, std::uint64_t seed) {
   simulation::SimulationSettings settings;
   settings.master.seed = settings.slave.seed = seed;
-  settings.master.codec = "raw";  // whole samples in every packet: what was commanded
+  settings.master.codec = *codec::kCodecs.find("raw");  // whole samples in every packet: what was commanded
   settings.network = netem::load_profile("thesis-constant");
   const ContourMessage contour = simulation::find_contour(settings);
   master::Station master(settings.master);

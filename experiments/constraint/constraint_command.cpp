@@ -85,7 +85,6 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
         station.node.constraint.min_radius_m = 0.0;
         station.node.constraint.window_bend_rad = 4.0;
         station.node.constraint.half_window = k;
-        station.curve = name;
         auto settings = station.node.constraint;
         settings.curve = kind;
         const master::GuidePath guide = master::make_guide(contour, station.beta, settings);

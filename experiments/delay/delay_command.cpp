@@ -29,19 +29,28 @@ constexpr std::array kProfiles{
     "geo",   "transatlantic", "sydney", "lindbergh", "hostile", "thesis-constant", "thesis-tcp"};
 
 struct Pair {
-  const char* law;
-  const char* estimator;
+  Law law;
+  master::MakeEstimator estimator;
 };
-constexpr std::array<Pair, 10> kPairs{{{"anchored", "predictor"},
-                                       {"anchored", "delayed-innovation"},
-                                       {"anchored", "thesis"},
-                                       {"anchored", "none"},
-                                       {"remote-acceleration", "predictor"},
-                                       {"remote-acceleration", "delayed-innovation"},
-                                       {"remote-acceleration", "thesis"},
-                                       {"remote-acceleration", "none"},
-                                       {"local", "predictor"},
-                                       {"local", "none"}}};
+constexpr master::MakeEstimator kPredictor = &master::make_predictor;
+constexpr master::MakeEstimator kInnovation = &master::make_estimator<master::DelayedInnovation>;
+constexpr master::MakeEstimator kThesis = &master::make_estimator<master::CommunicationDisturbanceObserver>;
+constexpr master::MakeEstimator kNone = &master::make_estimator<master::NoPrediction>;
+
+std::string word_of(Law law) { return std::string(master::kLaws.word(law)); }
+std::string word_of(master::MakeEstimator estimator) {
+  return std::string(master::kEstimators.word(estimator));
+}
+constexpr std::array<Pair, 10> kPairs{{{Law::kAnchored, kPredictor},
+                                       {Law::kAnchored, kInnovation},
+                                       {Law::kAnchored, kThesis},
+                                       {Law::kAnchored, kNone},
+                                       {Law::kRemoteAcceleration, kPredictor},
+                                       {Law::kRemoteAcceleration, kInnovation},
+                                       {Law::kRemoteAcceleration, kThesis},
+                                       {Law::kRemoteAcceleration, kNone},
+                                       {Law::kLocal, kPredictor},
+                                       {Law::kLocal, kNone}}};
 
 struct Run {
   DelayTrial trial;
@@ -55,21 +64,23 @@ struct Run {
 };
 
 struct Options {
-  std::string law, estimator, codec, netem, out = "out/delay";
-  double rtt_ms = -1.0;
-  double jitter_ms = -1.0;
-  double loss = -1.0;
+  // Of what is not given: the default, and no condition.
+  std::optional<Law> law;
+  std::optional<master::MakeEstimator> estimator;
+  std::optional<codec::CodecChoice> codec;
+  std::string netem;
+  std::optional<double> rtt_ms, jitter_ms, loss;
   int block = DelayTrial{}.block;
   int redundancy = DelayTrial{}.redundancy;
   std::uint64_t seed = 1;
+  std::string out = "out/delay";
   bool one() const {
-    return !law.empty() || !estimator.empty() || !codec.empty() || !netem.empty() || rtt_ms >= 0.0 ||
-           jitter_ms >= 0.0 || loss >= 0.0 || block != DelayTrial{}.block ||
-           redundancy != DelayTrial{}.redundancy;
+    return law || estimator || codec || !netem.empty() || rtt_ms || jitter_ms || loss ||
+           block != DelayTrial{}.block || redundancy != DelayTrial{}.redundancy;
   }
 };
 
-Run make_run(const Pair& pair, const std::string& codec, double rtt_ms, double jitter_ms, double loss,
+Run make_run(const Pair& pair, const codec::CodecChoice& codec, double rtt_ms, double jitter_ms, double loss,
              std::uint64_t seed) {
   Run run;
   run.trial.law = pair.law;
@@ -98,27 +109,27 @@ std::vector<Run> full_benchmark(std::uint64_t seed) {
       for (const double share : {0.0, 0.1}) {
         if (rtt_ms == 0.0 && share > 0.0) continue;  // no jitter without delay
         for (const double loss : kLoss) {
-          for (const char* codec : {"sdct", "raw"}) {
+          for (const codec::CodecChoice& codec : {codec::kDefaultCodec, *codec::kCodecs.find("raw")}) {
             runs.push_back(make_run(pair, codec, rtt_ms, share * rtt_ms, loss, seed));
           }
         }
       }
     }
     for (const char* profile : kProfiles) {
-      Run run = make_run(pair, "sdct", 0.0, 0.0, 0.0, seed);
+      Run run = make_run(pair, codec::kDefaultCodec, 0.0, 0.0, 0.0, seed);
       run.profile = profile;
       run.trial.network = netem::load_profile(profile);
       runs.push_back(run);
     }
-    Run wrong = make_run(pair, "sdct", 100.0, 0.0, 0.0, seed);
+    Run wrong = make_run(pair, codec::kDefaultCodec, 100.0, 0.0, 0.0, seed);
     wrong.condition = "wrong-start";
     wrong.trial.wrong_start = true;
     runs.push_back(wrong);
-    Run push = make_run(pair, "sdct", 100.0, 0.0, 0.0, seed);
+    Run push = make_run(pair, codec::kDefaultCodec, 100.0, 0.0, 0.0, seed);
     push.condition = "push-1-n";
     push.trial.push_n = 1.0;
     runs.push_back(push);
-    Run step = make_run(pair, "sdct", 100.0, 0.0, 0.0, seed);
+    Run step = make_run(pair, codec::kDefaultCodec, 100.0, 0.0, 0.0, seed);
     step.condition = "delay-step-50-ms";
     step_delay(step.trial.network.forward, 0.5 * kHandS, 0.05);
     runs.push_back(step);
@@ -127,13 +138,12 @@ std::vector<Run> full_benchmark(std::uint64_t seed) {
 }
 
 Run one_run(const Options& options) {
-  const Pair pair{options.law.empty() ? "anchored" : options.law.c_str(),
-                  options.estimator.empty() ? "predictor" : options.estimator.c_str()};
-  Run run = make_run(pair, options.codec.empty() ? "sdct" : options.codec, std::max(0.0, options.rtt_ms),
-                     std::max(0.0, options.jitter_ms), std::max(0.0, options.loss), options.seed);
+  const Pair pair{options.law.value_or(Law::kAnchored), options.estimator.value_or(kPredictor)};
+  Run run = make_run(pair, options.codec.value_or(codec::kDefaultCodec), options.rtt_ms.value_or(0.0),
+                     options.jitter_ms.value_or(0.0), options.loss.value_or(0.0), options.seed);
   if (!options.netem.empty()) {
-    if (options.rtt_ms >= 0.0 || options.jitter_ms >= 0.0 || options.loss >= 0.0) {
-      throw StartupError(
+    if (options.rtt_ms || options.jitter_ms || options.loss) {
+      throw usage_error(
           "--netem says everything about the network: give either it or --rtt-ms, --jitter-ms, --loss");
     }
     run.profile = std::filesystem::path(options.netem).stem().string();
@@ -175,9 +185,9 @@ nlohmann::ordered_json number(double value) {
 
 nlohmann::ordered_json row_of(const Run& run) {
   nlohmann::ordered_json row;
-  row["law"] = run.trial.law;
-  row["estimator"] = run.trial.estimator;
-  row["codec"] = run.trial.codec;
+  row["law"] = word_of(run.trial.law);
+  row["estimator"] = word_of(run.trial.estimator);
+  row["codec"] = codec::kCodecs.word(run.trial.codec);
   const bool named = !run.profile.empty();
   row["rtt_ms"] = named ? nlohmann::ordered_json() : number(run.rtt_ms);
   row["jitter_ms"] = named ? nlohmann::ordered_json() : number(run.jitter_ms);
@@ -199,9 +209,9 @@ nlohmann::ordered_json row_of(const Run& run) {
 double of(const std::vector<Run>& runs, const Pair& pair, double rtt_ms, double share, double loss,
           double DelayResult::*what) {
   for (const Run& run : runs) {
-    if (run.trial.law == pair.law && run.trial.estimator == pair.estimator && run.trial.codec == "sdct" &&
-        run.profile.empty() && run.condition.empty() && run.rtt_ms == rtt_ms && run.loss == loss &&
-        std::abs(run.jitter_ms - share * rtt_ms) < 1e-9) {
+    if (run.trial.law == pair.law && run.trial.estimator == pair.estimator &&
+        run.trial.codec == codec::kDefaultCodec && run.profile.empty() && run.condition.empty() &&
+        run.rtt_ms == rtt_ms && run.loss == loss && std::abs(run.jitter_ms - share * rtt_ms) < 1e-9) {
       return run.result.*what;
     }
   }
@@ -219,7 +229,7 @@ void draw_rtt(const std::vector<Run>& runs, const std::filesystem::path& png) {
     panel.y_range = {{1.0, 1e5}};
     int colour = 0;
     for (const Pair& pair : kPairs) {
-      Line line{.label = fmt::format("{} + {}", pair.law, pair.estimator), .colour = colour++ % 8};
+      Line line{.label = word_of(pair.law) + " + " + word_of(pair.estimator), .colour = colour++ % 8};
       if (colour > 8) line.style = Line::Style::kDashed;
       for (const double rtt_ms : kRttMs) {
         line.x.push_back(rtt_ms);
@@ -240,8 +250,8 @@ void draw_stability(const std::filesystem::path& png) {
   Figure figure;
   figure.title = "u = -2 w v - w^2 x on a double integrator behind a delay D";
   figure.columns = 2;
-  for (const char* const estimator : {"none", "predictor"}) {
-    Panel panel{.title = fmt::format("estimator {}", estimator),
+  for (const master::MakeEstimator estimator : {kNone, kPredictor}) {
+    Panel panel{.title = "estimator " + word_of(estimator),
                 .x_label = "D (ms)",
                 .y_label = "w (rad/s)",
                 .log_x = true,
@@ -274,8 +284,8 @@ void draw_start(const std::filesystem::path& png) {
     Panel panel{.title = title, .x_label = "t (s)", .y_label = "um", .log_y = true};
     panel.y_range = {{1e-3, 2e6}};
     int colour = 0;
-    for (const char* const estimator : {"none", "thesis", "delayed-innovation", "predictor"}) {
-      Line line{.label = estimator, .colour = colour++};
+    for (const master::MakeEstimator estimator : {kNone, kThesis, kInnovation, kPredictor}) {
+      Line line{.label = word_of(estimator), .colour = colour++};
       const auto errors = prediction_error(estimator, 0.1, 10.0, start);
       for (std::size_t i = 0; i < errors.size(); i += 10) {
         line.x.push_back(static_cast<double>(i) * 1e-3);
@@ -292,9 +302,10 @@ void print_row(const Run& run) {
   const std::string network = run.profile.empty() ? fmt::format("{:.0f} ms, jitter {:.0f} ms, loss {:g}",
                                                                 run.rtt_ms, run.jitter_ms, run.loss)
                                                   : run.profile;
-  fmt::print("{:<20}{:<20}{:<6}{:<34}{:<18}tracking {:9.1f} um, prediction {:9.1f} um, {}\n", run.trial.law,
-             run.trial.estimator, run.trial.codec, network, run.condition, run.result.tracking_rmse_um,
-             run.result.prediction_rmse_um, run.result.stable ? "stable" : "NOT STABLE");
+  fmt::print("{:<20}{:<20}{:<6}{:<34}{:<18}tracking {:9.1f} um, prediction {:9.1f} um, {}\n",
+             word_of(run.trial.law), word_of(run.trial.estimator), codec::kCodecs.word(run.trial.codec),
+             network, run.condition, run.result.tracking_rmse_um, run.result.prediction_rmse_um,
+             run.result.stable ? "stable" : "NOT STABLE");
 }
 
 int run(Options& options) {
@@ -320,7 +331,8 @@ int run(Options& options) {
   for (const Run& run : runs) {
     if (options.one() || !run.profile.empty() || !run.condition.empty()) print_row(run);
     // The bar of its own: the default law is stable everywhere.
-    if (run.trial.law == "anchored" && run.trial.estimator == "predictor") good = good && run.result.stable;
+    if (run.trial.law == Law::kAnchored && run.trial.estimator == kPredictor)
+      good = good && run.result.stable;
   }
   if (options.one()) good = runs.front().result.stable;
   fmt::print("{} runs in {:.0f} s: {}/delay.json\n", runs.size(), took.count(), options.out);
@@ -328,17 +340,18 @@ int run(Options& options) {
 }
 
 void add_parameters(Options& o, Settings& s) {
-  s.add("law", o.law, "who computes the slave's acceleration", {"anchored", "remote-acceleration", "local"});
-  s.add("estimator", o.estimator, "how the slave's state is predicted",
-        {"predictor", "delayed-innovation", "thesis", "none"});
-  s.add("codec", o.codec, "of the command stream", codec::codec_names());
+  s.add("law", o.law, master::kLaws, "who computes the slave's acceleration; without it anchored");
+  s.add("estimator", o.estimator, master::kEstimators,
+        "how the slave's state is predicted; without it predictor");
+  s.add("codec", o.codec, codec::kCodecs, "of the command stream; without it sdct");
   s.add("block", o.block, {.min = 4, .max = 64}, "samples a block of it");
   s.add("redundancy", o.redundancy, {.min = 0, .max = 7}, "previous blocks repeated in a packet");
   s.add("netem", o.netem, kProfile, "network profile: a shipped name or a file");
   s.add("rtt_ms", o.rtt_ms, {.min = 0, .max = 10000, .unit = "ms"},
-        "round trip; 0 if another condition is given alone");
-  s.add("jitter_ms", o.jitter_ms, {.min = 0, .max = 10000, .unit = "ms"}, "one way, standard deviation");
-  s.add("loss", o.loss, {.min = 0, .max = 1}, "as a fraction");
+        "round trip; without it 0 if another condition is given");
+  s.add("jitter_ms", o.jitter_ms, {.min = 0, .max = 10000, .unit = "ms"},
+        "one way, standard deviation; without it 0");
+  s.add("loss", o.loss, {.min = 0, .max = 1}, "as a fraction; without it 0");
   s.add("seed", o.seed, kSeeds, "of everything random");
   s.add("out", o.out, kFolder, "folder for the results");
 }

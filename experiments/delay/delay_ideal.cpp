@@ -11,16 +11,16 @@ namespace {
 
 using master::KinematicState;
 
-master::ObserverSettings settings_of(const std::string& estimator, double period_s) {
+master::ObserverSettings settings_of(master::MakeEstimator estimator, double period_s) {
   master::ObserverSettings settings;
-  settings.estimator = master::estimator_named(estimator);
+  settings.estimator = estimator;
   settings.period_s = period_s;
   return settings;
 }
 
 class IdealLoop {
  public:
-  IdealLoop(const std::string& estimator, int delay, double period_s, const IdealStart& start)
+  IdealLoop(master::MakeEstimator estimator, int delay, double period_s, const IdealStart& start)
       : observer_(Law::kRemoteAcceleration, settings_of(estimator, period_s)),
         delay_(delay),
         period_s_(period_s),
@@ -59,7 +59,7 @@ class IdealLoop {
 
 }  // namespace
 
-std::vector<double> prediction_error(const std::string& estimator, double delay_s, double duration_s,
+std::vector<double> prediction_error(master::MakeEstimator estimator, double delay_s, double duration_s,
                                      const IdealStart& start) {
   constexpr double kPeriod = 1e-3;
   IdealLoop loop(estimator, static_cast<int>(std::lround(delay_s / kPeriod)), kPeriod, start);
@@ -71,7 +71,7 @@ std::vector<double> prediction_error(const std::string& estimator, double delay_
   return errors;
 }
 
-bool law_is_stable(const std::string& estimator, double w_rad_s, double delay_s) {
+bool law_is_stable(master::MakeEstimator estimator, double w_rad_s, double delay_s) {
   // A hundred samples a delay, whatever it is; eighty delays, or settling times where those are longer.
   constexpr int kDelay = 100;
   const double period_s = delay_s / kDelay;

@@ -14,10 +14,10 @@ struct IdealStart {
 };
 
 /// Prediction error (m) over time, a value a millisecond, while the command is a slow sine.
-std::vector<double> prediction_error(const std::string& estimator, double delay_s, double duration_s,
+std::vector<double> prediction_error(master::MakeEstimator estimator, double delay_s, double duration_s,
                                      const IdealStart& start);
 
 /// Does u = -2 w v - w^2 x on the estimator's idea of the slave bring it to rest?
-bool law_is_stable(const std::string& estimator, double w_rad_s, double delay_s);
+bool law_is_stable(master::MakeEstimator estimator, double w_rad_s, double delay_s);
 
 }  // namespace telekerf::experiments

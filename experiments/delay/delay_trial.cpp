@@ -83,8 +83,8 @@ HandRecord record_hand(const std::string& image, double duration_s, std::uint64_
 
 master::StationSettings master_settings(const DelayTrial& trial) {
   master::StationSettings settings;
-  settings.law = trial.law;
-  settings.estimator = trial.estimator;
+  settings.node.command.law = trial.law;
+  settings.node.command.observer.estimator = trial.estimator;
   settings.codec = trial.codec;
   settings.node.command.codec.block = trial.block;
   settings.node.command.codec.redundancy = trial.redundancy;

@@ -25,9 +25,9 @@ struct HandRecord {
 HandRecord record_hand(const std::string& image, double duration_s, std::uint64_t seed);
 
 struct DelayTrial {
-  std::string law = "anchored";
-  std::string estimator = "predictor";
-  std::string codec = "sdct";
+  Law law = Law::kAnchored;
+  master::MakeEstimator estimator = &master::make_predictor;
+  codec::CodecChoice codec = codec::kDefaultCodec;
   int block = 16;
   int redundancy = 1;
   netem::Profile network;

@@ -71,7 +71,7 @@ mjModel* compile(const std::string& xml) {
   char error[500] = "";
   mjModel* model = mj_loadXML("delta.xml", files.get(), error, sizeof(error));
   mj_deleteVFS(files.get());
-  if (model == nullptr) throw StartupError(fmt::format("MuJoCo refuses the model: {}", error));
+  if (model == nullptr) throw environment_error(fmt::format("MuJoCo refuses the model: {}", error));
   return model;
 }
 

@@ -23,8 +23,7 @@ constexpr int kStepsPerSample = 20;
 
 template <typename T>
 T value(const tl::expected<T, robot::KinematicsError>& result) {
-  if (!result)
-    throw StartupError("the motion left what the robot can do: " + robot::describe(result.error()));
+  if (!result) throw input_error("the motion left what the robot can do: " + robot::describe(result.error()));
   return *result;
 }
 

@@ -124,7 +124,7 @@ Source contour_of(const std::string& image, const Options& options, const robot:
                  : vision::load_contours(file, request);
   };
   const auto found = load();
-  if (!found) throw StartupError(drawn ? fmt::format("{}: {}", file, found.error()) : found.error());
+  if (!found) throw input_error(drawn ? fmt::format("{}: {}", file, found.error()) : found.error());
   const auto wanted = [&](const vision::LoadedContours& loaded) {
     return std::find_if(loaded.contours.begin(), loaded.contours.end(),
                         [&](const geometry::Polyline& c) { return c.closed == closed; });
@@ -191,7 +191,8 @@ void put_beside(const cv::Mat& picture, const std::filesystem::path& png) {
   cv::putText(all, "source picture", {20, (panels.rows - side) / 2 - 12}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
               cv::Scalar::all(40), 1, cv::LINE_AA);
   panels.copyTo(all(cv::Rect(side + 40, 0, panels.cols, panels.rows)));
-  if (!cv::imwrite(png.string(), all)) throw StartupError(fmt::format("{}: cannot be written", png.string()));
+  if (!cv::imwrite(png.string(), all))
+    throw environment_error(fmt::format("{}: cannot be written", png.string()));
 }
 
 struct Named {
@@ -270,7 +271,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
   const Source source = contour_of(image, options, model, experiment.closed);
   const geometry::Polyline& contour = source.contour;
   const auto plan = machining::make_timed_path(contour, settings.plan);
-  if (!plan) throw StartupError(fmt::format("{}: {}", image, plan.error()));
+  if (!plan) throw input_error(fmt::format("{}: {}", image, plan.error()));
   const ContourRun run = run_contour(*plan, contour, settings);
   make_folder("--out", out);
   ordered_json result{{"experiment", experiment.name},
@@ -314,7 +315,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
       const ContourRunSettings s = run_settings(faster, model);
       if (s.plan.speed_m_per_s > s.plan.max_speed_m_per_s) break;
       const auto p = machining::make_timed_path(contour, s.plan);
-      if (!p) throw StartupError(p.error());
+      if (!p) throw input_error(p.error());
       const auto m = measure(run_contour(*p, contour, s), s);
       rms.x.push_back(speed);
       max.x.push_back(speed);

@@ -45,7 +45,7 @@ ContourRun run_contour(const machining::TimedPath& plan, const geometry::Polylin
     const Vec3 p = trajectory[i].position_m;
     if (p.head<2>().norm() > nominal.workspace.radius_m ||
         std::abs(p.z()) > 0.5 * nominal.workspace.height_m) {
-      throw StartupError(fmt::format(
+      throw input_error(fmt::format(
           "the path reaches ({:.1f}, {:.1f}, {:.1f}) mm, outside the workspace of {} "
           "({:.1f} mm about the centre, {:.1f} mm up and down); use a smaller --width-mm or --radius-mm",
           p.x() * 1e3, p.y() * 1e3, p.z() * 1e3, nominal.name, nominal.workspace.radius_m * 1e3,
@@ -93,7 +93,7 @@ ContourRun run_contour(const machining::TimedPath& plan, const geometry::Polylin
     robot.advance(plan.period_s);
   }
   if (robot.broken())
-    throw StartupError("the robot left the poses that it can take: the controller is unstable");
+    throw configuration_error("the robot left the poses that it can take: the controller is unstable");
   run.time_s = static_cast<double>(trajectory.size()) * plan.period_s;
   return run;
 }

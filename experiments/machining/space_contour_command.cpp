@@ -66,7 +66,7 @@ nlohmann::ordered_json spread(const ContourRun& run, int axis) {
 
 int run(Options& options) {
   if (options.radius_mm > 0.95 * options.curvature_mm) {
-    throw StartupError(fmt::format(
+    throw usage_error(fmt::format(
         "radius_mm = {:g}: must be at most {:g}, 95 % of curvature_mm, where a sphere is still not steep",
         options.radius_mm, 0.95 * options.curvature_mm));
   }
@@ -78,7 +78,7 @@ int run(Options& options) {
   settings.seed = options.seed;
   const geometry::Polyline flat_contour = clover(options.radius_mm * 1e-3);
   const auto flat = machining::Path::through(flat_contour, machining::path_settings(settings.plan));
-  if (!flat) throw StartupError(flat.error());
+  if (!flat) throw input_error(flat.error());
 
   nlohmann::ordered_json result{{"experiment", "space-contour"}, {"speed_mm_s", options.speed_mm_s}};
   Figure figure{.title = fmt::format("contours on curved workpieces at {:g} mm/s", options.speed_mm_s),
@@ -90,9 +90,9 @@ int run(Options& options) {
     auto path = machining::wrapped(*flat, [&](const Vec2& p) {
       return name == "saddle" ? saddle(p, radius_m) : sphere_cap(p, radius_m);
     });
-    if (!path) throw StartupError(path.error());
+    if (!path) throw input_error(path.error());
     const auto plan = machining::make_timed_path(std::move(*path), settings.plan);
-    if (!plan) throw StartupError(plan.error());
+    if (!plan) throw input_error(plan.error());
     const ContourRun run = run_contour(*plan, flat_contour, settings);
     double low = 0.0, high = 0.0;
     Line across{"normal", {}, {}}, up{"binormal", {}, {}}, height{"", {}, {}};

@@ -47,11 +47,10 @@ struct Subject {
 
 Subject subject(const std::string& name) {
   const auto picture = vision::read_picture(find_resource("pictures", name, ".png").string());
-  if (!picture) throw StartupError(picture.error());
+  if (!picture) throw input_error(picture.error());
   const auto field = vision::make_field(*vision::grey_plane(picture->image));
   const auto found = vision::extract(picture->image, {.mode = vision::ExtractionMode::kThesis});
-  if (!field || !found)
-    throw StartupError(fmt::format("{}: {}", name, field ? found.error() : field.error()));
+  if (!field || !found) throw input_error(fmt::format("{}: {}", name, field ? found.error() : field.error()));
   Subject out{name, *field, {}, found->contours.front(), {}};
   out.band = vision::edge_band(*field, out.pixels.width_px, out.pixels.width_px > 0.0);
   out.metres = vision::to_workpiece(
@@ -81,7 +80,7 @@ void write_pictures(const std::vector<cv::Mat>& pictures, const std::filesystem:
   cv::Mat all;
   cv::vconcat(rows, all);
   if (!cv::imwrite(file.string(), all))
-    throw StartupError(fmt::format("{}: cannot be written", file.string()));
+    throw environment_error(fmt::format("{}: cannot be written", file.string()));
 }
 
 Line line_of(const Polyline& line, const std::string& label = {}, Line::Style style = Line::Style::kSolid,
@@ -226,7 +225,7 @@ class Drawer {
         geometry::chord_steps(low, geometry::constant_speed(chord_m / kPeriod), {.period_s = kPeriod});
     const auto steps =
         geometry::chord_steps(open_.metres, geometry::constant_speed(kSpeed), {.period_s = kPeriod});
-    if (!few || !steps) throw StartupError(few ? steps.error() : few.error());
+    if (!few || !steps) throw input_error(few ? steps.error() : few.error());
     Polyline points = part(low, 10, 12);
     std::vector<Line> chords{line_of(points, "P"), line_of(points, {}, Line::Style::kPoints)};
     for (const Vec2& p : few->points_m) {
@@ -259,7 +258,7 @@ class Drawer {
           if (inverse) q = *inverse;
           return inverse.has_value();
         });
-    if (!joints) throw StartupError(joints.error());
+    if (!joints) throw input_error(joints.error());
     Figure figure{.title = "3.11 from tool to joints", .columns = 3};
     figure.panels = {over_time("x(t)", axis(steps->points_m, 0), "x, mm"),
                      over_time("y(t)", axis(steps->points_m, 1), "y, mm")};
@@ -277,7 +276,7 @@ class Drawer {
     nlohmann::json deviations = nlohmann::json::object();
     const auto curve_of = [&](std::size_t harmonics) {
       auto efd = geometry::fit_elliptic_fourier(closed_.metres, harmonics);
-      if (!efd) throw StartupError(efd.error());
+      if (!efd) throw input_error(efd.error());
       return *efd;
     };
     for (const std::size_t harmonics : {2U, 5U, 10U, 30U}) {

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "common/runtime/enum_table.h"
+
 namespace telekerf::master {
 
 /// What stands for the curve around the tool.
@@ -12,6 +14,12 @@ enum class CurveKind : std::uint8_t {
   kLines,       ///< least-squares lines through the same points
   kDescriptor,  ///< osculating circles of the smooth elliptic Fourier curve (closed contours)
 };
+inline constexpr EnumRow<CurveKind> kCurveRows[] = {
+    {"circles", CurveKind::kCircles, "least-squares circles through the points around the tool"},
+    {"lines", CurveKind::kLines, "least-squares lines through the same points"},
+    {"descriptor", CurveKind::kDescriptor, "a smooth elliptic Fourier curve; closed contours only"},
+};
+inline constexpr EnumTable<CurveKind> kCurves(kCurveRows);
 
 struct ConstraintSettings {
   // The curve.

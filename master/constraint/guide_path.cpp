@@ -13,9 +13,9 @@ namespace {
 std::optional<geometry::EllipticFourierPath> descriptor_of(const geometry::Polyline& line,
                                                            const ConstraintSettings& settings) {
   if (settings.curve != CurveKind::kDescriptor) return std::nullopt;
-  if (!line.closed) throw StartupError("a descriptor needs a closed contour; use --curve circles");
+  if (!line.closed) throw input_error("a descriptor needs a closed contour; use --curve circles");
   const auto chosen = geometry::choose_harmonics(line, settings.descriptor_error_m);
-  if (!chosen) throw StartupError("no descriptor of this contour: " + chosen.error());
+  if (!chosen) throw input_error("no descriptor of this contour: " + chosen.error());
   return std::optional<geometry::EllipticFourierPath>(chosen->curve);
 }
 

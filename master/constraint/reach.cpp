@@ -48,7 +48,7 @@ double reach_of(std::span<const Vec2> points_m) {
 
 void require_within(const robot::RobotModel& model, double reach_m, double beta) {
   if (reach_m <= model.workspace.radius_m) return;
-  throw StartupError(
+  throw input_error(
       fmt::format("the contour reaches {:.1f} mm from the centre of the master's workspace at beta = {:g}, "
                   "but {} reaches {:.1f} mm; use a larger --beta or a smaller --width-mm",
                   reach_m * 1e3, beta, model.name, model.workspace.radius_m * 1e3));
@@ -65,7 +65,7 @@ void require_reach(const robot::RobotModel& model, const GuidePath& guide, doubl
   const auto require = [&](const std::string& what, const Vec2& at, double above_m) {
     const std::string why = objection(model, kinematics, Vec3(at.x(), at.y(), above_m));
     if (why.empty()) return;
-    throw StartupError(
+    throw input_error(
         fmt::format("{} at ({:.2f}, {:.2f}) mm is no place for {} at beta = {:g}: {}; use a larger --beta, a "
                     "smaller --width-mm or another --anchor",
                     what, 1e3 * at.x(), 1e3 * at.y(), model.name, guide.beta, why));

@@ -11,7 +11,7 @@ MakeEstimator estimator_named(const std::string& name) {
   if (const auto make = kEstimators.find(name)) return *make;
   std::string words;
   for (const auto& row : kEstimators) words += (words.empty() ? "" : ", ") + std::string(row.word);
-  throw StartupError(fmt::format("estimator = '{}' must be one of {}", name, words));
+  throw configuration_error(fmt::format("estimator = '{}' must be one of {}", name, words));
 }
 
 }  // namespace telekerf::master

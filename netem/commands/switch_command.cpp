@@ -43,8 +43,8 @@ void add_switch_command(Program& program) {
       [](Options& o, Settings& s) {
         s.add("profile", o.profile, kProfile, "a shipped name, or a file that every process can read")
             .as_argument();
-        o.bus.declare(s);
-        o.netem.declare(s);
+        o.bus.add_parameters(s);
+        o.netem.add_parameters(s);
       },
       run);
 }

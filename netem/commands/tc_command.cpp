@@ -21,7 +21,7 @@ int run(const Options& options) {
   constexpr std::size_t kLongest = 15;  // the kernel's limit
   if (options.device.empty() || options.device.size() > kLongest ||
       options.device.find_first_not_of(kPlain) != std::string::npos) {
-    throw StartupError(
+    throw usage_error(
         fmt::format("--dev '{}' is no network device name: 1 to {} letters, digits, '.', '_', '-' or '@'",
                     options.device, kLongest));
   }

@@ -32,7 +32,7 @@ RecordedOutcome send(Emulator& emulator, std::int64_t now_ns, std::uint32_t byte
   }
   const PacketOutcome outcome = emulator.push(now_ns, bytes, index);
   if (outcome.overflowed)
-    throw StartupError("more packets under way than this program holds; lower --rate-hz");
+    throw usage_error("more packets under way than this program holds; lower --rate-hz");
   return {now_ns, outcome.lost() ? 0 : outcome.due_ns - now_ns, outcome.lost(), outcome.duplicated,
           outcome.corrupted};
 }

@@ -20,7 +20,8 @@ constexpr std::size_t kMaxStages = 64;
 
 void read_events(const ConfigFile& file, Profile& profile) {
   const std::size_t count = file.array_size("event");
-  if (count > kMaxEvents) throw StartupError(fmt::format("{}: more than {} events", file.name(), kMaxEvents));
+  if (count > kMaxEvents)
+    throw configuration_error(fmt::format("{}: more than {} events", file.name(), kMaxEvents));
   for (std::size_t i = 0; i < count; ++i) {
     const std::string at = fmt::format("event.{}.", i);
     Event event;
@@ -94,11 +95,11 @@ Profile read_profile(const ConfigFile& file, const std::string& name, const std:
   profile.source = file.text_or("source", "");
   for (const char* direction : {"forward", "backward"}) {
     if (!file.has("both") && !file.has(direction)) {
-      throw StartupError(fmt::format("{}: has neither [{}] nor [both]", file.name(), direction));
+      throw configuration_error(fmt::format("{}: has neither [{}] nor [both]", file.name(), direction));
     }
   }
   if (file.array_size("stage") > kMaxStages) {
-    throw StartupError(fmt::format("{}: more than {} stages", file.name(), kMaxStages));
+    throw configuration_error(fmt::format("{}: more than {} stages", file.name(), kMaxStages));
   }
   profile.forward = read_direction(file, "forward", folder);
   profile.backward = read_direction(file, "backward", folder);

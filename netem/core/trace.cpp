@@ -41,15 +41,15 @@ bool is_flag(std::int64_t field) { return field == 0 || field == 1; }
 
 Recording load_recording(const std::string& file) {
   std::ifstream in(file);
-  if (!in) throw StartupError(fmt::format("cannot open the trace '{}'", file));
+  if (!in) throw input_error(fmt::format("cannot open the trace '{}'", file));
   std::string line;
   if (!next_line(in, line) || line != kTraceHeader) {
-    throw StartupError(fmt::format("{}: line 1 must be '{}'", file, kTraceHeader));
+    throw input_error(fmt::format("{}: line 1 must be '{}'", file, kTraceHeader));
   }
   Recording recording;
   for (int number = 2; next_line(in, line); ++number) {
     const auto refuse = [&](const char* complaint) {
-      throw StartupError(fmt::format("{}: line {} ('{}'): {}", file, number, line.substr(0, 80), complaint));
+      throw input_error(fmt::format("{}: line {} ('{}'): {}", file, number, line.substr(0, 80), complaint));
     };
     std::int64_t field[kFields];
     if (!parse_row(line, field)) refuse("needs six whole numbers");
@@ -61,7 +61,7 @@ Recording load_recording(const std::string& file) {
     if (!recording.empty() && field[1] < recording.back().in_ns) refuse("in_ns must not go backwards");
     recording.push_back({field[1], lost ? 0 : field[2] - field[1], lost, field[4] == 1, field[5] == 1});
   }
-  if (recording.empty()) throw StartupError(fmt::format("{}: holds no packet", file));
+  if (recording.empty()) throw input_error(fmt::format("{}: holds no packet", file));
   return recording;
 }
 

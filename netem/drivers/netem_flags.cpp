@@ -5,7 +5,7 @@
 
 namespace telekerf::netem {
 
-void NetemFlags::declare(Settings& settings) {
+void NetemFlags::add_parameters(Settings& settings) {
   settings.add("netem", profile, kProfile,
                "emulated network between the sites: a profile's name or file, none: the real one");
   settings.add("netem_seed", seed, kSeeds, "of the emulated network");

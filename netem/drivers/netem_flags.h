@@ -17,7 +17,7 @@ struct NetemFlags {
   std::string profile = "none";
   std::uint64_t seed = 1;
 
-  void declare(Settings& settings);
+  void add_parameters(Settings& settings);
   /// What belongs into the receive path of a process at this site; null: nothing, the network is the real
   /// one. Throws StartupError if the profile cannot be loaded.
   std::shared_ptr<ReceivePathEmulator> emulator(Site own_site) const;

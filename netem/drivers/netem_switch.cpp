@@ -28,7 +28,8 @@ void NetemSwitch::run(const std::stop_token& stop) {
 
 void NetemSwitch::switch_to(const std::string& profile) {
   const Profile fresh = load_profile(profile);
-  if (!emulator_) throw StartupError("this process runs without an emulated network; start it with --netem");
+  if (!emulator_)
+    throw environment_error("this process runs without an emulated network; start it with --netem");
   emulator_->set_profile(fresh);
 }
 

@@ -42,10 +42,10 @@ class Descriptor {
 
 [[noreturn]] void refuse(const std::string& what, int error) {
   if (error == EPERM || error == EACCES) {
-    throw StartupError(fmt::format(
+    throw environment_error(fmt::format(
         "{}: not permitted; run as root, or inside `unshare --user --map-root-user --net`", what));
   }
-  throw StartupError(fmt::format("{}: {}", what, std::strerror(error)));
+  throw environment_error(fmt::format("{}: {}", what, std::strerror(error)));
 }
 
 /// Moves the calling thread into a network namespace for as long as this lives.
@@ -57,7 +57,7 @@ class NamespaceVisit {
     const std::string path = netns.find('/') == std::string::npos ? "/run/netns/" + netns : netns;
     const Descriptor target(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     if (target.get() < 0 && errno == ENOENT && path != netns) {
-      throw StartupError(
+      throw environment_error(
           fmt::format("no network namespace '{}'; make it with `ip netns add {}`", netns, netns));
     }
     if (target.get() < 0) refuse(fmt::format("opening the network namespace '{}'", netns), errno);
@@ -90,7 +90,7 @@ Address parse_address(const std::string& text) {
                     ::inet_pton(AF_INET, text.substr(0, slash).c_str(), &address.host) == 1 &&
                     std::from_chars(text.data() + slash + 1, end, bits).ptr == end && bits >= 1 && bits <= 32;
   if (!good)
-    throw StartupError(fmt::format("'{}' is no address with prefix length, such as 10.77.0.1/24", text));
+    throw usage_error(fmt::format("'{}' is no address with prefix length, such as 10.77.0.1/24", text));
   address.mask.s_addr = htonl(0xFFFFFFFFU << (32 - bits));
   return address;
 }
@@ -140,13 +140,13 @@ void configure(const TunSettings& settings) {
 
 int open_tun(const TunSettings& settings) {
   if (settings.device.empty() || settings.device.size() >= IFNAMSIZ) {
-    throw StartupError(
+    throw environment_error(
         fmt::format("'{}' is no device name: 1 to {} characters", settings.device, IFNAMSIZ - 1));
   }
   const NamespaceVisit visit(settings.netns);
   Descriptor tun(::open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (tun.get() < 0 && (errno == ENOENT || errno == ENODEV)) {
-    throw StartupError(
+    throw environment_error(
         "this kernel has no TUN devices (/dev/net/tun); load the module `tun`, or use --netem in the "
         "processes");
   }

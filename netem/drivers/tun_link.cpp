@@ -45,7 +45,7 @@ class OneWay {
   /// Writes the outcome of every packet from now on. Throws StartupError.
   void record(const std::filesystem::path& file) {
     trace_.reset(std::fopen(file.c_str(), "w"));
-    if (!trace_) throw StartupError(fmt::format("cannot write {}", file.string()));
+    if (!trace_) throw environment_error(fmt::format("cannot write {}", file.string()));
     fmt::print(trace_.get(), "{}\n", kTraceHeader);
   }
 

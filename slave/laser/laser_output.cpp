@@ -28,8 +28,8 @@ constexpr LaserRegistry kLasers("laser", kKinds);
 
 std::string validate_laser(const std::string& laser) { return kLasers.validate(laser); }
 
-void LaserOutputSettings::declare(Settings& settings) {
-  settings.add("laser", laser, fmt::format("what makes the beam ({})", kLasers.forms()), validate_laser);
+void LaserOutputSettings::add_parameters(Settings& settings) {
+  settings.add("laser", laser, device_form(kLasers.forms(), validate_laser), "what makes the beam");
   settings.add("laser_max_w", laser_max_w, {.min = 0, .max = 1000, .unit = "W"},
                "power that the laser is never asked to exceed");
 }
@@ -38,7 +38,7 @@ LaserOutput::LaserOutput(const LaserOutputSettings& settings, double laser_w, do
                          std::unique_ptr<Laser> laser)
     : name_(settings.laser), max_w_(settings.laser_max_w), forgotten_a_step_(1.0 / (kMemory_s * control_hz)) {
   if (laser_w > max_w_) {
-    throw StartupError(
+    throw configuration_error(
         fmt::format("laser_w = {:g} must be at most laser_max_w = {:g}; lower it, or raise "
                     "laser_max_w if the laser can give more",
                     laser_w, max_w_));

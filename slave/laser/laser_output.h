@@ -18,7 +18,7 @@ struct LaserOutputSettings {
   LaserOutputSettings() = default;  // no aggregate, see RobotSupervisorSettings
   std::string laser = "simulated";  ///< a row of the registry in laser_output.cpp
   double laser_max_w = 1000.0;      ///< more is never asked for
-  void declare(Settings& settings);
+  void add_parameters(Settings& settings);
 };
 
 /// What is wrong with a `laser` as a user wrote it, and the remedy; empty: nothing.

@@ -189,7 +189,7 @@ ordered_json burn(std::span<const ContourPass> passes, const laser::Material& ma
   }
   if (!cv::imwrite((folder / "mark.png").string(), map.picture()) ||
       !cv::imwrite((folder / "depth.png").string(), map.depth_picture())) {
-    throw StartupError(folder.string() + ": cannot be written");
+    throw environment_error(folder.string() + ": cannot be written");
   }
   const laser::EnergyStatistics& energy = map.energy();
   return {{"material", material.name},

@@ -115,8 +115,8 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("record", flags.record, kFolder, "for what the work leaves");
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
                "gives up after this long without a contour");
-  flags.bus.declare(settings);
-  flags.netem.declare(settings);
+  flags.bus.add_parameters(settings);
+  flags.netem.add_parameters(settings);
 }
 
 }  // namespace

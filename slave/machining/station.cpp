@@ -45,8 +45,8 @@ std::size_t hold_ticks(const StationSettings& settings) {
 
 void StationSettings::add_parameters(Settings& settings) {
   settings.add("robot", robot, kRobot, "that machines: a shipped name or a file");
-  machine.declare(settings);
-  beam.declare(settings);
+  machine.add_parameters(settings);
+  beam.add_parameters(settings);
   settings.add("laser_w", laser_w, {.min = 0, .max = 1000, .unit = "W"}, "laser power");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a fraction");

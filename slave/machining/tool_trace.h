@@ -4,16 +4,22 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
 
-#include "slave/machining/path.h"
+#include "common/recording/columns.h"
+#include "common/runtime/vectors.h"
 
 namespace telekerf::machining {
 
-/// Metres, workpiece frame.
+/// Workpiece frame.
 struct ToolTraceRow {
-  Vec3 reference_m, tool_m;
-  double laser_w;
+  Vec3 reference_m = Vec3::Zero();
+  Vec3 tool_m = Vec3::Zero();
+  double laser_w = 0.0;
+  double t_s = 0.0;
 };
+
+std::span<const Column<ToolTraceRow>> tool_trace_columns();
 
 /// `count` rows, `period_s` apart. Throws StartupError.
 void write_tool_trace(const std::filesystem::path& file, double period_s, std::size_t count,

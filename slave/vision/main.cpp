@@ -8,6 +8,7 @@
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/endpoints.h"
+#include "common/bus/process.h"
 #include "common/geometry/polyline.h"
 #include "common/robot/robot_model.h"
 #include "common/runtime/loop.h"
@@ -50,14 +51,13 @@ std::string path_of(const std::string& image) {
   return std::filesystem::is_directory(image) ? image : find_resource("pictures", image, ".png").string();
 }
 
-void say(const ContourMessage& contour) {
+void say(const ContourMessage& contour, StatusReporter& status) {
   const geometry::Polyline line{contour.points_m, contour.closed};
   const Vec2 size = geometry::bounding_box(line.points_m).size() * 1e3;
-  fmt::print("vision: {} ({}): {} points, {:.1f} mm long, {:.1f} x {:.1f} mm, {:.4f} mm a pixel\n",
-             contour.source, contour.mode, contour.points_m.size(), geometry::length_m(line) * 1e3, size.x(),
-             size.y(), contour.metres_per_pixel * 1e3);
-  if (!contour.further.empty()) fmt::print("vision: {} further contours\n", contour.further.size());
-  std::fflush(stdout);
+  status.say(fmt::format("{} ({}): {} points, {:.1f} mm long, {:.1f} x {:.1f} mm, {:.4f} mm a pixel",
+                         contour.source, contour.mode, contour.points_m.size(),
+                         geometry::length_m(line) * 1e3, size.x(), size.y(), contour.metres_per_pixel * 1e3));
+  if (!contour.further.empty()) status.say(fmt::format("{} further contours", contour.further.size()));
 }
 
 int run(const Flags& flags) {
@@ -69,18 +69,17 @@ int run(const Flags& flags) {
   // A file's first look decides; what lies under a camera may come later.
   if (!live && node.state() == VisionNode::State::kNoContour) throw input_error(outcome.remark);
 
-  catch_stop_signals();
-  BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "vision");
-  bus_settings.receive_filter = flags.netem.emulator(bus_settings.site);
-  Bus bus(bus_settings);
-  Writer<ContourMessage> writer(bus);
-  Writer<TelemetryMessage> telemetry(bus);
+  BusSettings settings = flags.bus.bus_settings(Site::kSlave, "vision");
+  settings.receive_filter = flags.netem.emulator(settings.site);
+  Process process(settings, "vision");
+  Writer<ContourMessage> writer(process.bus());
+  Writer<TelemetryMessage> telemetry(process.bus());
   auto report_at = std::chrono::steady_clock::now();
   while (!stop_requested()) {
     if (!outcome.remark.empty()) fmt::print(stderr, "vision: {}\n", outcome.remark);
     if (outcome.publish) {
       writer.write(*outcome.publish);
-      say(*outcome.publish);
+      say(*outcome.publish, process.status());
     }
     if (const auto now = std::chrono::steady_clock::now(); now >= report_at) {
       telemetry.write(node.record());
@@ -99,11 +98,11 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("image", flags.image, kPicture,
                "a shipped picture's name, a picture, SVG or DXF file, a folder of them, or a video");
   settings.add("camera", flags.camera,
-               TextForm{fmt::format("none, {}", camera_forms()), "", "",
-                        [](const std::string& camera) {
-                          return camera == "none" ? std::string() : validate_camera(camera);
-                        }},
-               "what shows the workpiece in place of image; N: of a /dev/video device");
+               device_form("none, N, " + camera_forms(),
+                           [](const std::string& camera) {
+                             return camera == "none" ? std::string() : validate_camera(camera);
+                           }),
+               "what shows the workpiece in place of image; N: a /dev/video device");
   settings.add("mode", flags.mode, vision::kExtractionModes, "from pixels to points");
   settings.add("anchor", flags.anchor, vision::kAnchorModes, "what lies on the workpiece's origin");
   settings.add("select", flags.select, {.min = 0, .max = 9999}, "which contour, 0 is the largest");
@@ -112,8 +111,8 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("fit_all", flags.fit_all,
                "all contours together are centred and fitted, not the longest alone");
   settings.add("robot", flags.robot, kRobot, "the slave's robot: a shipped name or a file");
-  flags.bus.declare(settings);
-  flags.netem.declare(settings);
+  flags.bus.add_parameters(settings);
+  flags.netem.add_parameters(settings);
 }
 
 }  // namespace

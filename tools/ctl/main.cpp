@@ -32,8 +32,8 @@ Options saying(EventMessage::Kind kind) {
 }
 
 void add_parameters(Options& options, Settings& settings) {
-  options.bus.declare(settings);
-  options.netem.declare(settings);
+  options.bus.add_parameters(settings);
+  options.netem.add_parameters(settings);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ int draw_all(const std::filesystem::path& folder) {
     const std::filesystem::path file = folder / (name + ".png");
     if (!cv::imwrite(file.string(), telekerf::drawing::render(*drawing, appearance),
                      {cv::IMWRITE_PNG_COMPRESSION, 9})) {
-      throw telekerf::StartupError(fmt::format("{}: cannot be written", file.string()));
+      throw telekerf::environment_error(fmt::format("{}: cannot be written", file.string()));
     }
   }
   return 0;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/codec/baselines/measure.h"
+#include "common/codec/codec_table.h"
 #include "common/protocol/overhead.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
@@ -16,7 +17,7 @@ namespace {
 
 struct Options {
   std::string trace;
-  std::string codec = "sdct";
+  codec::CodecChoice codec = codec::kDefaultCodec;
   std::string decoded;
   std::vector<std::string> columns;
   codec::StreamSettings stream{.redundancy = 0, .anchored = false};
@@ -42,7 +43,7 @@ int run(const Options& options) {
   report["columns"] = trace.columns;
   report["samples"] = figures.samples;
   report["rate_hz"] = options.rate_hz;
-  report["codec"] = options.codec;
+  report["codec"] = codec::kCodecs.word(options.codec);
   report["block"] = settings.block;
   if (settings.max_rms > 0) {
     report["max_rms"] = settings.max_rms;
@@ -76,7 +77,7 @@ int run(const Options& options) {
 void add_parameters(Options& o, Settings& s) {
   auto& stream = o.stream;
   s.add("trace", o.trace, kFile, "CSV, columns of numbers").as_argument();
-  s.add("codec", o.codec, "which one", codec::codec_names());
+  s.add("codec", o.codec, codec::kCodecs, "which one");
   s.add("block", stream.block, {.min = 1, .max = 64}, "samples a block; 4 or more of a transform");
   s.add("keep", o.keep, {.min = 1, .max = 64},
         fmt::format("coefficients kept an axis and block; without max_rms {}", stream.keep));

@@ -48,7 +48,7 @@ std::size_t harmonics_of(const std::string& text) {
     used = 0;
   }
   if (used != text.size() || value < 1 || value > 4096) {
-    throw StartupError(fmt::format("--harmonics {}: must be auto or a whole number within [1, 4096]", text));
+    throw usage_error(fmt::format("--harmonics {}: must be auto or a whole number within [1, 4096]", text));
   }
   return static_cast<std::size_t>(value);
 }
@@ -79,7 +79,7 @@ nlohmann::json descriptors_of(const geometry::Polyline& line, const Options& o) 
   } else {
     chosen = tl::unexpected(fit.error());
   }
-  if (!chosen) throw StartupError(fmt::format("{}: {}", o.input, chosen.error()));
+  if (!chosen) throw input_error(fmt::format("{}: {}", o.input, chosen.error()));
   json["harmonics"] = chosen->curve.harmonics.size();
   json["efd_max_deviation_m"] = chosen->largest_deviation_m;
   return json;
@@ -88,7 +88,7 @@ nlohmann::json descriptors_of(const geometry::Polyline& line, const Options& o) 
 int inspect(const Options& o) {
   const std::string file = find_resource("pictures", o.input, ".png").string();
   const auto loaded = vision::load_contours(file, request_of(o));
-  if (!loaded) throw StartupError(loaded.error());
+  if (!loaded) throw input_error(loaded.error());
   const geometry::Polyline& line = loaded->contours[loaded->selected];
   const geometry::Box box = geometry::bounding_box(line.points_m);
   const vision::GCode gcode = vision::to_gcode(loaded->contours);
@@ -120,7 +120,7 @@ int inspect(const Options& o) {
   write_atomically(out / "contour.ngc", gcode.text);
   const cv::Mat overlay = vision::overlay_of(*loaded);
   if (overlay.empty() || !cv::imwrite((out / "overlay.png").string(), overlay)) {
-    throw StartupError(fmt::format("{}: cannot be written", (out / "overlay.png").string()));
+    throw environment_error(fmt::format("{}: cannot be written", (out / "overlay.png").string()));
   }
   std::cout << json_text(json) << '\n';
   return 0;

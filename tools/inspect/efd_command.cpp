@@ -26,13 +26,13 @@ struct Options {
 int inspect(const std::string& path, std::size_t harmonics) {
   std::ifstream file(path, std::ios::binary);
   if (!file || !std::filesystem::is_regular_file(path))
-    throw StartupError(fmt::format("{}: cannot be read", path));
+    throw input_error(fmt::format("{}: cannot be read", path));
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   const auto points = vision::points_from_csv(text);
-  if (!points) throw StartupError(fmt::format("{}: {}", path, points.error()));
+  if (!points) throw input_error(fmt::format("{}: {}", path, points.error()));
   const geometry::Polyline polygon{*points, true};
   const auto fit = geometry::fit_elliptic_fourier(polygon, harmonics);
-  if (!fit) throw StartupError(fmt::format("{}: {}", path, fit.error()));
+  if (!fit) throw input_error(fmt::format("{}: {}", path, fit.error()));
 
   nlohmann::json json{{"points", points->size()}, {"harmonics", harmonics}};
   json["center"] = {fit->centre.x(), fit->centre.y()};
@@ -41,7 +41,7 @@ int inspect(const std::string& path, std::size_t harmonics) {
   json["max_deviation"] = geometry::largest_deviation_m(*fit, polygon);
   for (const auto& h : fit->harmonics) {
     if (!std::isfinite(h.a + h.b + h.c + h.d))
-      throw StartupError(fmt::format("{}: its numbers are too large to calculate with", path));
+      throw input_error(fmt::format("{}: its numbers are too large to calculate with", path));
   }
   std::cout << json_text(json) << '\n';
   return 0;

@@ -38,7 +38,7 @@ Json json_of(const Mat3& m) {
 
 template <typename T>
 T value_or_refuse(const tl::expected<T, robot::KinematicsError>& result, const std::string& robot) {
-  if (!result) throw StartupError(robot + ": " + robot::describe(result.error()));
+  if (!result) throw input_error(robot + ": " + robot::describe(result.error()));
   return *result;
 }
 

@@ -159,9 +159,10 @@ void draw_workspace(const robot::RobotModel& robot, const std::filesystem::path&
     x += 70;
   }
   if (!cv::haveImageWriter(file.string())) {
-    throw StartupError("--picture " + file.string() + ": no picture has such an extension; use .png");
+    throw usage_error("--picture " + file.string() + ": no picture has such an extension; use .png");
   }
-  if (!cv::imwrite(file.string(), picture)) throw StartupError("cannot write the picture " + file.string());
+  if (!cv::imwrite(file.string(), picture))
+    throw environment_error("cannot write the picture " + file.string());
 }
 
 }  // namespace telekerf::inspect

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "common/recording/rows.h"
+#include "slave/machining/tool_trace.h"
 #include "tools/reference/pages.h"
 
 namespace telekerf::reference {
@@ -30,6 +31,8 @@ std::string records_page() {
   page += table_of("master.csv", "The operator's robot, by `telekerf-master`.", master_columns());
   page += table_of("slave.csv", "The robot with the laser, by `telekerf-slave`.", slave_columns());
   page += table_of("contour.csv", "The contour that was cut, by `telekerf-master`.", contour_columns());
+  page += table_of("trace.csv", "The tool of automatic machining, by `telekerf-machine`.",
+                   machining::tool_trace_columns());
   return page;
 }
 

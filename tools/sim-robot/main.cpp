@@ -34,7 +34,7 @@ int run(const Flags& flags) {
   while (!stop_requested() && !plant.broken()) steps += drive.serve_for(0.1);
   fmt::print("robot: {} steps\n", steps);
   if (plant.broken())
-    throw StartupError("the robot left the poses that it can take; is its controller stable?");
+    throw hardware_error("the robot left the poses that it can take; is its controller stable?");
   return 0;
 }
 

@@ -192,10 +192,10 @@ void measure_events(const Trace& trace, const StreamSettings& settings, Trace& d
 
 std::vector<bool> lose(std::size_t packets, const PacketLoss& link) {
   if (!(link.loss >= 0 && link.loss <= 0.9)) {
-    throw StartupError(fmt::format("loss = {}: must lie within [0, 0.9]", link.loss));
+    throw configuration_error(fmt::format("loss = {}: must lie within [0, 0.9]", link.loss));
   }
   if (!(link.burst >= 1 && link.burst <= 1e6)) {
-    throw StartupError(fmt::format("burst = {}: must lie within [1, 1e6] packets", link.burst));
+    throw configuration_error(fmt::format("burst = {}: must lie within [1, 1e6] packets", link.burst));
   }
   std::mt19937_64 random(link.seed);
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -221,13 +221,14 @@ CodingResult measure(const Trace& trace, StreamSettings settings, const PacketLo
   const auto block = static_cast<std::size_t>(settings.block);
   figures.samples = trace.size() / block * block;
   if (figures.samples == 0) {
-    throw StartupError(
+    throw configuration_error(
         fmt::format("{}: {} samples do not fill one block of {}", trace.name, trace.size(), block));
   }
   const bool events = block == 1 && (settings.kind == kDeadband || settings.kind == kWeber);
   if (events) {
     (void)lose(0, link);
-    if (link.loss > 0) throw StartupError("loss: a dead-band stream with block = 1 has no blocks to lose");
+    if (link.loss > 0)
+      throw configuration_error("loss: a dead-band stream with block = 1 has no blocks to lose");
     measure_events(trace, settings, received, figures);
     for (std::size_t c = 0; c < trace.values.size(); ++c) {
       errors.add(trace.values[c], received.values[c], figures.samples, trace.rate_hz,

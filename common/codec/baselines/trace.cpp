@@ -42,7 +42,7 @@ std::optional<double> number_in(const std::string& cell) {
 
 Trace read_trace(const std::filesystem::path& file, double rate_hz, const std::vector<std::string>& wanted) {
   std::ifstream in(file);
-  if (!in) throw StartupError(fmt::format("{}: cannot be read", file.string()));
+  if (!in) throw input_error(fmt::format("{}: cannot be read", file.string()));
   Trace all;
   all.name = file.stem().string();
   all.rate_hz = rate_hz;
@@ -60,25 +60,25 @@ Trace read_trace(const std::filesystem::path& file, double rate_hz, const std::v
       if (header) continue;
     }
     if (cells.size() != all.columns.size()) {
-      throw StartupError(fmt::format("{}: line {}: {} cells where the first line has {}", file.string(),
-                                     number, cells.size(), all.columns.size()));
+      throw input_error(fmt::format("{}: line {}: {} cells where the first line has {}", file.string(),
+                                    number, cells.size(), all.columns.size()));
     }
     for (std::size_t c = 0; c < cells.size(); ++c) {
       const auto value = number_in(cells[c]);
       if (!value) {
-        throw StartupError(fmt::format("{}: line {}: '{}' is not a number", file.string(), number, cells[c]));
+        throw input_error(fmt::format("{}: line {}: '{}' is not a number", file.string(), number, cells[c]));
       }
       all.values[c].push_back(*value);
     }
   }
-  if (all.size() == 0) throw StartupError(fmt::format("{}: holds no numbers", file.string()));
+  if (all.size() == 0) throw input_error(fmt::format("{}: holds no numbers", file.string()));
   if (wanted.empty()) return all;
 
   Trace picked{all.name, {}, {}, rate_hz};
   for (const auto& name : wanted) {
     const auto found = std::find(all.columns.begin(), all.columns.end(), name);
     if (found == all.columns.end()) {
-      throw StartupError(
+      throw input_error(
           fmt::format("{}: no column '{}'; it has {}", file.string(), name, fmt::join(all.columns, ", ")));
     }
     picked.columns.push_back(name);

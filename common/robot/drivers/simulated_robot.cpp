@@ -57,9 +57,9 @@ void home(HallDecoder& decoder, HallSensor& sensor, double position_m) {
 SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed, const Vec3& tool_in_base_m)
     : model_(true_model), kinematics_(with_room_at_the_stops(true_model.geometry)) {
   const auto joints = DeltaKinematics(model_.geometry).inverse(tool_in_base_m);
-  if (!joints) throw StartupError(model_.name + " cannot start there: " + describe(joints.error()));
+  if (!joints) throw configuration_error(model_.name + " cannot start there: " + describe(joints.error()));
   const auto state = kinematics_.state(*joints, Vec3::Zero());
-  if (!state) throw StartupError(model_.name + " cannot start there: " + describe(state.error()));
+  if (!state) throw configuration_error(model_.name + " cannot start there: " + describe(state.error()));
   state_ = *state;
   std::mt19937_64 random(seed);
   for (int i = 0; i < 3; ++i) {

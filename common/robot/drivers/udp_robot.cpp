@@ -72,7 +72,8 @@ UdpDrive::UdpDrive(SimulatedRobot& plant, std::uint16_t port) : plant_(plant), s
   socket_.open(udp::v4(), error);
   if (!error) socket_.bind({asio::ip::address_v4::loopback(), port}, error);
   if (error)
-    throw StartupError(fmt::format("port = {}: {}; use a free one, or 0 for any", port, error.message()));
+    throw environment_error(
+        fmt::format("port = {}: {}; use a free one, or 0 for any", port, error.message()));
   receive();
 }
 

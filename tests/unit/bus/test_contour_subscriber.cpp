@@ -40,7 +40,7 @@ class Contours : public testing::Test {
   std::atomic<double> scale{1.0};
   std::atomic<bool> too_large{false};
   ContourSubscriber<Prepared> subscriber{slave, [&](const ContourMessage& contour) {
-                                           if (too_large) throw StartupError("too large");
+                                           if (too_large) throw input_error("too large");
                                            return std::make_unique<Prepared>(contour.id, scale);
                                          }};
 };

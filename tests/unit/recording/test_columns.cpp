@@ -106,7 +106,9 @@ TEST(Columns, EveryOneHasAUnitOrIsACountAndPositionsHaveFrames) {
                              : column.name.ends_with("_w") ? "W"
                                                            : "")
           << column.name;
-      if (metres_or_newtons && column.name != "constraint_n") EXPECT_NE(column.frame, "") << column.name;
+      if (metres_or_newtons && column.name != "constraint_n") {
+        EXPECT_NE(column.frame, "") << column.name;
+      }
     }
   };
   look(master_columns());

@@ -23,7 +23,7 @@ class DriveProcess {
  public:
   explicit DriveProcess(const RobotModel& model) {
     int ends[2];
-    if (pipe(ends) != 0) throw StartupError("no pipe");
+    if (pipe(ends) != 0) throw environment_error("no pipe");
     pid_ = fork();
     if (pid_ == 0) {
       SimulatedRobot plant(model, 3, model.workspace.centre_m);

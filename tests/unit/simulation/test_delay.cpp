@@ -48,15 +48,15 @@ TEST(Delay, EveryShippedNetworkIsBorne) {
 
 TEST(Delay, ThePredictionIsAFifthOfNoneAtMost) {
   DelayTrial naive;
-  naive.law = "local";
-  naive.estimator = "none";
+  naive.law = Law::kLocal;
+  naive.estimator = master::estimator_named("none");
   const double none_um = across(0.05, 0.005, 0.01, naive).prediction_rmse_um;
   EXPECT_LE(across(0.05, 0.005, 0.01).prediction_rmse_um, 0.2 * none_um);
 }
 
 TEST(Delay, RemoteAccelerationWithThePredictorIsStable) {
   DelayTrial thesis;
-  thesis.law = "remote-acceleration";
+  thesis.law = Law::kRemoteAcceleration;
   EXPECT_TRUE(across(0.2, 0.02, 0.01, thesis).stable);
   thesis.push_n = 1.0;
   EXPECT_TRUE(across(0.1, 0.0, 0.0, thesis).stable) << "under a constant push";
@@ -65,7 +65,7 @@ TEST(Delay, RemoteAccelerationWithThePredictorIsStable) {
     thesis.network = netem::load_profile(name);
     EXPECT_TRUE(run_trial(hand(), thesis).stable) << name;
   }
-  thesis.estimator = "none";
+  thesis.estimator = master::estimator_named("none");
   EXPECT_FALSE(across(0.2, 0.02, 0.01, thesis).stable) << "the bar can be missed";
 }
 
@@ -75,7 +75,7 @@ TEST(Delay, AWrongStartIsForgotten) {
   const DelayResult result = across(0.1, 0.0, 0.0, wrong);
   EXPECT_TRUE(result.stable);
   EXPECT_LE(result.tracking_rmse_um, 40.0);
-  wrong.law = "remote-acceleration";
+  wrong.law = Law::kRemoteAcceleration;
   EXPECT_TRUE(across(0.1, 0.0, 0.0, wrong).stable);
 }
 

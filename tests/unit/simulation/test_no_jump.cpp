@@ -75,7 +75,7 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
     return std::uniform_real_distribution<double>(from, to)(random);
   };
   master::StationSettings master_settings;
-  master_settings.law = GetParam().law;
+  master_settings.node.command.law = master::kLaws.find(GetParam().law).value();
   master::CommandStream stream(master_settings.validated().node.command, 1);
   streaming::StateReceiver feedback(0.5, 1, 1);
   slave::StationSettings slave_settings;

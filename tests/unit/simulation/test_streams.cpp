@@ -23,10 +23,10 @@ const HandRecord& hand() {
   return record;
 }
 
-DelayResult coded(const std::string& codec, int block, int redundancy) {
+DelayResult coded(const std::string& word, int block, int redundancy) {
   DelayTrial trial;
   trial.network = netem::load_profile("thesis-constant");
-  trial.codec = codec;
+  trial.codec = codec::kCodecs.find(word).value();
   trial.block = block;
   trial.redundancy = redundancy;
   return run_trial(hand(), trial);
