@@ -18,7 +18,7 @@ namespace telekerf::reference {
 namespace {
 
 constexpr std::array kPrograms{"telekerf-master", "telekerf-slave",      "telekerf-machine",
-                               "telekerf-vision", "telekerf-tell",       "telekerf-netem",
+                               "telekerf-vision", "telekerf-ctl",        "telekerf-netem",
                                "telekerf-robot",  "telekerf-experiment", "telekerf-inspect"};
 
 struct Options {
