@@ -165,8 +165,8 @@ TEST(Rules, AMentionOfAProgramThatIsNoneIsFound) {
   Repository tree{{{"tools/ctl/CMakeLists.txt", "telekerf_program(telekerf-ctl SOURCES main.cpp)\n"},
                    {"README.md", "`telekerf-ctl stop`\n"}}};
   EXPECT_TRUE(dead_programs(tree).empty());
-  tree.files["README.md"] = "`telekerf-tell stop`\n";
-  EXPECT_EQ(dead_programs(tree), Breaches{"README.md:1 names telekerf-tell, which is no program"});
+  tree.files["README.md"] = "`telekerf-talk stop`\n";
+  EXPECT_EQ(dead_programs(tree), Breaches{"README.md:1 names telekerf-talk, which is no program"});
 }
 
 }  // namespace
