@@ -21,6 +21,10 @@
 namespace telekerf::experiments {
 namespace {
 
+using reporting::Figure;
+using reporting::Line;
+using reporting::Panel;
+
 constexpr std::array<double, 7> kRttMs{0, 20, 50, 100, 200, 400, 800};
 constexpr std::array<double, 3> kLoss{0.0, 0.01, 0.05};
 constexpr std::array kProfiles{

@@ -18,6 +18,9 @@
 namespace telekerf::experiments {
 namespace {
 
+using reporting::draw_figure;
+using reporting::Line;
+
 using nlohmann::ordered_json;
 
 struct Options {

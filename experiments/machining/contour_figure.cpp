@@ -13,6 +13,10 @@
 namespace telekerf::experiments {
 namespace {
 
+using reporting::draw_figure;
+using reporting::Line;
+using reporting::Panel;
+
 /// Rows of a run that a figure shows.
 std::size_t stride_of(const ContourRun& run) { return std::max<std::size_t>(1, run.pass.rows.size() / 4000); }
 
@@ -60,7 +64,7 @@ void put_beside(const cv::Mat& picture, const std::filesystem::path& png) {
   cv::putText(all, "source picture", {20, (panels.rows - side) / 2 - 12}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
               cv::Scalar::all(40), 1, cv::LINE_AA);
   panels.copyTo(all(cv::Rect(side + 40, 0, panels.cols, panels.rows)));
-  write_picture(png, all);
+  reporting::write_picture(png, all);
 }
 
 }  // namespace
