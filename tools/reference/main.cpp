@@ -12,7 +12,9 @@
 #include "common/runtime/program.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
-#include "tools/reference/pages.h"
+#include "tools/reference/bash_completion.h"
+#include "tools/reference/records_page.h"
+#include "tools/reference/settings_page.h"
 
 namespace telekerf::reference {
 namespace {
