@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
+#include "common/runtime/settings_text.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
@@ -286,6 +288,16 @@ void Settings::require_given() const {
         fmt::format("{}: {} is missing: {}", kCommandLine, s.positional ? s.name : s.flag(), s.sentence));
   }
 }
+
+std::string Settings::help() const { return help_text(declared()); }
+
+std::string Settings::toml() const {
+  std::vector<Setting> now = declared();
+  for (std::size_t i = 0; i < now.size(); ++i) now[i].initial = entries_[i].get();
+  return toml_text(now);
+}
+
+nlohmann::ordered_json Settings::json() const { return json_of(declared()); }
 
 std::vector<Setting> Settings::declared() const {
   std::vector<Setting> all;

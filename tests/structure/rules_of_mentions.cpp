@@ -45,6 +45,8 @@ std::set<std::string> matches_in(const std::string& line, const std::regex& what
 
 /// A name may count from the top folder, from the file's own, or be the end of a path.
 bool is_known(const Repository& repository, const std::string& in, const std::string& name) {
+  // A page that a program writes lies elsewhere.
+  if (name.starts_with("../") && !is_page(in)) return is_known(repository, in, name.substr(3));
   const std::string beside =
       (std::filesystem::path(in).parent_path() / name).lexically_normal().generic_string();
   for (const std::string& path : {name, beside})

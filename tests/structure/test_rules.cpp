@@ -124,7 +124,8 @@ TEST(Rules, AHeaderWhoseFunctionsAreDefinedElsewhereIsFound) {
   EXPECT_FALSE(breaks(
       "struct A {\n  std::function<void(int)> f;\n  int (*g)(int);\n  char h = '(';\n  int i = j(1);\n};\n"));
   EXPECT_FALSE(
-      breaks("template <class T>\nT f(T);\nusing F = void(int);\nenum class E { kA, kB };\nE g() { return "
+      breaks("template <class T>\nT f(T);\nusing F = void(int);\ninline constexpr A kA(kB);\nenum class E { "
+             "kA, kB };\nE g() { return "
              "E::kA; }\n"));
   EXPECT_FALSE(unpaired_files(Repository{{{"master/a.h", "void f();\n"}}}).empty());
   EXPECT_TRUE(unpaired_files(Repository{{{"master/a.h", "void f();\n"}, {"master/a.cpp", ""}}}).empty());
