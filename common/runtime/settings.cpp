@@ -21,11 +21,6 @@ using Type = Setting::Type;
 
 constexpr const char* kCommandLine = "command line";
 
-std::string flag_of(std::string name) {
-  std::replace(name.begin(), name.end(), '_', '-');
-  return "--" + name;
-}
-
 /// The whole of `text` as a number. "+1", "-.5" and "1e3" are some.
 std::optional<double> number_in(std::string_view text) {
   if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
@@ -76,17 +71,6 @@ ConfigValue value_of(const Setting& setting, const std::vector<std::string>& wor
 bool quoted(Type type) { return type == Type::kText || type == Type::kChoice || type == Type::kTexts; }
 
 }  // namespace
-
-TextForm device_form(const std::string& forms, std::function<std::string(const std::string&)> validate) {
-  TextForm form;
-  for (const char c : forms) {
-    if (c != ' ') form.form += c == ',' ? '|' : c;
-  }
-  form.complaint = std::move(validate);
-  return form;
-}
-
-std::string Setting::flag() const { return flag_of(name); }
 
 Settings::Entry Settings::described(const std::string& name, Type type, const std::string& sentence) {
   Entry entry;
