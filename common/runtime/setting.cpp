@@ -14,9 +14,11 @@ TextForm device_form(const std::string& forms, std::function<std::string(const s
   return form;
 }
 
-std::string flag_of(std::string name) {
-  std::replace(name.begin(), name.end(), '_', '-');
-  return "--" + name;
+std::string Setting::flag() const {
+  std::string dashed = "--";
+  dashed += name;
+  std::replace(dashed.begin(), dashed.end(), '_', '-');
+  return dashed;
 }
 
 }  // namespace telekerf

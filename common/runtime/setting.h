@@ -32,9 +32,6 @@ inline const TextForm kProfile{"PROFILE", "profiles", ".toml"};
 /// A device as a DeviceRegistry knows it: its forms(), and what validate() says.
 TextForm device_form(const std::string& forms, std::function<std::string(const std::string&)> validate);
 
-/// "stream_hz" -> "--stream-hz".
-std::string flag_of(std::string name);
-
 /// All that is known of a setting but the variable behind it.
 struct Setting {
   enum class Type { kSwitch, kNumber, kInteger, kText, kChoice, kNumbers, kTexts };
@@ -63,7 +60,7 @@ struct Setting {
     positional = true;
     return must_be_given();
   }
-  std::string flag() const { return flag_of(name); }
+  std::string flag() const;
 };
 
 }  // namespace telekerf

@@ -196,7 +196,9 @@ Settings::Entry* Settings::find_flag(const std::string& flag) {
     if (!entry.setting.positional && entry.setting.flag() == flag) return &entry;
   }
   for (const Gone& gone : gone_) {
-    if (flag_of(gone.name) == flag)
+    Setting before;
+    before.name = gone.name;
+    if (before.flag() == flag)
       throw usage_error(fmt::format("{}: {} {}", kCommandLine, flag, gone.remedy));
   }
   return nullptr;
