@@ -7,9 +7,10 @@
 namespace telekerf {
 
 TextForm device_form(const std::string& forms, std::function<std::string(const std::string&)> validate) {
-  TextForm form{forms};
-  for (std::size_t at = 0; (at = form.form.find(", ", at)) != std::string::npos; ++at)
-    form.form.replace(at, 2, "|");
+  TextForm form;
+  for (const char c : forms) {
+    if (c != ' ') form.form += c == ',' ? '|' : c;
+  }
   form.complaint = std::move(validate);
   return form;
 }
