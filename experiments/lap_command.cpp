@@ -38,14 +38,9 @@ void add_parameters(Options& o, Settings& s) {
   s.add("slave_robot", lap.slave.robot, kRobot, "the workpiece's: a shipped name or a file");
   s.add("netem", o.netem, kProfile, "network profile: a shipped name or a file");
   s.add("seed", lap.seed, kSeeds, "of everything random");
-  s.add("beta", lap.master.beta, {.min = 0.01, .max = 10}, "slave motion = beta x master motion");
-  s.add("law", lap.master.node.command.law, master::kLaws, "who computes the slave's acceleration");
-  s.add("estimator", lap.master.node.command.observer.estimator, master::kEstimators,
-        "how the slave's state is predicted");
-  s.add("codec", lap.master.codec, codec::kCodecs, "of the command stream");
-  s.add("block", lap.master.node.command.codec.block, {.min = 4, .max = 64}, "samples a block of it");
-  s.add("redundancy", lap.master.node.command.codec.redundancy, {.min = 0, .max = 7},
-        "previous blocks repeated in a packet");
+  s.add("beta", lap.master.beta, {.min = master::kSmallestBeta, .max = master::kLargestBeta},
+        "slave motion = beta x master motion");
+  lap.master.add_stream_parameters(s);
   s.add("duration_s", lap.duration_s, {.min = 1, .max = 600, .unit = "s"}, "length of the run");
   s.add("out", o.out, kFolder, "folder for the results");
 }

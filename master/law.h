@@ -29,7 +29,7 @@ struct LawSettings {
 };
 
 /// w at a delay of `delay_s` from command to answer. A loop of bandwidth w closed across the delay D bears an
-/// error t of the assumed timing while t (2 w + w^2 D) < 1 (docs/delay.md); designed to half of it.
+/// error t of the assumed timing while t (2 w + w^2 D) < 1 (docs/results/delay.md); designed to half of it.
 double law_bandwidth(const LawSettings& settings, double delay_s) noexcept;
 
 /// Eq. 96 in operational space and with eq. 79's scaling corrected, eps = beta x_m - x_s: the command that

@@ -8,37 +8,16 @@
 #include <span>
 #include <string>
 
-#include "common/codec/codec_table.h"
 #include "common/protocol/messages.h"
 #include "common/recording/run_record.h"
 #include "common/robot/supervisor.h"
-#include "common/runtime/settings.h"
 #include "master/master_node.h"
 #include "master/operator/operator_input.h"
 #include "master/operator/simulated_operator.h"
 #include "master/operator_requests.h"
+#include "master/station_settings.h"
 
 namespace telekerf::master {
-
-struct StationSettings {
-  MasterSettings node;
-  std::string robot = "master-horizontal";
-  robot::RobotSupervisorSettings machine;
-  std::string button = "hand";  ///< who holds the laser button, see operator_input.h
-  double beta = 0.5;
-  bool engage = false;    ///< the slave shall follow without being told to
-  double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
-  SimulatedOperatorSettings hand;
-  double hand_speed_mm_s = 20.0;                    ///< what a user sets of it
-  double corridor_mm = 0.0;                         ///< half width in which the hand is free; 0: guidance
-  codec::CodecChoice codec = codec::kDefaultCodec;  ///< of the command stream
-  std::uint64_t seed = 1;
-  std::uint32_t epoch = 1;
-  double record_s = 120.0;  ///< length of the record kept
-  void add_parameters(Settings& settings);
-  /// The settings, or a StartupError that names what does not fit.
-  StationSettings validated() const;
-};
 
 /// A contour made ready for the loop: what the constraint and the hand need of it.
 struct GuidedContour {

@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "common/runtime/startup_error.h"
+#include "common/reporting/picture_file.h"
 
-namespace telekerf::experiments {
+namespace telekerf::reporting {
 namespace {
 
 constexpr int kLeft = 70, kRight = 16, kTop = 34, kBottom = 46, kTitle = 34;
@@ -276,8 +275,7 @@ void draw_figure(const Figure& figure, const std::filesystem::path& png) {
                                 figure.panel_width_px, figure.panel_height_px)),
                figure.panels[i]);
   }
-  if (!cv::imwrite(png.string(), picture))
-    throw environment_error("cannot write the picture " + png.string());
+  write_picture(png, picture);
 }
 
-}  // namespace telekerf::experiments
+}  // namespace telekerf::reporting

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace telekerf::experiments {
+namespace telekerf::reporting {
 
 struct Line {
   enum class Style { kSolid, kDashed, kPoints };
@@ -42,4 +42,4 @@ struct Figure {
 /// Writes the figure; the folder must exist. Throws StartupError if the file cannot be written.
 void draw_figure(const Figure& figure, const std::filesystem::path& png);
 
-}  // namespace telekerf::experiments
+}  // namespace telekerf::reporting

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
+#include "common/runtime/settings_text.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
@@ -18,11 +20,6 @@ namespace {
 using Type = Setting::Type;
 
 constexpr const char* kCommandLine = "command line";
-
-std::string flag_of(std::string name) {
-  std::replace(name.begin(), name.end(), '_', '-');
-  return "--" + name;
-}
 
 /// The whole of `text` as a number. "+1", "-.5" and "1e3" are some.
 std::optional<double> number_in(std::string_view text) {
@@ -74,17 +71,6 @@ ConfigValue value_of(const Setting& setting, const std::vector<std::string>& wor
 bool quoted(Type type) { return type == Type::kText || type == Type::kChoice || type == Type::kTexts; }
 
 }  // namespace
-
-TextForm device_form(const std::string& forms, std::function<std::string(const std::string&)> validate) {
-  TextForm form;
-  for (const char c : forms) {
-    if (c != ' ') form.form += c == ',' ? '|' : c;
-  }
-  form.complaint = std::move(validate);
-  return form;
-}
-
-std::string Setting::flag() const { return flag_of(name); }
 
 Settings::Entry Settings::described(const std::string& name, Type type, const std::string& sentence) {
   Entry entry;
@@ -210,7 +196,9 @@ Settings::Entry* Settings::find_flag(const std::string& flag) {
     if (!entry.setting.positional && entry.setting.flag() == flag) return &entry;
   }
   for (const Gone& gone : gone_) {
-    if (flag_of(gone.name) == flag)
+    Setting before;
+    before.name = gone.name;
+    if (before.flag() == flag)
       throw usage_error(fmt::format("{}: {} {}", kCommandLine, flag, gone.remedy));
   }
   return nullptr;
@@ -286,6 +274,16 @@ void Settings::require_given() const {
         fmt::format("{}: {} is missing: {}", kCommandLine, s.positional ? s.name : s.flag(), s.sentence));
   }
 }
+
+std::string Settings::help() const { return help_text(declared()); }
+
+std::string Settings::toml() const {
+  std::vector<Setting> now = declared();
+  for (std::size_t i = 0; i < now.size(); ++i) now[i].initial = entries_[i].get();
+  return toml_text(now);
+}
+
+nlohmann::ordered_json Settings::json() const { return json_of(declared()); }
 
 std::vector<Setting> Settings::declared() const {
   std::vector<Setting> all;

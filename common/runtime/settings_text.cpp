@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What settings look like: as help, as the file that --config reads, and as JSON.
+#include "common/runtime/settings_text.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-
-#include "common/runtime/settings.h"
 
 namespace telekerf {
 namespace {
@@ -111,15 +110,13 @@ std::string line_of(const std::string& left, const std::string& right) {
 
 }  // namespace
 
-std::string Settings::help() const {
+std::string help_text(const std::vector<Setting>& settings) {
   std::string text;
-  for (const Entry& entry : entries_) {
-    const Setting& s = entry.setting;
+  for (const Setting& s : settings) {
     if (s.positional) text += line_of("  " + s.name, explained(s));
   }
   if (!text.empty()) text += '\n';
-  for (const Entry& entry : entries_) {
-    const Setting& s = entry.setting;
+  for (const Setting& s : settings) {
     if (s.positional) continue;
     const std::string form = form_of(s);
     text += line_of("  " + s.flag() + (form.empty() ? "" : " " + form), explained(s));
@@ -132,27 +129,25 @@ std::string Settings::help() const {
   return text;
 }
 
-std::string Settings::toml() const {
+std::string toml_text(const std::vector<Setting>& settings) {
   std::string text;
-  for (const Entry& entry : entries_) {
-    const Setting& s = entry.setting;
+  for (const Setting& s : settings) {
     if (s.positional) continue;
     text += fmt::format("# {}", s.sentence);
     if (s.type == Type::kChoice) text += fmt::format(" ({})", form_of(s));
     if (s.type == Type::kText || s.type == Type::kTexts) text += fmt::format(" ({})", s.text.form);
     if (const std::string range = range_text(s.bounds); !range.empty()) text += fmt::format(" ({})", range);
-    const auto now = entry.get();
-    text += now ? fmt::format("\n{} = {}\n", s.name, toml_of(*now)) : fmt::format("\n# {} =\n", s.name);
+    text += s.initial ? fmt::format("\n{} = {}\n", s.name, toml_of(*s.initial))
+                      : fmt::format("\n# {} =\n", s.name);
   }
   return text;
 }
 
-nlohmann::ordered_json Settings::json() const {
+nlohmann::ordered_json json_of(const std::vector<Setting>& settings) {
   static constexpr const char* kTypes[] = {"switch", "number",  "integer", "text",
                                            "choice", "numbers", "texts"};
   auto all = nlohmann::ordered_json::array();
-  for (const Entry& entry : entries_) {
-    const Setting& s = entry.setting;
+  for (const Setting& s : settings) {
     nlohmann::ordered_json one{{"name", s.name}};
     if (!s.positional) one["flag"] = s.flag();
     one["type"] = kTypes[static_cast<int>(s.type)];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The play-out clock ("delay regulator"): samples are applied a fixed time after they were made, so that
-// jitter and reordering on the link become a constant delay (docs/delay.md).
+// jitter and reordering on the link become a constant delay (docs/results/delay.md).
 #pragma once
 
 #include <array>

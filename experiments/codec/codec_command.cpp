@@ -21,6 +21,10 @@
 namespace telekerf::experiments {
 namespace {
 
+using reporting::Figure;
+using reporting::Line;
+using reporting::Panel;
+
 using Json = nlohmann::ordered_json;
 using Curve = std::vector<RatePoint>;
 

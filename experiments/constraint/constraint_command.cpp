@@ -18,6 +18,10 @@
 namespace telekerf::experiments {
 namespace {
 
+using reporting::Figure;
+using reporting::Line;
+using reporting::Panel;
+
 struct Options {
   std::string out = "out/constraint";
   std::uint64_t seed = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-experiment delay: every law and estimator across every delay; docs/delay.md explains the rows.
+// telekerf-experiment delay: every law and estimator across every delay; docs/results/delay.md explains the rows.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,10 @@
 namespace telekerf::experiments {
 namespace {
 
-constexpr double kHandS = 8.0;
+using reporting::Figure;
+using reporting::Line;
+using reporting::Panel;
+
 constexpr std::array<double, 7> kRttMs{0, 20, 50, 100, 200, 400, 800};
 constexpr std::array<double, 3> kLoss{0.0, 0.01, 0.05};
 constexpr std::array kProfiles{
@@ -57,9 +60,8 @@ struct Run {
   double rtt_ms = 0.0;
   double jitter_ms = 0.0;
   double loss = 0.0;
-  std::string profile;     ///< empty: the three figures above
-  std::string condition;   ///< what is special about it
-  double hand_s = kHandS;  ///< length of the run
+  std::string profile;    ///< empty: the three figures above
+  std::string condition;  ///< what is special about it
   DelayResult result;
 };
 
@@ -72,6 +74,7 @@ struct Options {
   std::optional<double> rtt_ms, jitter_ms, loss;
   int block = DelayTrial{}.block;
   int redundancy = DelayTrial{}.redundancy;
+  double duration_s = 8.0;
   std::uint64_t seed = 1;
   std::string out = "out/delay";
   bool one() const {
@@ -102,7 +105,7 @@ void step_delay(netem::DirectionProfile& direction, double at_s, double more_s) 
   direction.stages.push_back(later);
 }
 
-std::vector<Run> full_benchmark(std::uint64_t seed) {
+std::vector<Run> full_benchmark(std::uint64_t seed, double duration_s) {
   std::vector<Run> runs;
   for (const Pair& pair : kPairs) {
     for (const double rtt_ms : kRttMs) {
@@ -131,7 +134,7 @@ std::vector<Run> full_benchmark(std::uint64_t seed) {
     runs.push_back(push);
     Run step = make_run(pair, codec::kDefaultCodec, 100.0, 0.0, 0.0, seed);
     step.condition = "delay-step-50-ms";
-    step_delay(step.trial.network.forward, 0.5 * kHandS, 0.05);
+    step_delay(step.trial.network.forward, 0.5 * duration_s, 0.05);
     runs.push_back(step);
   }
   return runs;
@@ -152,14 +155,11 @@ Run one_run(const Options& options) {
   run.trial.block = options.block;
   run.trial.redundancy = options.redundancy;
   (void)master_settings(run.trial);  // refused here, before any thread runs
-  run.hand_s = 20.0;
   return run;
 }
 
-void run_all(std::vector<Run>& runs, std::uint64_t seed) {
-  double longest_s = 0.0;
-  for (const Run& run : runs) longest_s = std::max(longest_s, run.hand_s);
-  const HandRecord hand = record_hand("heart", longest_s, seed);
+void run_all(std::vector<Run>& runs, double duration_s, std::uint64_t seed) {
+  const HandRecord hand = record_hand("heart", duration_s, seed);
   std::atomic<std::size_t> next{0};
   std::atomic<std::size_t> done{0};
   const auto work = [&] {
@@ -310,10 +310,11 @@ void print_row(const Run& run) {
 
 int run(Options& options) {
   const auto begin = std::chrono::steady_clock::now();
-  std::vector<Run> runs = options.one() ? std::vector<Run>{one_run(options)} : full_benchmark(options.seed);
+  std::vector<Run> runs =
+      options.one() ? std::vector<Run>{one_run(options)} : full_benchmark(options.seed, options.duration_s);
   const std::filesystem::path folder = options.out;
   make_folder("--out", folder);
-  run_all(runs, options.seed);
+  run_all(runs, options.duration_s, options.seed);
   nlohmann::ordered_json json;
   json["seed"] = options.seed;
   json["rows"] = nlohmann::ordered_json::array();
@@ -352,6 +353,7 @@ void add_parameters(Options& o, Settings& s) {
   s.add("jitter_ms", o.jitter_ms, {.min = 0, .max = 10000, .unit = "ms"},
         "one way, standard deviation; without it 0");
   s.add("loss", o.loss, {.min = 0, .max = 1}, "as a fraction; without it 0");
+  s.add("duration_s", o.duration_s, {.min = 2, .max = 600, .unit = "s"}, "length of every run");
   s.add("seed", o.seed, kSeeds, "of everything random");
   s.add("out", o.out, kFolder, "folder for the results");
 }

@@ -16,6 +16,10 @@
 namespace telekerf::experiments {
 namespace {
 
+using reporting::Figure;
+using reporting::Line;
+using reporting::Panel;
+
 struct Options {
   std::string robot = "slave-keops";
   double step_m = 0.005;

@@ -3,27 +3,23 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <cmath>
 #include <filesystem>
-#include <numbers>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <random>
 
-#include "common/geometry/cutting_order.h"
 #include "common/reporting/plot.h"
-#include "common/runtime/resources.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
-#include "common/vision/load.h"
+#include "experiments/machining/contour_figure.h"
 #include "experiments/machining/contour_run.h"
+#include "experiments/machining/contour_source.h"
 #include "experiments/machining/independent_baselines.h"
 #include "slave/laser/material.h"
 
 namespace telekerf::experiments {
 namespace {
+
+using reporting::draw_figure;
+using reporting::Line;
 
 using nlohmann::ordered_json;
 
@@ -55,195 +51,6 @@ constexpr EnumRow<bool> kPlantRows[] = {
 };
 constexpr EnumTable<bool> kPlants(kPlantRows);
 
-/// An irregular outline like the ones of figure 8.5: a circle with eleven seeded harmonics, dark on a grey
-/// ground with noise.
-cv::Mat irregular_outline(std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  const auto spread = [&] { return 2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0; };
-  std::array<double, 12> even{}, odd{};
-  for (std::size_t k = 2; k < even.size(); ++k) {
-    even[k] = 0.35 * spread() / std::pow(static_cast<double>(k), 1.3);
-    odd[k] = 0.35 * spread() / std::pow(static_cast<double>(k), 1.3);
-  }
-  constexpr int kSide = 480;
-  constexpr int kShift = 8;
-  std::vector<cv::Point> points;
-  for (int i = 0; i < 1440; ++i) {
-    const double t = 2.0 * std::numbers::pi * i / 1440;
-    double r = 1.0;
-    for (std::size_t k = 2; k < even.size(); ++k) {
-      r += even[k] * std::cos(static_cast<double>(k) * t) + odd[k] * std::sin(static_cast<double>(k) * t);
-    }
-    r = 130.0 * std::max(r, 0.3);
-    points.emplace_back(static_cast<int>((0.5 * kSide + r * std::cos(t)) * (1 << kShift)),
-                        static_cast<int>((0.5 * kSide + r * std::sin(t)) * (1 << kShift)));
-  }
-  cv::Mat image(kSide, kSide, CV_8UC1, cv::Scalar(205));
-  cv::fillPoly(image, std::vector<std::vector<cv::Point>>{points}, cv::Scalar(60), cv::LINE_AA, kShift);
-  cv::GaussianBlur(image, image, {}, 0.8);
-  for (int row = 0; row < kSide; ++row) {
-    for (int column = 0; column < kSide; ++column) {
-      auto& v = image.at<std::uint8_t>(row, column);
-      v = cv::saturate_cast<std::uint8_t>(v + 3.0 * spread());
-    }
-  }
-  return image;
-}
-
-struct Source {
-  geometry::Polyline contour;
-  cv::Mat picture;  ///< empty for vector drawings
-};
-
-/// What the lines enclose, holes taken out.
-double area_m2(const std::vector<geometry::Polyline>& contours) {
-  double sum = 0.0;
-  for (const auto& inner : contours) {
-    if (!inner.closed) continue;
-    const auto around = std::count_if(contours.begin(), contours.end(), [&](const geometry::Polyline& outer) {
-      return &outer != &inner && outer.closed && geometry::encloses(outer, inner);
-    });
-    sum += (around % 2 == 0 ? 1.0 : -1.0) * std::abs(geometry::signed_area_m2(inner));
-  }
-  return sum;
-}
-
-/// The largest contour of the expected kind; if the picture shows none at first sight, it is looked at as
-/// strokes or as outlines. Failing that the largest contour is taken as it is (`closed` in the result).
-Source contour_of(const std::string& image, const Options& options, const robot::RobotModel& model,
-                  bool closed) {
-  vision::LoadRequest request;
-  request.scale.workspace_radius_m = model.workspace.radius_m;
-  if (options.width_mm > 0.0) request.scale.picture_width_m = options.width_mm * 1e-3;
-  constexpr std::string_view kDrawn = "outline-";
-  const bool drawn = image.starts_with(kDrawn) && image.size() > kDrawn.size() && image.size() < 25 &&
-                     image.find_first_not_of("0123456789", kDrawn.size()) == image.npos;
-  const std::string file = drawn ? image : find_resource("pictures", image, ".png").string();
-  const auto load = [&] {
-    return drawn ? vision::contours_of(irregular_outline(std::stoull(image.substr(kDrawn.size()))), request)
-                 : vision::load_contours(file, request);
-  };
-  const auto found = load();
-  if (!found) throw input_error(drawn ? fmt::format("{}: {}", file, found.error()) : found.error());
-  const auto wanted = [&](const vision::LoadedContours& loaded) {
-    return std::find_if(loaded.contours.begin(), loaded.contours.end(),
-                        [&](const geometry::Polyline& c) { return c.closed == closed; });
-  };
-  if (const auto first = wanted(*found); first != found->contours.end()) return {*first, found->picture};
-  if (found->mode != "vector") {
-    request.extraction.mode = closed ? vision::ExtractionMode::kOutline : vision::ExtractionMode::kStroke;
-    if (const auto again = load()) {
-      // The middle of a region is no stroke: that is four times as long as it is wide, at least.
-      const double least_m = closed ? 0.0 : 2.0 * std::sqrt(std::max(0.0, area_m2(found->contours)));
-      const auto first = wanted(*again);
-      if (first != again->contours.end() && geometry::length_m(*first) >= least_m)
-        return {*first, again->picture};
-    }
-  }
-  return {found->contours[found->selected], found->picture};
-}
-
-/// Rows of a run that a figure shows.
-std::size_t stride_of(const ContourRun& run) { return std::max<std::size_t>(1, run.pass.rows.size() / 4000); }
-
-Line path_line(const ContourRun& run, const std::string& label, Line::Style style, int colour,
-               const std::function<Vec3(const machining::PassRow&)>& point, const Vec2* around = nullptr,
-               double reach_m = 0.0) {
-  Line line{label, {}, {}, style, colour};
-  const std::size_t stride = around == nullptr ? stride_of(run) : 1;
-  for (std::size_t i = 0; i < run.pass.rows.size(); i += stride) {
-    const Vec3 p = point(run.pass.rows[i]);
-    const bool inside = around == nullptr || (p.head<2>() - *around).cwiseAbs().maxCoeff() < reach_m;
-    line.x.push_back(inside ? p.x() * 1e3 : NAN);
-    line.y.push_back(inside ? p.y() * 1e3 : NAN);
-  }
-  return line;
-}
-
-Line trace_line(const ContourRun& run, const std::string& label, int colour,
-                const std::function<double(const machining::PassRow&)>& value) {
-  Line line{label, {}, {}, Line::Style::kSolid, colour};
-  for (std::size_t i = 0; i < run.pass.rows.size(); i += stride_of(run)) {
-    line.x.push_back(static_cast<double>(i) * run.pass.plan->period_s);
-    line.y.push_back(value(run.pass.rows[i]));
-  }
-  return line;
-}
-
-/// The picture that the contour came from, to the left of the finished panels (A of the thesis' figures).
-void put_beside(const cv::Mat& picture, const std::filesystem::path& png) {
-  if (picture.empty()) return;
-  const cv::Mat panels = cv::imread(png.string(), cv::IMREAD_COLOR);
-  const int side = panels.rows / 2;
-  const double scale = static_cast<double>(side) / std::max(picture.cols, picture.rows);
-  cv::Mat small, colour;
-  cv::resize(picture, small, {}, scale, scale, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
-  if (small.channels() == 1) {
-    cv::cvtColor(small, colour, cv::COLOR_GRAY2BGR);
-  } else if (small.channels() == 4) {
-    cv::cvtColor(small, colour, cv::COLOR_BGRA2BGR);
-  } else {
-    colour = small;
-  }
-  cv::Mat all(panels.rows, panels.cols + side + 40, CV_8UC3, cv::Scalar::all(255));
-  colour.copyTo(all(
-      cv::Rect(20 + (side - colour.cols) / 2, (panels.rows - colour.rows) / 2, colour.cols, colour.rows)));
-  cv::putText(all, "source picture", {20, (panels.rows - side) / 2 - 12}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
-              cv::Scalar::all(40), 1, cv::LINE_AA);
-  panels.copyTo(all(cv::Rect(side + 40, 0, panels.cols, panels.rows)));
-  if (!cv::imwrite(png.string(), all))
-    throw environment_error(fmt::format("{}: cannot be written", png.string()));
-}
-
-struct Named {
-  std::string name;
-  const ContourRun* run;
-};
-
-void draw(const std::string& title, const std::vector<Named>& runs, const std::filesystem::path& png) {
-  const ContourRun& first = *runs.front().run;
-  const auto reference = [](const machining::PassRow& row) { return row.reference.position_m; };
-  const auto tool = [](const machining::PassRow& row) { return row.tool_m; };
-  // Zoom: where the last run (the baseline, if there are two) is farthest off.
-  const ContourRun& last = *runs.back().run;
-  const auto worst =
-      std::max_element(last.pass.rows.begin(), last.pass.rows.end(), [](const auto& a, const auto& b) {
-        return std::abs(a.error_in_frame_m[1]) < std::abs(b.error_in_frame_m[1]);
-      });
-  const Vec2 place = worst->reference.position_m.head<2>();
-  constexpr double kReach = 0.25e-3;
-
-  Panel plane{.title = "contour", .x_label = "x [mm]", .y_label = "y [mm]", .equal_axes = true};
-  Panel zoom{
-      .title = "where the error is largest", .x_label = "x [mm]", .y_label = "y [mm]", .equal_axes = true};
-  Panel speed{.title = "tangential speed", .x_label = "time [s]", .y_label = "[mm/s]"};
-  Panel normal{.title = "error across the contour", .x_label = "time [s]", .y_label = "[um]"};
-  plane.lines.push_back(path_line(first, "reference", Line::Style::kDashed, 7, reference));
-  zoom.lines.push_back(path_line(first, "reference", Line::Style::kDashed, 7, reference, &place, kReach));
-  int colour = 0;
-  for (const auto& [name, run] : runs) {
-    plane.lines.push_back(path_line(*run, name, Line::Style::kSolid, colour, tool));
-    zoom.lines.push_back(path_line(*run, name, Line::Style::kSolid, colour, tool, &place, kReach));
-    ++colour;
-  }
-  // The baseline lies below.
-  for (std::size_t i = runs.size(); i-- > 0;) {
-    const auto& [name, run] = runs[i];
-    speed.lines.push_back(trace_line(*run, name, static_cast<int>(i), [](const machining::PassRow& row) {
-      return 1e3 * row.tool_velocity_m_per_s.dot(row.reference.tangent);
-    }));
-    normal.lines.push_back(trace_line(*run, name, static_cast<int>(i), [](const machining::PassRow& row) {
-      return 1e6 * row.error_in_frame_m[1];
-    }));
-  }
-  draw_figure({.title = title,
-               .panels = {plane, zoom, speed, normal},
-               .columns = 2,
-               .panel_width_px = 560,
-               .panel_height_px = 400},
-              png);
-}
-
 ContourRunSettings run_settings(const Options& options, const robot::RobotModel& model) {
   ContourRunSettings s;
   s.robot = options.robot;
@@ -268,7 +75,8 @@ ordered_json one_picture(const std::string& image, const Options& options,
                          const ContourExperiment& experiment, const std::filesystem::path& out) {
   const robot::RobotModel model = robot::load_robot(options.robot);
   const ContourRunSettings settings = run_settings(options, model);
-  const Source source = contour_of(image, options, model, experiment.closed);
+  const ContourSource source =
+      find_contour(image, options.width_mm, model.workspace.radius_m, experiment.closed);
   const geometry::Polyline& contour = source.contour;
   const auto plan = machining::make_timed_path(contour, settings.plan);
   if (!plan) throw input_error(fmt::format("{}: {}", image, plan.error()));
@@ -289,7 +97,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
   result["burn"] = machining::burn({&run.pass, 1}, *options.material, out);
   write_contour_trace(run, out / "trace.csv");
 
-  std::vector<Named> runs{{std::string(machining::kControllers.word(options.controller)), &run}};
+  std::vector<NamedRun> runs{{std::string(machining::kControllers.word(options.controller)), &run}};
   ContourRun baseline;
   if (experiment.closed && options.controller != machining::ControllerKind::kIndependent) {
     ContourRunSettings other = settings;
@@ -302,8 +110,8 @@ ordered_json one_picture(const std::string& image, const Options& options,
     result["normal_error_ratio"] = normal_error_ratio(result, measured);
     result["equal_terms"] = equal_terms(*plan, contour, settings);
   }
-  draw(fmt::format("{} at {:g} mm/s", image, options.speed_mm_s), runs, out / "panels.png");
-  put_beside(source.picture, out / "panels.png");
+  draw_runs(fmt::format("{} at {:g} mm/s", image, options.speed_mm_s), runs, source.picture,
+            out / "panels.png");
 
   if (options.sweep) {
     // Contour error against speed.

@@ -18,6 +18,9 @@
 namespace telekerf::experiments {
 namespace {
 
+using reporting::Figure;
+using reporting::Line;
+
 struct Options {
   double speed_mm_s = 8.0;
   double radius_mm = 8.0;

@@ -13,6 +13,7 @@
 #include "common/geometry/circle_fit.h"
 #include "common/geometry/curve_sampling.h"
 #include "common/geometry/elliptic_fourier.h"
+#include "common/reporting/picture_file.h"
 #include "common/reporting/plot.h"
 #include "common/robot/delta_kinematics.h"
 #include "common/robot/robot_model.h"
@@ -29,6 +30,11 @@
 
 namespace telekerf::experiments {
 namespace {
+
+using reporting::draw_figure;
+using reporting::Figure;
+using reporting::Line;
+using reporting::Panel;
 
 using geometry::Polyline;
 
@@ -79,8 +85,7 @@ void write_pictures(const std::vector<cv::Mat>& pictures, const std::filesystem:
   }
   cv::Mat all;
   cv::vconcat(rows, all);
-  if (!cv::imwrite(file.string(), all))
-    throw environment_error(fmt::format("{}: cannot be written", file.string()));
+  reporting::write_picture(file, all);
 }
 
 Line line_of(const Polyline& line, const std::string& label = {}, Line::Style style = Line::Style::kSolid,

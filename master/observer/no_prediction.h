@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimator `none`: the newest measurement is taken for the present. Stable with the tracking law only while
-// w D < 0.6475 (critically damped; docs/delay.md).
+// w D < 0.6475 (critically damped; docs/results/delay.md).
 #pragma once
 
 #include "master/observer/estimator.h"

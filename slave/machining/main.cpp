@@ -10,6 +10,7 @@
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
 #include "common/bus/process.h"
+#include "common/reporting/tables.h"
 #include "common/runtime/program.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
@@ -102,7 +103,7 @@ int run(const Flags& flags) {
   if (!flags.record.empty()) {
     const auto result = station.report(flags.record, loop);
     inside = result["burn"]["energy_outside_corridor_j"].get<double>() == 0.0;
-    fmt::print("{}", table_of(result));
+    fmt::print("{}", reporting::work_table(result));
   }
   if (station.machine().failed()) throw hardware_error(station.machine().failure());
   if (station.beam().failed()) throw hardware_error(station.beam().failure());

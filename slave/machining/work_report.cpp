@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/machining/work_report.h"
 
-#include <fmt/format.h>
-
 #include "common/runtime/results.h"
 #include "slave/machining/contour_pass.h"
 #include "slave/machining/tool_trace.h"
@@ -51,31 +49,6 @@ nlohmann::ordered_json report_work(const std::filesystem::path& folder, const Jo
   });
   write_json(folder / "result.json", result);
   return result;
-}
-
-std::string table_of(const nlohmann::ordered_json& result) {
-  std::string text;
-  const auto line = [&text](const char* what, const std::string& value) {
-    text += fmt::format("  {:<34}{}\n", what, value);
-  };
-  const auto um = [](const nlohmann::ordered_json& error) {
-    const auto number = [&error](const char* name) {
-      return error[name].is_number() ? fmt::format("{:.1f}", error[name].get<double>()) : "-";
-    };
-    return fmt::format("rms {} um, max {} um", number("rms"), number("max"));
-  };
-  const auto& burnt = result["burn"];
-  line("contours", fmt::format("{} of {}, {:.1f} mm in {:.1f} s", result["contours_cut"].get<int>(),
-                               result["contours"].get<int>(), result["length_mm"].get<double>(),
-                               result["time_s"].get<double>()));
-  line("normal error (tool to path)", um(result["normal_error_um"]));
-  line("contour error (tool to contour)", um(result["contour_error_um"]));
-  line("mark", fmt::format("{:.0f} um deep, {:.0f} um wide, in {}", burnt["depth_um"].get<double>(),
-                           burnt["kerf_um"].get<double>(), burnt["material"].get<std::string>()));
-  line("laser energy",
-       fmt::format("{:.2f} J inside the corridor, {:.2f} J outside", burnt["energy_inside_j"].get<double>(),
-                   burnt["energy_outside_corridor_j"].get<double>()));
-  return text;
 }
 
 }  // namespace telekerf::machining

@@ -35,7 +35,4 @@ struct WorkRecord {
 nlohmann::ordered_json report_work(const std::filesystem::path& folder, const Job& job,
                                    const WorkRecord& work);
 
-/// What result.json holds, for people.
-std::string table_of(const nlohmann::ordered_json& result);
-
 }  // namespace telekerf::machining

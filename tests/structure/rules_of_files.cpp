@@ -32,10 +32,10 @@ std::string bare(std::string_view text) {
 bool declares_function(std::string statement) {
   static const std::regex kArguments("<[^<>]*>"), kLabel(R"((public|private|protected)\s*:)"),
       kAlign(R"(alignas\([^)]*\))"), kBodyless(R"(=\s*(0|default|delete)\s*$)"), kPointer(R"(\(\*)"),
-      kOther(R"(^\s*(using|friend|typedef|static_assert|template|concept)\b)");
+      kConstant(R"(\sk[A-Z]\w*\()"), kOther(R"(^\s*(using|friend|typedef|static_assert|template|concept)\b)");
   statement = std::regex_replace(std::regex_replace(statement, kLabel, ""), kAlign, "");
   if (std::regex_search(statement, kOther) || std::regex_search(statement, kBodyless) ||
-      std::regex_search(statement, kPointer))
+      std::regex_search(statement, kPointer) || std::regex_search(statement, kConstant))
     return false;
   for (std::string shorter; (shorter = std::regex_replace(statement, kArguments, "")) != statement;)
     statement = shorter;

@@ -13,7 +13,14 @@ bool is_build_file(const std::string& path) {
 
 /// Where a file may speak of others. Texts that a program prints count, those that a test makes up do not.
 std::vector<std::string> speech_of(const std::string& path, const std::string& text) {
-  if (is_page(path) || path == "telekerf") return lines_of(text);
+  if (path == "telekerf") return lines_of(text);
+  if (is_page(path)) {
+    // A change that a page shows names its files twice, below a/ and b/.
+    std::vector<std::string> lines = lines_of(text);
+    for (std::string& line : lines)
+      if (line.starts_with("diff ") || line.starts_with("--- ") || line.starts_with("+++ ")) line.clear();
+    return lines;
+  }
   if (is_build_file(path)) {
     // What is looked for on the computer is not in the repository.
     std::vector<std::string> lines = lines_of(text);
@@ -38,6 +45,8 @@ std::set<std::string> matches_in(const std::string& line, const std::regex& what
 
 /// A name may count from the top folder, from the file's own, or be the end of a path.
 bool is_known(const Repository& repository, const std::string& in, const std::string& name) {
+  // A page that a program writes lies elsewhere.
+  if (name.starts_with("../") && !is_page(in)) return is_known(repository, in, name.substr(3));
   const std::string beside =
       (std::filesystem::path(in).parent_path() / name).lexically_normal().generic_string();
   for (const std::string& path : {name, beside})

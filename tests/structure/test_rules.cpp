@@ -124,7 +124,8 @@ TEST(Rules, AHeaderWhoseFunctionsAreDefinedElsewhereIsFound) {
   EXPECT_FALSE(breaks(
       "struct A {\n  std::function<void(int)> f;\n  int (*g)(int);\n  char h = '(';\n  int i = j(1);\n};\n"));
   EXPECT_FALSE(
-      breaks("template <class T>\nT f(T);\nusing F = void(int);\nenum class E { kA, kB };\nE g() { return "
+      breaks("template <class T>\nT f(T);\nusing F = void(int);\ninline constexpr A kA(kB);\nenum class E { "
+             "kA, kB };\nE g() { return "
              "E::kA; }\n"));
   EXPECT_FALSE(unpaired_files(Repository{{{"master/a.h", "void f();\n"}}}).empty());
   EXPECT_TRUE(unpaired_files(Repository{{{"master/a.h", "void f();\n"}, {"master/a.cpp", ""}}}).empty());
@@ -165,8 +166,8 @@ TEST(Rules, AMentionOfAProgramThatIsNoneIsFound) {
   Repository tree{{{"tools/ctl/CMakeLists.txt", "telekerf_program(telekerf-ctl SOURCES main.cpp)\n"},
                    {"README.md", "`telekerf-ctl stop`\n"}}};
   EXPECT_TRUE(dead_programs(tree).empty());
-  tree.files["README.md"] = "`telekerf-tell stop`\n";
-  EXPECT_EQ(dead_programs(tree), Breaches{"README.md:1 names telekerf-tell, which is no program"});
+  tree.files["README.md"] = "`telekerf-talk stop`\n";
+  EXPECT_EQ(dead_programs(tree), Breaches{"README.md:1 names telekerf-talk, which is no program"});
 }
 
 }  // namespace

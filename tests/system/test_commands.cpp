@@ -169,9 +169,15 @@ TEST(Commands, EachSaysItsVersion) {
 }
 
 TEST(Commands, AScaleThatIsNoNumberIsRefused) {
-  Program tell("telekerf-tell", {"beta", "nan", "--domain", own_domain()});
+  Program ctl("telekerf-ctl", {"beta", "nan", "--domain", own_domain()});
+  EXPECT_EQ(ctl.wait(seconds(30)), 2);
+  EXPECT_NE(ctl.output().find("value = nan: must be a finite number"), std::string::npos) << ctl.output();
+}
+
+TEST(Commands, TheNameOfBeforeIsRefusedWithTheNewOne) {
+  Program tell("telekerf-tell", {"stop"});
   EXPECT_EQ(tell.wait(seconds(30)), 2);
-  EXPECT_NE(tell.output().find("value = nan: must be a finite number"), std::string::npos) << tell.output();
+  EXPECT_NE(tell.output().find("telekerf-ctl"), std::string::npos) << tell.output();
 }
 
 }  // namespace

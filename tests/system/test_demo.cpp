@@ -92,7 +92,7 @@ TEST(Demo, TheOperatorEngagesChangesTheScaleAndStops) {
   Program master("telekerf-master", bus("none", {"--record", out}));
   const auto tell = [](std::vector<std::string> what) {
     what.insert(what.end(), {"--domain", own_domain(), "--cell", "test"});
-    Program told("telekerf-tell", what);
+    Program told("telekerf-ctl", what);
     EXPECT_EQ(told.wait(seconds(20)), 0) << told.output();
   };
   ASSERT_TRUE(master.says("moving to the contour", seconds(20))) << master.output();

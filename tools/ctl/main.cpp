@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-tell WHAT [VALUE]: what an operator says to a running cell.
+// telekerf-ctl WHAT [VALUE]: what an operator says to a running cell.
 #include <fmt/format.h>
 
 #include "common/bus/bus_flags.h"
@@ -17,7 +17,7 @@ struct Options {
 };
 
 int run(const Options& options) {
-  BusSettings bus_settings = options.bus.bus_settings(Site::kOperator, "tell");
+  BusSettings bus_settings = options.bus.bus_settings(Site::kOperator, "ctl");
   bus_settings.receive_filter = options.netem.emulator(bus_settings.site);
   Bus bus(bus_settings);
   const std::size_t others = tell(bus, options.event);
@@ -42,7 +42,7 @@ void add_parameters(Options& options, Settings& settings) {
 int main(int argc, char** argv) {
   using namespace telekerf;
   using Kind = EventMessage::Kind;
-  Program program("telekerf-tell", "Says something to the processes of a running cell");
+  Program program("telekerf-ctl", "Says something to the processes of a running cell");
   program.add("stop", "Emergency stop: laser off, every robot holds, until clear-stop", saying(Kind::kStop),
               add_parameters, run);
   program.add("clear-stop", "Ends an emergency stop", saying(Kind::kClearStop), add_parameters, run);

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "common/geometry/cutting_order.h"
 #include "common/geometry/elliptic_fourier.h"
+#include "common/reporting/picture_file.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
@@ -118,10 +118,7 @@ int inspect(const Options& o) {
   write_atomically(out / "contour.csv", vision::to_csv(line));
   write_atomically(out / "contour.svg", vision::to_svg(loaded->contours));
   write_atomically(out / "contour.ngc", gcode.text);
-  const cv::Mat overlay = vision::overlay_of(*loaded);
-  if (overlay.empty() || !cv::imwrite((out / "overlay.png").string(), overlay)) {
-    throw environment_error(fmt::format("{}: cannot be written", (out / "overlay.png").string()));
-  }
+  reporting::write_picture(out / "overlay.png", vision::overlay_of(*loaded));
   std::cout << json_text(json) << '\n';
   return 0;
 }

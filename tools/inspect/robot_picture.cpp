@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/reporting/picture_file.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::inspect {
@@ -161,8 +162,7 @@ void draw_workspace(const robot::RobotModel& robot, const std::filesystem::path&
   if (!cv::haveImageWriter(file.string())) {
     throw usage_error("--picture " + file.string() + ": no picture has such an extension; use .png");
   }
-  if (!cv::imwrite(file.string(), picture))
-    throw environment_error("cannot write the picture " + file.string());
+  reporting::write_picture(file, picture);
 }
 
 }  // namespace telekerf::inspect

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tools/reference/bash_completion.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "common/runtime/resources.h"
-#include "tools/reference/pages.h"
 
 namespace telekerf::reference {
 namespace {

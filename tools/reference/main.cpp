@@ -12,13 +12,15 @@
 #include "common/runtime/program.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
-#include "tools/reference/pages.h"
+#include "tools/reference/bash_completion.h"
+#include "tools/reference/records_page.h"
+#include "tools/reference/settings_page.h"
 
 namespace telekerf::reference {
 namespace {
 
 constexpr std::array kPrograms{"telekerf-master", "telekerf-slave",      "telekerf-machine",
-                               "telekerf-vision", "telekerf-tell",       "telekerf-netem",
+                               "telekerf-vision", "telekerf-ctl",        "telekerf-netem",
                                "telekerf-robot",  "telekerf-experiment", "telekerf-inspect"};
 
 struct Options {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tools/reference/records_page.h"
+
 #include <fmt/format.h>
 
 #include "common/recording/rows.h"
 #include "slave/machining/tool_trace.h"
-#include "tools/reference/pages.h"
 
 namespace telekerf::reference {
 namespace {

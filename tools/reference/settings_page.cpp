@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
+#include "tools/reference/settings_page.h"
 
-#include "tools/reference/pages.h"
+#include <fmt/format.h>
 
 namespace telekerf::reference {
 namespace {

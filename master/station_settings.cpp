@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/station_settings.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/runtime/startup_error.h"
+#include "master/law.h"
+#include "master/observer/estimators.h"
+#include "master/operator/operator_input.h"
+#include "master/operator_requests.h"
+
+namespace telekerf::master {
+namespace {
+
+/// Finest step of coded accelerations, m/s^2.
+constexpr double kAccelerationQuantum = 1e-2;
+
+}  // namespace
+
+void StationSettings::add_parameters(Settings& settings) {
+  settings.add("robot", robot, kRobot, "robot: a shipped name or a file");
+  settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
+               "slave motion = beta x master motion");
+  machine.add_parameters(settings);
+  settings.add("button", button, device_form(operator_input_forms(), validate_operator_input),
+               "who holds the laser button while the slave follows; hand: the simulated one");
+  settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
+               "how far the simulated robot is off its file, as a share");
+  settings.add("seed", seed, kSeeds, "of the simulated robot and hand");
+  settings.add("control_hz", node.control_hz, {.min = 200, .max = 20000, .unit = "Hz"},
+               "control rate, a multiple of stream_hz");
+  settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
+               "samples a second in the command stream");
+  add_stream_parameters(settings);
+  settings.add("half_window", node.constraint.half_window, {.min = 1, .max = 32},
+               "points to either side of the circle fit");
+  settings.add("curve", node.constraint.curve, kCurves, "what the hand is guided along");
+  settings.add("corridor_mm", corridor_mm, {.min = 0, .max = 10, .unit = "mm"},
+               "half width of a corridor in which the hand is free, 0: guided on the curve");
+  settings.add("corridor_stiffness_n_per_m", node.constraint.stiffness_n_per_m,
+               {.min = 0, .max = 20000, .unit = "N/m"}, "spring inside the corridor, towards the curve");
+  settings.add("constraint_rad_s", node.constraint.bandwidth_rad_s, {.min = 10, .max = 400, .unit = "rad/s"},
+               "bandwidth across the curve");
+  settings.add("virtual_mass_kg", node.constraint.mass_kg, {.min = 0.1, .max = 20, .unit = "kg"},
+               "that the hand moves along the curve");
+  settings.add("virtual_drag_ns_per_m", node.constraint.damping_n_s_per_m,
+               {.min = 0, .max = 200, .unit = "N s/m"}, "damping along the curve");
+  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000, .unit = "rad/s"},
+               "of the disturbance observer");
+  settings.add("hand_speed_mm_s", hand_speed_mm_s, {.min = 0.1, .max = 200, .unit = "mm/s"},
+               "mean speed of the simulated hand");
+  settings.add("hand_sideways_n", hand.max_sideways_n, {.min = 0, .max = 30, .unit = "N"},
+               "how hard the simulated hand pushes off the curve");
+}
+
+void StationSettings::add_stream_parameters(Settings& settings) {
+  settings.add("law", node.command.law, kLaws, "who computes the slave's acceleration");
+  settings.add("estimator", node.command.observer.estimator, kEstimators,
+               "how the slave's state is predicted");
+  settings.add("codec", codec, codec::kCodecs, "of the command stream");
+  settings.add("tracking_rad_s", node.command.tracking_rad_s, {.min = 1, .max = 400, .unit = "rad/s"},
+               "bandwidth of the law that makes the commands");
+  settings.add("block", node.command.codec.block, {.min = 4, .max = 64},
+               "samples a block of the command stream");
+  settings.add("keep", node.command.codec.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
+  settings.add("max_rms", node.command.codec.max_rms, {.min = 0, .max = 1000},
+               "RMS error of a block that is kept instead [m/s^2; law local: m], 0: keep");
+  settings.add("redundancy", node.command.codec.redundancy, {.min = 0, .max = 7},
+               "previous blocks repeated in a packet");
+}
+
+StationSettings StationSettings::validated() const {
+  StationSettings settings = *this;
+  settings.hand.speed_m_per_s = hand_speed_mm_s * 1e-3;
+  settings.node.constraint.corridor_m = corridor_mm * 1e-3;
+  const double ratio = node.control_hz / node.stream_hz;
+  if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
+    throw configuration_error(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
+                                          node.control_hz, node.stream_hz));
+  }
+  auto& command = settings.node.command;
+  command.ticks_per_sample = static_cast<int>(std::lround(ratio));
+  command.codec.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
+  command.codec.anchored = command.law == Law::kLocal;
+  // A loop that spans the delay predicts a hasty approach badly.
+  if (command.law == Law::kRemoteAcceleration) command.approach.max_acceleration_m_per_s2 = 0.5;
+  command.codec.integrated = command.law != Law::kLocal;
+  // Of a block's mean, one step moves the tool by 0.3 um within 16 ms.
+  if (command.codec.integrated) command.codec.quantum = kAccelerationQuantum;
+  command.codec = codec::with_codec(command.codec, codec).validated();
+  return settings;
+}
+
+}  // namespace telekerf::master
