@@ -119,18 +119,20 @@ class ScriptFlags : public Script {
     std::ofstream(here_ / "stubs/build.ninja");
     for (const std::string name : {"vision", "slave", "machine", "master", "inspect"}) {
       const fs::path stub = here_ / "stubs/bin" / ("telekerf-" + name);
-      std::ofstream(stub) << "#!/bin/sh\n[ \"$1\" != --help ] || exec '" TELEKERF_BIN_DIR "/telekerf-" << name
-                          << "' --help\nprintf '%s\\n' \"$@\" >" << name << ".txt\n";
+      std::ofstream(stub)
+          << "#!/bin/sh\ncase \" $* \" in *' --describe-settings '* | *' --print-config '* | *' "
+             "--help '*) exec '" TELEKERF_BIN_DIR "/telekerf-"
+          << name << "' \"$@\" ;; esac\nprintf '%s\\n' \"$@\" >" << name << ".txt\n";
       fs::permissions(stub, fs::perms::owner_all);
     }
   }
 
   Ended run(const std::string& words) const { return Script::run(words, (here_ / "stubs").string()); }
 
-  /// Whether the program was started with `words`, in this order and next to each other.
+  /// Whether the program was started with `words`: a flag and its value, or a switch.
   bool has(const std::string& program, const std::string& words) const {
     std::string all = "\n" + text_of(program + ".txt");
-    std::replace(all.begin(), all.end(), '\n', ' ');
+    for (const char between : {'\n', '='}) std::replace(all.begin(), all.end(), between, ' ');
     return all.find(" " + words + " ") != std::string::npos;
   }
 };
@@ -139,7 +141,7 @@ TEST_F(ScriptFlags, OfADemoGoToTheProgramThatKnowsThem) {
   const Ended demo = run(
       "demo --image 'a b.png' --width-mm 30 --beta=0.25 --law local --block 8 --keep 2 --redundancy 0 "
       "--max-rms 1e-3 --codec raw --estimator none --force-keep 3 --force-max-rms 0 --stale-s 0.1 "
-      "--hand-speed-mm-s -5 --seed 7 --cell blue --master-robot m --slave-robot s --master-seed 9 --domain 3 "
+      "--hand-speed-mm-s 5 --seed 7 --cell blue --master-robot m --slave-robot s --master-seed 9 --domain 3 "
       "--vision-fit-all --beta 0.3 --out run");
   ASSERT_EQ(demo.code, 0) << demo.err;
   for (const std::string words : {"--image a b.png", "--width-mm 30", "--robot s", "--fit-all", "--cell blue",
@@ -151,7 +153,7 @@ TEST_F(ScriptFlags, OfADemoGoToTheProgramThatKnowsThem) {
     EXPECT_TRUE(has("slave", words)) << words << text_of("slave.txt");
   for (const std::string words :
        {"--beta 0.3", "--law local", "--block 8", "--keep 2", "--redundancy 0", "--max-rms 1e-3",
-        "--codec raw", "--estimator none", "--hand-speed-mm-s -5", "--robot m", "--seed 9", "--duration-s 30",
+        "--codec raw", "--estimator none", "--hand-speed-mm-s 5", "--robot m", "--seed 9", "--duration-s 30",
         "--engage", "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
     EXPECT_TRUE(has("master", words)) << words << text_of("master.txt");
   EXPECT_NE(text_of("slave.txt").find("--record\nrun/.run-"), std::string::npos);
@@ -169,15 +171,16 @@ TEST_F(ScriptFlags, OfAMachineGoToTheProgramThatKnowsThem) {
   for (const std::string words : {"--seed 7", "--laser-w 3", "--robot r"})
     EXPECT_TRUE(has("machine", words)) << words << text_of("machine.txt");
   // Two at a time do not meet.
-  EXPECT_NE(text_of("vision.txt").find("--cell\nmachine-"), std::string::npos);
+  EXPECT_NE(text_of("vision.txt").find("--cell=machine-"), std::string::npos);
 }
 
 TEST_F(ScriptFlags, ThatNobodyKnowsAreRefusedBeforeAnythingStarts) {
   for (const std::string words :
-       {"demo --speed 3", "demo heart", "demo --beta", "demo --robot r", "demo --name n", "demo --record r",
-        "demo --slave-beta 1", "demo '--a]b' 1", "machine", "machine --seed 1", "machine heart --beta 1",
-        "machine heart --config c", "test_nothing", "bench nothing", "check nothing"}) {
-    const Ended refused = run(words + std::string());
+       {"demo --speed 3", "demo --beta 99", "demo --width-mm wide", "demo --law none", "demo heart",
+        "demo --beta", "demo --robot r", "demo --name n", "demo --record r", "demo --slave-beta 1",
+        "demo '--a]b' 1", "machine", "machine --seed 1", "machine heart --beta 1", "machine heart --config c",
+        "test_nothing", "bench nothing", "check nothing"}) {
+    const Ended refused = run(words);
     EXPECT_EQ(refused.code, 2) << words;
     EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << words << refused.err;
     EXPECT_EQ(refused.out, "") << words;
