@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-experiment delay: every law and estimator across every delay; docs/delay.md explains the rows.
+// telekerf-experiment delay: every law and estimator across every delay; docs/results/delay.md has the rows.
 #include <fmt/format.h>
 
 #include <algorithm>

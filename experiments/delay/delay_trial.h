@@ -36,14 +36,14 @@ struct DelayTrial {
   double push_n = 0.0;       ///< on the slave's tool from half-time on
 };
 
-/// Measures (docs/delay.md) over the second half of the ticks that were applied while engaged.
+/// Measures (docs/results/delay.md) over the second half of the ticks that were applied while engaged.
 struct DelayResult {
   double tracking_rmse_um = 0.0;  ///< this and the next four: NaN if nothing was followed
   double tracking_max_um = 0.0;
   double prediction_rmse_um = 0.0;
   double prediction_max_um = 0.0;
   double settle_s = 0.0;             ///< from the first tick followed to the last one more than 1 mm off
-  bool stable = false;               ///< see docs/delay.md
+  bool stable = false;               ///< see docs/results/delay.md
   double payload_bytes_per_s = 0.0;  ///< command stream
   double wire_bytes_per_s = 0.0;     ///< the same with every head (virtual_link.h)
   double total_ms = 0.0;             ///< from making a command to knowing what it did, observer's measure

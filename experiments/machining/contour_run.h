@@ -40,7 +40,8 @@ robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunS
 ContourRun run_contour(const machining::TimedPath& plan, const geometry::Polyline& contour,
                        const ContourRunSettings& settings);
 
-/// The measures of one run against the extracted points (flat contours), names as in docs/machining.md.
+/// The measures of one run against the extracted points (flat contours), names as in
+/// docs/reference/report.md.
 nlohmann::ordered_json measure(const ContourRun& run, const ContourRunSettings& settings);
 
 void write_contour_trace(const ContourRun& run, const std::filesystem::path& csv);

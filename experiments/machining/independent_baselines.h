@@ -25,7 +25,7 @@ ContourRunSettings assisted_independent(const ContourRunSettings& settings);
 /// Names and figures of a run's tuning.
 nlohmann::ordered_json tuning(const ContourRunSettings& settings);
 
-/// The settings in use beside independent joints of every kind; entries as in docs/machining.md.
+/// The settings in use beside independent joints of every kind; entries as in docs/results/machining.md.
 nlohmann::ordered_json equal_terms(const machining::TimedPath& plan, const geometry::Polyline& contour,
                                    const ContourRunSettings& used);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The network observer (thesis 5.3.2; docs/delay.md): where will the slave be when the command that is made
-// now acts on it? One interface over every estimator; no clock and no delay is ever estimated for it, because
-// the slave's echo says which commands it has applied ("delay-free by sequence acknowledgement").
+// The network observer (thesis 5.3.2; docs/reference/streaming.md): where will the slave be when the command
+// that is made now acts on it? One interface over every estimator; no clock and no delay is ever estimated
+// for it, because the slave's echo says which commands it has applied ("delay-free by sequence
+// acknowledgement").
 #pragma once
 
 #include <span>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is measured of a machined contour (thesis 8.1, 8.2): errors, speed, burn; the same words for the
-// process and for experiments (docs/machining.md lists them).
+// process and for experiments (docs/reference/report.md lists them).
 #pragma once
 
 #include <filesystem>
