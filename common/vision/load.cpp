@@ -7,7 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "common/vision/vector/vector_drawing.h"
+#include "common/vision/raster/picture_file.h"
+#include "common/vision/vector/vector_file.h"
 
 namespace telekerf::vision {
 namespace {
@@ -20,14 +21,15 @@ std::vector<Vec2> all_points(const std::vector<geometry::Polyline>& lines) {
 
 double size_of(const geometry::Polyline& line) { return geometry::bounding_box(line.points_m).size().norm(); }
 
-tl::expected<Loaded, std::string> vector_contours(const std::string& path, const LoadRequest& request) {
+tl::expected<LoadedContours, std::string> vector_contours(const std::string& path,
+                                                          const LoadRequest& request) {
   auto drawing = read_vector_file(path);
   if (!drawing) return tl::unexpected(drawing.error());
-  Loaded out;
+  LoadedContours out;
   out.mode = "vector";
   out.why = "a vector drawing is its own path";
-  out.not_followed = drawing->left_out.sentence();
-  if (!out.not_followed.empty()) out.why += fmt::format("; not followed: {}", out.not_followed);
+  out.unsupported = drawing->unsupported.sentence();
+  if (!out.unsupported.empty()) out.why += fmt::format("; not followed: {}", out.unsupported);
   out.contours = std::move(drawing->contours);
   std::stable_sort(out.contours.begin(), out.contours.end(),
                    [](const auto& a, const auto& b) { return size_of(a) > size_of(b); });
@@ -63,15 +65,15 @@ tl::expected<Loaded, std::string> vector_contours(const std::string& path, const
 
 }  // namespace
 
-tl::expected<Loaded, std::string> contours_of(const cv::Mat& image, const LoadRequest& request) {
-  const auto found = extract(image, request.extract);
+tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, const LoadRequest& request) {
+  const auto found = extract(image, request.extraction);
   if (!found) return tl::unexpected(found.error());
   if (request.select >= found->contours.size()) {
     return tl::unexpected(
         fmt::format("contour {} is asked for, the picture has {}", request.select, found->contours.size()));
   }
-  Loaded out;
-  out.mode = name_of(found->mode);
+  LoadedContours out;
+  out.mode = kExtractionModes.word(found->mode);
   out.why = found->why;
   out.selected = request.select;
   out.contrast = found->contrast;
@@ -96,13 +98,13 @@ tl::expected<Loaded, std::string> contours_of(const cv::Mat& image, const LoadRe
   return out;
 }
 
-tl::expected<Loaded, std::string> load_contours(const std::string& path, const LoadRequest& request) {
+tl::expected<LoadedContours, std::string> load_contours(const std::string& path, const LoadRequest& request) {
   if (is_vector_file(path)) return vector_contours(path, request);
   const auto picture = read_picture(path);
   if (!picture) return tl::unexpected(picture.error());
   LoadRequest reduced = request;
-  if (reduced.extract.start_px) *reduced.extract.start_px /= picture->reduction;
-  if (reduced.extract.end_px) *reduced.extract.end_px /= picture->reduction;
+  if (reduced.extraction.start_px) *reduced.extraction.start_px /= picture->reduction;
+  if (reduced.extraction.end_px) *reduced.extraction.end_px /= picture->reduction;
   if (reduced.scale.metres_per_pixel) *reduced.scale.metres_per_pixel *= picture->reduction;
   auto out = contours_of(picture->image, reduced);
   if (!out) return tl::unexpected(fmt::format("{}: {}", path, out.error()));

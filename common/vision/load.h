@@ -2,29 +2,29 @@
 // Any input -> contours in workpiece metres: the one way from a file to a path.
 #pragma once
 
-#include <opencv2/core.hpp>
-#include <optional>
+#include <cstddef>
+#include <opencv2/core/mat.hpp>
 #include <string>
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/vision/extraction/extract.h"
+#include "common/vision/extraction/contour_extraction.h"
 #include "common/vision/scaling.h"
 
 namespace telekerf::vision {
 
 struct LoadRequest {
-  ExtractSettings extract;
+  ExtractionSettings extraction;
   ScaleRequest scale;
   std::size_t select = 0;  ///< which contour is anchored and fitted; 0 is the largest
   bool fit_all = false;    ///< all contours together are anchored and fitted
 };
 
 /// All contours share one frame: that of the selected one's anchor.
-struct Loaded {
+struct LoadedContours {
   std::string mode;  ///< outline, stroke, thesis, or vector
   std::string why;
-  std::string not_followed;                  ///< what of a vector drawing is left out, "2 text, 1 image"
+  std::string unsupported;                   ///< what of a vector drawing is left out, "2 text, 1 image"
   std::vector<geometry::Polyline> contours;  ///< metres, largest first
   std::vector<double> noise_m;               ///< quality of each contour's points
   std::size_t selected = 0;
@@ -39,8 +39,8 @@ struct Loaded {
 
 /// A vector file keeps its own true size (a request for a picture's width stretches its page to that width);
 /// a picture is extracted and scaled as asked. The error is one sentence.
-tl::expected<Loaded, std::string> load_contours(const std::string& path, const LoadRequest& request);
+tl::expected<LoadedContours, std::string> load_contours(const std::string& path, const LoadRequest& request);
 /// The same for a picture in hand, e.g. from a camera.
-tl::expected<Loaded, std::string> contours_of(const cv::Mat& image, const LoadRequest& request);
+tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, const LoadRequest& request);
 
 }  // namespace telekerf::vision

@@ -3,13 +3,6 @@
 
 namespace telekerf::vision {
 
-std::optional<AnchorMode> anchor_of(std::string_view name) {
-  if (name == "box") return AnchorMode::kBoundingBox;
-  if (name == "first") return AnchorMode::kFirstPoint;
-  if (name == "image") return AnchorMode::kImageCentre;
-  return std::nullopt;
-}
-
 Scale scale_for(const PixelContour& contour, int picture_width_px, int picture_height_px,
                 const ScaleRequest& request) {
   Scale scale;

@@ -4,16 +4,20 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 
-#include "common/vision/extraction/extract.h"
+#include "common/runtime/enum_table.h"
+#include "common/vision/extraction/pixel_contour.h"
 
 namespace telekerf::vision {
 
 /// Which point of the picture is put on the workpiece's origin.
 enum class AnchorMode { kBoundingBox, kFirstPoint, kImageCentre };
-/// box, first, image
-std::optional<AnchorMode> anchor_of(std::string_view name);
+inline constexpr EnumRow<AnchorMode> kAnchorModeRows[] = {
+    {"box", AnchorMode::kBoundingBox, "the middle of the contour's bounding box"},
+    {"first", AnchorMode::kFirstPoint, "the contour's first point"},
+    {"image", AnchorMode::kImageCentre, "the middle of the picture or page"},
+};
+inline constexpr EnumTable<AnchorMode> kAnchorModes(kAnchorModeRows);
 
 struct ScaleRequest {
   /// Width of the whole picture; wins over the fit.

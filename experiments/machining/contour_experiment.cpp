@@ -131,13 +131,13 @@ Source contour_of(const std::string& image, const Options& options, const robot:
   };
   const auto found = load();
   if (!found) throw StartupError(drawn ? fmt::format("{}: {}", file, found.error()) : found.error());
-  const auto wanted = [&](const vision::Loaded& loaded) {
+  const auto wanted = [&](const vision::LoadedContours& loaded) {
     return std::find_if(loaded.contours.begin(), loaded.contours.end(),
                         [&](const geometry::Polyline& c) { return c.closed == closed; });
   };
   if (const auto first = wanted(*found); first != found->contours.end()) return {*first, found->picture};
   if (found->mode != "vector") {
-    request.extract.mode = closed ? vision::Mode::kOutline : vision::Mode::kStroke;
+    request.extraction.mode = closed ? vision::ExtractionMode::kOutline : vision::ExtractionMode::kStroke;
     if (const auto again = load()) {
       // The middle of a region is no stroke: that is four times as long as it is wide, at least.
       const double least_m = closed ? 0.0 : 2.0 * std::sqrt(std::max(0.0, area_m2(found->contours)));

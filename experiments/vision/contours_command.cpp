@@ -20,9 +20,11 @@
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "common/vision/extraction/contour_extraction.h"
-#include "common/vision/extraction/thesis_tracker.h"
-#include "common/vision/load.h"
-#include "common/vision/raster/picture.h"
+#include "common/vision/extraction/edge_band.h"
+#include "common/vision/raster/field.h"
+#include "common/vision/raster/grey_plane.h"
+#include "common/vision/raster/picture_file.h"
+#include "common/vision/scaling.h"
 #include "experiments/commands.h"
 
 namespace telekerf::experiments {
@@ -47,7 +49,7 @@ Subject subject(const std::string& name) {
   const auto picture = vision::read_picture(find_resource("pictures", name, ".png").string());
   if (!picture) throw StartupError(picture.error());
   const auto field = vision::make_field(*vision::grey_plane(picture->image));
-  const auto found = vision::extract(picture->image, {.mode = vision::Mode::kThesis});
+  const auto found = vision::extract(picture->image, {.mode = vision::ExtractionMode::kThesis});
   if (!field || !found)
     throw StartupError(fmt::format("{}: {}", name, field ? found.error() : field.error()));
   Subject out{name, *field, {}, found->contours.front(), {}};

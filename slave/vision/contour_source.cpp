@@ -37,13 +37,13 @@ std::uint32_t digest_of(const ContourMessage& message) {
 }  // namespace
 
 LoadRequest load_request(const ContourRequest& request) {
-  const auto mode = mode_of(request.mode);
+  const auto mode = kExtractionModes.find(request.mode);
   if (!mode)
     throw StartupError(fmt::format("mode = {}: must be auto, outline, stroke or thesis", request.mode));
-  const auto anchor = anchor_of(request.anchor);
+  const auto anchor = kAnchorModes.find(request.anchor);
   if (!anchor) throw StartupError(fmt::format("anchor = {}: must be box, first or image", request.anchor));
   LoadRequest load;
-  load.extract.mode = *mode;
+  load.extraction.mode = *mode;
   load.scale.anchor = *anchor;
   load.scale.picture_width_m = request.width_m;
   load.scale.workspace_radius_m = request.workspace_radius_m;
@@ -52,7 +52,7 @@ LoadRequest load_request(const ContourRequest& request) {
   return load;
 }
 
-tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const std::string& source,
+tl::expected<ContourMessage, std::string> message_of(const LoadedContours& loaded, const std::string& source,
                                                      double workspace_radius_m) {
   const geometry::Polyline& line = loaded.contours[loaded.selected];
   double reach_m = 0.0;

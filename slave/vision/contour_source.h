@@ -25,7 +25,7 @@ struct ContourRequest {
 LoadRequest load_request(const ContourRequest& request);
 /// The selected contour as it is published with the others beside it, its id a digest of all their points.
 /// The error is one sentence: it does not fit into the workspace.
-tl::expected<ContourMessage, std::string> message_of(const Loaded& loaded, const std::string& source,
+tl::expected<ContourMessage, std::string> message_of(const LoadedContours& loaded, const std::string& source,
                                                      double workspace_radius_m);
 
 /// Reads, extracts, scales. Throws StartupError: no such file, no picture, no contour, or larger than the

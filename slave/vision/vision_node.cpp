@@ -56,7 +56,7 @@ tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& fr
   const LoadRequest load = load_request(request_);
   const auto loaded = frame.file.empty() ? contours_of(frame.image, load) : load_contours(frame.file, load);
   if (!loaded) return tl::unexpected(loaded.error());
-  not_followed_ = loaded->not_followed;
+  unsupported_ = loaded->unsupported;
   contrast_ = loaded->contrast;
   noise_ = loaded->picture_noise;
   return message_of(*loaded, frame.source, request_.workspace_radius_m);
@@ -117,9 +117,9 @@ VisionNode::Outcome VisionNode::step(const Camera::Look& look) {
   agreeing_ = 0;
   ++published_count_;
   out.publish = published_;
-  if (!not_followed_.empty()) {
+  if (!unsupported_.empty()) {
     out.remark +=
-        fmt::format("{}{}: not followed: {}", out.remark.empty() ? "" : "; ", frame.source, not_followed_);
+        fmt::format("{}{}: not followed: {}", out.remark.empty() ? "" : "; ", frame.source, unsupported_);
   }
   return out;
 }

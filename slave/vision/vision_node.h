@@ -49,7 +49,7 @@ class VisionNode {
   std::string reason_;
   std::optional<ContourMessage> published_;
   std::optional<ContourMessage> candidate_;
-  std::string not_followed_;
+  std::string unsupported_;
   double contrast_ = 0.0;
   double noise_ = 0.0;
   int agreeing_ = 0;

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "common/geometry/nearest.h"
-#include "common/vision/extraction/extract.h"
+#include "common/vision/extraction/contour_extraction.h"
 #include "slave/vision/drawing.h"
 
 namespace {
@@ -83,7 +83,8 @@ int main() {
       look.seed = seed;
       pictures.push_back(drawing::render(drawing, look));
     }
-    for (const vision::Mode mode : {vision::Mode::kAuto, vision::Mode::kOutline, vision::Mode::kStroke}) {
+    for (const vision::ExtractionMode mode :
+         {vision::ExtractionMode::kAuto, vision::ExtractionMode::kOutline, vision::ExtractionMode::kStroke}) {
       Times ours;
       Times theirs;
       std::size_t points = 0;
@@ -103,8 +104,8 @@ int main() {
       worst_best = std::max(worst_best, of_best);
       worst_median = std::max(worst_median, of_median);
       fmt::print("{:10} {:8} {:8} {:9.2f} {:9.2f} {:9.2f} | {:9.2f} {:9.2f} | {:7.2f} {:9.2f}\n", name,
-                 vision::name_of(mode), points, ours.at(0.0), ours.at(0.5), ours.at(0.9), theirs.at(0.0),
-                 theirs.at(0.5), of_best, of_median);
+                 vision::kExtractionModes.word(mode), points, ours.at(0.0), ours.at(0.5), ours.at(0.9),
+                 theirs.at(0.0), theirs.at(0.5), of_best, of_median);
     }
   }
   fmt::print("largest ratio {:.2f} of the best times, {:.2f} of the medians (bar: 2)\n\n", worst_best,
@@ -121,7 +122,7 @@ int main() {
     std::size_t points = 0;
     for (int round = -2; round < kRounds; ++round) {
       const double ms = milliseconds([&] {
-        const auto found = vision::extract(picture, {.mode = vision::Mode::kStroke});
+        const auto found = vision::extract(picture, {.mode = vision::ExtractionMode::kStroke});
         if (found) points = found->contours.front().points_px.size();
       });
       if (round >= 0) times.all.push_back(ms);

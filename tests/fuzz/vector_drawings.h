@@ -6,14 +6,15 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "common/vision/vector/vector_drawing.h"
+#include "common/vision/vector/dxf/document.h"
+#include "common/vision/vector/svg/document.h"
 
 namespace telekerf::vision {
 
 inline void try_reader(std::string_view bytes, bool svg) {
   VectorLimits limits;
-  limits.most_points = 20'000;
-  limits.most_bytes = 1'000'000;
+  limits.max_points = 20'000;
+  limits.max_bytes = 1'000'000;
   const auto out = svg ? read_svg(bytes, limits) : read_dxf(bytes, limits);
   if (!out) {
     if (out.error().empty()) std::abort();
@@ -25,7 +26,7 @@ inline void try_reader(std::string_view bytes, bool svg) {
     if (line.size() < 2 || !geometry::all_finite(line.points_m)) std::abort();
     points += line.size();
   }
-  if (points > limits.most_points) std::abort();
+  if (points > limits.max_points) std::abort();
 }
 
 }  // namespace telekerf::vision

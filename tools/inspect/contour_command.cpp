@@ -12,7 +12,11 @@
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
-#include "common/vision/export.h"
+#include "common/vision/export/csv.h"
+#include "common/vision/export/gcode.h"
+#include "common/vision/export/overlay.h"
+#include "common/vision/export/svg.h"
+#include "common/vision/load.h"
 #include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {
@@ -51,14 +55,14 @@ std::size_t harmonics_of(const std::string& text) {
 
 vision::LoadRequest request_of(const Options& o) {
   vision::LoadRequest request;
-  request.extract.mode = *vision::mode_of(o.mode);
-  if (!o.start.empty()) request.extract.start_px = Vec2(o.start[0], o.start[1]);
-  if (!o.end.empty()) request.extract.end_px = Vec2(o.end[0], o.end[1]);
+  request.extraction.mode = *vision::kExtractionModes.find(o.mode);
+  if (!o.start.empty()) request.extraction.start_px = Vec2(o.start[0], o.start[1]);
+  if (!o.end.empty()) request.extraction.end_px = Vec2(o.end[0], o.end[1]);
   if (o.height_mm && !o.width_mm) throw usage_error("--height-mm needs --width-mm");
   if (o.width_mm) request.scale.picture_width_m = 1e-3 * *o.width_mm;
   if (o.height_mm) request.scale.picture_height_m = 1e-3 * *o.height_mm;
   request.scale.workspace_radius_m = 1e-3 * o.workspace_mm;
-  request.scale.anchor = *vision::anchor_of(o.anchor);
+  request.scale.anchor = *vision::kAnchorModes.find(o.anchor);
   request.select = o.select;
   return request;
 }

@@ -12,7 +12,7 @@
 #include "common/geometry/elliptic_fourier.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
-#include "common/vision/export.h"
+#include "common/vision/export/csv.h"
 #include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common/vision/extraction/centre_line.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -8,33 +10,32 @@
 
 #include "common/geometry/circle_fit.h"
 #include "common/geometry/smoothing.h"
-#include "common/vision/extraction/along.h"
 #include "common/vision/extraction/corners.h"
-#include "common/vision/extraction/strokes.h"
+#include "common/vision/extraction/tangents.h"
 
 namespace telekerf::vision {
 namespace {
 
-/// Distance from `p` along `direction` to where the ink ends, if that is within `most`. Within `sure` of `p`
+/// Distance from `p` along `direction` to where the ink ends, if that is within `reach`. Within `sure` of `p`
 /// a gap would be a blemish.
-std::optional<double> ink_ends(const Field& field, const Vec2& p, const Vec2& direction, double most,
+std::optional<double> ink_ends(const Field& field, const Vec2& p, const Vec2& direction, double reach,
                                double sure = 0.0) {
   constexpr double kStep = 1.0;
-  double before = field_at(field, p);
+  double before = field.value(p);
   if (before <= 0.0) return std::nullopt;
   double from = 0.0;
   if (sure > kStep) {
-    const double there = field_at(field, p + sure * direction);
+    const double there = field.value(p + sure * direction);
     if (there > 0.0) {
       before = there;
       from = sure;
     }
   }
   // Two pixels at a time, then the one of the two where the ink ends.
-  for (double t = from + 2.0 * kStep; t < most + 2.0 * kStep; t += 2.0 * kStep) {
-    const double here = field_at(field, p + t * direction);
+  for (double t = from + 2.0 * kStep; t < reach + 2.0 * kStep; t += 2.0 * kStep) {
+    const double here = field.value(p + t * direction);
     if (here <= 0.0) {
-      const double between = field_at(field, p + (t - kStep) * direction);
+      const double between = field.value(p + (t - kStep) * direction);
       if (between <= 0.0) return t - kStep - kStep * between / (between - before);
       return t - kStep * here / (here - between);
     }
@@ -147,14 +148,14 @@ void set_end(const Field& field, std::vector<Vec2>& p, double width_px) {
   constexpr double kStep = 0.25;
   std::vector<Vec2> beyond;
   double on = 0.0;
-  for (double before = field_at(field, at); before > 0.0; on += kStep) {
+  for (double before = field.value(at); before > 0.0; on += kStep) {
     if (on > 4.0 * width_px + 4.0) return;
     const double angle = 0.5 * bend * kStep;
     direction = Eigen::Rotation2D<double>(angle) * direction;
     at += kStep * direction;
     direction = Eigen::Rotation2D<double>(angle) * direction;
     beyond.push_back(at);
-    const double here = field_at(field, at);
+    const double here = field.value(at);
     if (here <= 0.0) on -= kStep * here / (here - before);  // back to where it crosses zero
     before = here;
   }
@@ -168,8 +169,7 @@ void set_end(const Field& field, std::vector<Vec2>& p, double width_px) {
   if (wanted > 0.25) push(wanted);
 }
 
-}  // namespace
-
+/// Replaces the marked points by a cubic that continues the directions on both sides.
 void bridge(std::vector<Vec2>& p, const std::vector<bool>& junction, bool closed) {
   const std::size_t n = p.size();
   if (n == 0) return;
@@ -197,6 +197,8 @@ void bridge(std::vector<Vec2>& p, const std::vector<bool>& junction, bool closed
     }
   }
 }
+
+}  // namespace
 
 PixelContour centred(const Field& field, const Route& route, double width_px) {
   PixelContour out;
@@ -230,7 +232,7 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
   sharpen_corners(p, out.closed,
                   {.rounded_px = std::max(4.0, 1.3 * w),
                    .side_px = std::max(8.0, 1.5 * w),
-                   .furthest_px = 1.6 * w + 3.0,
+                   .max_distance_px = 1.6 * w + 3.0,
                    .pen_px = w,
                    .agrees =
                        [&](const Vec2& corner, const Vec2& outwards) {
@@ -250,36 +252,6 @@ PixelContour centred(const Field& field, const Route& route, double width_px) {
                          return left && right && std::abs(*left + *right - w) < 0.12 * w + 0.3;
                        }});
   out.points_px = std::move(p);
-  return out;
-}
-
-PixelContour on_border(const Field& field, const Route& route) {
-  constexpr double kFurthest = 4.0;
-  constexpr double kStep = 0.5;
-  PixelContour out;
-  out.closed = route.closed;
-  out.points_px = geometry::resampled({route.points_px, route.closed}, 1.0).points_m;
-  smooth_and_resample(out, 1.0);
-  const std::vector<Vec2> tangents = tangents_of(out.points_px, out.closed, 2);
-  for (std::size_t i = 0; i < out.points_px.size(); ++i) {
-    Vec2& p = out.points_px[i];
-    const Vec2 normal(-tangents[i].y(), tangents[i].x());
-    const double here = field_at(field, p);
-    const double inwards = here > 0.0 ? 1.0 : -1.0;
-    for (const double side : {1.0, -1.0}) {  // towards the other side of the border, whichever way that is
-      double before = here;
-      double s = kStep;
-      double value = field_at(field, p + side * s * normal);
-      while (s < kFurthest && value * inwards > 0.0) {
-        before = value;
-        s += kStep;
-        value = field_at(field, p + side * s * normal);
-      }
-      if (value * inwards > 0.0) continue;
-      p += side * (s - kStep * value / (value - before)) * normal;
-      break;
-    }
-  }
   return out;
 }
 

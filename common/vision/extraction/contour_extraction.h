@@ -1,41 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ways from a separated picture to contours; extract.h chooses among them.
+// Picture -> ordered points: one interface for the three ways to get there (thesis 3.1).
 #pragma once
 
+#include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
-#include <vector>
 
-#include "common/vision/extraction/extract.h"
-#include "common/vision/raster/picture.h"
+#include "common/runtime/enum_table.h"
+#include "common/vision/extraction/pixel_contour.h"
 
 namespace telekerf::vision {
 
-using Contours = std::vector<PixelContour>;
-
-/// Boundaries between drawing and background by marching squares: closed, sub-pixel, in drawing order,
-/// unsorted. Regions that touch the picture's border are left out and counted in `cut_off`, as their outline
-/// is not whole.
-struct Outlines {
-  Contours contours;
-  std::vector<double> areas_px;  ///< of each contour; negative: a hole
-  int cut_off = 0;
-  /// Twice the area over the perimeter of everything drawn: the width of a stroke, or about a third of a
-  /// region's.
-  double width_px = 0.0;
-  double size_px = 0.0;  ///< diagonal of the largest shape's box
+enum class ExtractionMode {
+  kAuto,     ///< outline for filled regions, stroke for thin drawn lines
+  kThesis,   ///< Gaussian, Canny, dilate/erode, a window that travels along the edge band (3.1.1-3.1.3)
+  kOutline,  ///< the closed boundary of a region, sub-pixel
+  kStroke,   ///< one pass along the centre line of a drawn stroke
 };
-Outlines outlines_of(const Field& field);
 
-/// Centre lines of everything drawn, one pass each, crossings straight on; unsorted and unsmoothed.
-Contours strokes_of(const Field& field, const Outlines& outlines);
+inline constexpr EnumRow<ExtractionMode> kExtractionModeRows[] = {
+    {"auto", ExtractionMode::kAuto, "outline for filled regions, stroke for thin drawn lines"},
+    {"outline", ExtractionMode::kOutline, "the closed boundary of a region, finer than a pixel"},
+    {"stroke", ExtractionMode::kStroke, "one pass along the centre line of a drawn stroke"},
+    {"thesis", ExtractionMode::kThesis, "Canny's edges, and a window that travels along their band"},
+};
+inline constexpr EnumTable<ExtractionMode> kExtractionModes(kExtractionModeRows);
 
-/// Moves a closed border, points about one pixel apart, to where the picture is half way between drawing and
-/// background *here*: uneven light shifts a border of one level by a part of its blur.
-void move_to_local_level(const Field& field, double blur_px, std::vector<Vec2>& points);
+struct ExtractionSettings {
+  ExtractionMode mode = ExtractionMode::kAuto;
+  /// Where an open contour starts and ends, or a closed one starts; pixels, top left pixel's centre = (0, 0).
+  std::optional<Vec2> start_px = std::nullopt;
+  std::optional<Vec2> end_px = std::nullopt;
+  /// Contours smaller than this fraction of the largest one are specks, not contours.
+  double min_size_fraction = 0.05;
+};
 
-/// Low-pass along a contour that leaves its bends as they are (geometry::smooth_keeping_bends), then about one
-/// point a pixel. Fills `noise_px`.
-void smooth_and_resample(PixelContour& contour, double sigma_px);
+struct Extraction {
+  ExtractionMode mode = ExtractionMode::kOutline;  ///< the one that was used
+  std::string why;                                 ///< one clause: why this mode
+  int picture_width_px = 0;
+  int picture_height_px = 0;
+  double contrast = 0.0;  ///< of drawing and background, grey levels
+  double noise = 0.0;     ///< of the picture, standard deviation in grey levels
+  Contours contours;      ///< largest first, never empty
+};
+
+/// The contours of a picture of any depth, with 1, 3 or 4 channels. The error is one sentence that says what
+/// is wrong with the picture; success always holds at least one contour of at least four points.
+tl::expected<Extraction, std::string> extract(const cv::Mat& image, const ExtractionSettings& settings = {});
 
 }  // namespace telekerf::vision

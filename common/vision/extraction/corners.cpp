@@ -11,8 +11,8 @@
 namespace telekerf::vision {
 namespace {
 
-constexpr double kStraight = 0.3;
-constexpr double kRightAngle = 1.4;  ///< radians, about
+constexpr double kStraight_px = 0.3;
+constexpr double kRightAngle_rad = 1.4;  ///< about
 
 struct Corner {
   std::ptrdiff_t first = 0;  ///< points from here
@@ -38,7 +38,7 @@ class Sharpener {
     }
     std::vector<std::ptrdiff_t> peaks;
     for (std::ptrdiff_t i = 0; i < n_; ++i) {
-      if (turns[i] < rule_.least_turn) continue;
+      if (turns[i] < rule_.min_turn_rad) continue;
       bool peak = true;
       for (std::ptrdiff_t j = -k; j <= k && peak; ++j) {
         const double other = turns[wrapped(i + j)];
@@ -97,7 +97,7 @@ class Sharpener {
     for (std::ptrdiff_t i = 0; i < count; ++i) {
       squares += std::pow(line.phi(at(corner + direction * (skip + i))), 2) / static_cast<double>(count);
     }
-    if (std::sqrt(squares) > kStraight) return std::nullopt;
+    if (std::sqrt(squares) > kStraight_px) return std::nullopt;
     return line;
   }
 
@@ -106,7 +106,7 @@ class Sharpener {
     // Sides of a very sharp corner have grown together; those of a wide one with a bent side only say less.
     const double sharpness = tip_turn(i, before, after, skip);
     const auto crossing = crossing_at(i, before, after, skip);
-    return crossing || sharpness < kRightAngle ? crossing : tip_at(i, before, after, skip);
+    return crossing || sharpness < kRightAngle_rad ? crossing : tip_at(i, before, after, skip);
   }
 
   /// Turn between the sides some way off the corner; 0 where there is no room or no rule for tips.
@@ -168,14 +168,14 @@ class Sharpener {
     std::optional<geometry::CircleOrLine> a;
     std::optional<geometry::CircleOrLine> b;
     std::ptrdiff_t skip = rounded;
-    double furthest = rule_.furthest_px;
+    double max_distance = rule_.max_distance_px;
     double half = half_angle(at(i - skip / 2) - at(i - 2 * skip), at(i + skip / 2) - at(i + 2 * skip));
     for (int pass = 0; pass < 2; ++pass) {
       if (rule_.blur_px > 0.0) {
-        furthest = 1.15 * retreat(half) + 0.3;
+        max_distance = 1.15 * retreat(half) + 0.3;
         skip = std::max(rounded, std::lround(retreat(half) + 2.0 * rule_.blur_px));
       } else if (rule_.pen_px > 0.0) {
-        furthest = std::max(rule_.furthest_px, 0.6 * rule_.pen_px / std::sin(half) + 3.0);
+        max_distance = std::max(rule_.max_distance_px, 0.6 * rule_.pen_px / std::sin(half) + 3.0);
         skip = std::max(rounded, std::lround(0.5 * rule_.pen_px * (1.0 / std::tan(half) + 1.0)));
       }
       a = side(i, -1, before, skip);
@@ -189,7 +189,7 @@ class Sharpener {
     const Vec2 corner = a->point_m + along * a->direction;
     const double back = (corner - b->point_m).dot(b->direction);
     const double distance = (corner - at(i)).norm();
-    if (along < 0.0 || back < 0.0 || distance > furthest || distance < 0.15) return std::nullopt;
+    if (along < 0.0 || back < 0.0 || distance > max_distance || distance < 0.15) return std::nullopt;
     const Vec2 outwards = (a->direction + b->direction).normalized();
     if ((corner - at(i)).dot(outwards) < 0.0) return std::nullopt;  // bent sides meet too early
     if (rule_.agrees && !rule_.agrees(corner, outwards)) return std::nullopt;

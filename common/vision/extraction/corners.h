@@ -6,20 +6,20 @@
 #include <optional>
 #include <vector>
 
-#include "common/vision/extraction/extract.h"
+#include "common/runtime/vectors.h"
 
 namespace telekerf::vision {
 
 struct CornerRule {
-  double rounded_px = 4.0;   ///< this far from a corner its sides are straight again
-  double side_px = 8.0;      ///< length of a side that is looked at
-  double furthest_px = 3.0;  ///< a corner further than this from the rounded line is none
+  double rounded_px = 4.0;       ///< this far from a corner its sides are straight again
+  double side_px = 8.0;          ///< length of a side that is looked at
+  double max_distance_px = 3.0;  ///< a corner further than this from the rounded line is none
   /// Sigma of lens and filter across a region's border, where known: it says how far a corner of each angle
-  /// has been rounded off, in place of `rounded_px` and `furthest_px`.
+  /// has been rounded off, in place of `rounded_px` and `max_distance_px`.
   double blur_px = 0.0;
   /// Width of the pen: the two sides of a sharp corner have grown together near it.
   double pen_px = 0.0;
-  double least_turn = 0.6;  ///< radians
+  double min_turn_rad = 0.6;
   /// Says whether the picture agrees with a corner here, which points along `outwards`.
   std::function<bool(const Vec2& corner, const Vec2& outwards)> agrees = {};
   /// Where a corner of less than about 65 degrees lies: its sides have grown together and say little. Unset:

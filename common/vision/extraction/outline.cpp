@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common/vision/extraction/outline.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,8 +8,6 @@
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <utility>
-
-#include "common/vision/extraction/contour_extraction.h"
 
 namespace telekerf::vision {
 namespace {

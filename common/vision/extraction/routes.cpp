@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common/vision/extraction/routes.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
-#include "common/vision/extraction/strokes.h"
-
 namespace telekerf::vision {
 namespace {
 
-constexpr double kMostTurn =
-    1.75;  ///< radians: two branches that turn more than 100 degrees are not one stroke
-
-constexpr double kForks = 0.8;            ///< cosine
-constexpr double kLongestOverlap = 10.0;  ///< stroke widths
+constexpr double kMaxTurn_rad = 1.75;  ///< two branches that turn more than 100 degrees are not one stroke
+constexpr double kForks = 0.8;         ///< cosine
+constexpr double kMaxOverlap = 10.0;   ///< stroke widths
 
 /// One end of one line.
 struct End {
@@ -63,7 +61,7 @@ class Router {
       if (line.from < 0 || line.to < 0 || line.from == line.to) continue;
       if (graph_.nodes[line.from].degree < 3 || graph_.nodes[line.to].degree < 3) continue;
       const auto length = static_cast<double>(line.pixels.size());
-      if (forks(line, false) && forks(line, true) && length <= kLongestOverlap * width_) {
+      if (forks(line, false) && forks(line, true) && length <= kMaxOverlap * width_) {
         cluster_[root(line.from)] = root(line.to);
         used_[i] = true;
         continue;
@@ -79,11 +77,11 @@ class Router {
   /// The ink along the whole line is wider than one stroke. A pixel's half width says something about its
   /// neighbours' as well.
   bool stays_thick(const SkeletonGraph::Line& line) const {
-    const double least = 0.58 * width_;
+    const double thick = 0.58 * width_;
     for (std::size_t i = 0; i < line.pixels.size();) {
       const double half_width = half_width_at(drawn_, line.pixels[i]);
-      if (half_width <= least) return false;
-      i += 1 + static_cast<std::size_t>((half_width - least) / std::sqrt(2.0));
+      if (half_width <= thick) return false;
+      i += 1 + static_cast<std::size_t>((half_width - thick) / std::sqrt(2.0));
     }
     return true;
   }
@@ -147,7 +145,7 @@ class Router {
         for (const int first : {0, 2}) {
           const End& a = ends[best[first]];
           const End& b = ends[best[first + 1]];
-          if (turn(a, b) < kMostTurn) join(a, b);
+          if (turn(a, b) < kMaxTurn_rad) join(a, b);
         }
       } else {
         pair_greedily(ends);
@@ -167,11 +165,11 @@ class Router {
   void pair_greedily(std::vector<End> ends) {
     while (ends.size() >= 2) {
       std::pair<std::size_t, std::size_t> best{0, 0};
-      double least = kMostTurn;
+      double best_turn = kMaxTurn_rad;
       for (std::size_t i = 0; i < ends.size(); ++i) {
         for (std::size_t j = i + 1; j < ends.size(); ++j) {
-          if (turn(ends[i], ends[j]) >= least) continue;
-          least = turn(ends[i], ends[j]);
+          if (turn(ends[i], ends[j]) >= best_turn) continue;
+          best_turn = turn(ends[i], ends[j]);
           best = {i, j};
         }
       }

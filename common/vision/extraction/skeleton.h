@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thick drawing reduced to lines of one pixel, and those lines as a graph.
+// The lines of a thinned drawing as a graph.
 #pragma once
 
-#include <opencv2/core.hpp>
+#include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "common/geometry/polyline.h"
+#include "common/runtime/vectors.h"
 
 namespace telekerf::vision {
-
-/// Guo and Hall's parallel thinning, 64 pixels at a time and only where something still changes. CV_8U, 0 and
-/// 255.
-cv::Mat thinned(const cv::Mat& drawn);
 
 /// Distance from a pixel to the nearest one that is not drawn, in pixels.
 double half_width_at(const cv::Mat& drawn, const cv::Point& p);

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common/vision/extraction/stroke.h"
+
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "common/vision/extraction/strokes.h"
+#include "common/vision/extraction/centre_line.h"
+#include "common/vision/extraction/routes.h"
+#include "common/vision/extraction/skeleton.h"
+#include "common/vision/extraction/thinning.h"
 
 namespace telekerf::vision {
 namespace {
 
-constexpr double kWideStroke = 24.0;  ///< pixels
-
-double length_of(const PixelContour& c) { return geometry::length_m({c.points_px, c.closed}); }
+constexpr double kWideStroke_px = 24.0;
 
 /// Draws the inside of a contour and its rim.
 void fill(cv::Mat& picture, const PixelContour& contour, const cv::Point& origin) {
@@ -30,7 +33,7 @@ void close_small_gap(PixelContour& contour) {
   if (contour.closed || contour.points_px.size() < 8) return;
   const auto& p = contour.points_px;
   const double gap = (p.front() - p.back()).norm();
-  if (gap > 1.5 * contour.width_px + 2.0 || length_of(contour) < 8.0 * contour.width_px + 20.0) return;
+  if (gap > 1.5 * contour.width_px + 2.0 || length_px(contour) < 8.0 * contour.width_px + 20.0) return;
   const Vec2 out = (p.back() - p[p.size() - 5]).normalized();
   const Vec2 in = (p[4] - p.front()).normalized();
   contour.closed = out.dot(in) > 0.5;
@@ -71,7 +74,7 @@ Contours strokes_of(const Field& field, const Outlines& outlines) {
   }
   // Ink much wider than a pen is thinned in small: thinning costs width times area, and centring finds the
   // middle in the whole picture anyway.
-  const double reduction = std::max(1.0, std::floor(width / kWideStroke));
+  const double reduction = std::max(1.0, std::floor(width / kWideStroke_px));
   if (reduction > 1.0) {
     cv::resize(drawn, drawn, {}, 1.0 / reduction, 1.0 / reduction, cv::INTER_AREA);
     drawn = drawn > 127;

@@ -6,15 +6,15 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "common/vision/extraction/strokes.h"
+#include "common/geometry/polyline.h"
+#include "common/vision/extraction/edge_band.h"
 
 namespace telekerf::vision {
 namespace {
 
-constexpr double kStep = 1.0;
-constexpr double kCoherent = 0.25;        ///< of the structure tensor, 0 isotropic .. 1 one direction
-constexpr double kLongestOverlap = 10.0;  ///< widths: two strokes may run on each other for so long
-constexpr float kFaint = 0.08F;           ///< weights below this share of the largest are background
+constexpr double kStep_px = 1.0;
+constexpr double kCoherent = 0.25;    ///< of the structure tensor, 0 isotropic .. 1 one direction
+constexpr double kMaxOverlap = 10.0;  ///< widths: two strokes may run on each other for so long
 
 class Window {
  public:
@@ -71,9 +71,9 @@ class Window {
     }
     double low = first;
     double high = first;
-    const double most = 1.6 * radius_ + 2.0;
-    while (high - first < most && at(high + kFine) > 0.0F) high += kFine;
-    while (first - low < most && at(low - kFine) > 0.0F) low -= kFine;
+    const double reach = 1.6 * radius_ + 2.0;
+    while (high - first < reach && at(high + kFine) > 0.0F) high += kFine;
+    while (first - low < reach && at(low - kFine) > 0.0F) low -= kFine;
     double sum = 0.0;
     double moment = 0.0;
     for (double u = low; u <= high + 1e-9; u += kFine) {
@@ -131,16 +131,16 @@ class Window {
     double travelled = 0.0;
     double on_passed = 0.0;  // how far only removed pixels were met
     double in_crossing = 0.0;
-    const auto most = static_cast<std::size_t>(2 * cv::countNonZero(band_) + 1000);
+    const auto max_points = static_cast<std::size_t>(2 * cv::countNonZero(band_) + 1000);
     const auto add = [&](const Vec2& point) {
       points.push_back(point);
       track.junction.push_back(in_crossing > 0.0);
       remove_behind(points);
-      travelled += kStep;
+      travelled += kStep_px;
       if (hidden_until_ > 0.0 && travelled > hidden_until_) show_all();
     };
     show_all();
-    while (points.size() < most) {
+    while (points.size() < max_points) {
       add(p);
       double coherence = 0.0;
       Vec2 next = tangent(p, coherence);
@@ -148,7 +148,7 @@ class Window {
       const bool turns = next.dot(t) < 0.3;  // a direction that jumps belongs to another branch
       if (coherence > kCoherent && !turns && in_crossing <= 0.0)
         t = (t + 0.5 * coherence * (next - t)).normalized();
-      const Vec2 q = p + kStep * t;
+      const Vec2 q = p + kStep_px * t;
       bool wide = false;
       const auto middle = centre_across(q, Vec2(-t.y(), t.x()), wide);
       if (!middle || weight(p + ahead_ * t) <= 0.0F) {  // a corner, or the end
@@ -161,7 +161,7 @@ class Window {
         t = (*rest - p).normalized();
         const double length = (*rest - p).norm();
         const Vec2 tip = p;
-        for (double s = kStep; s < length; s += kStep) add(tip + s * t);
+        for (double s = kStep_px; s < length; s += kStep_px) add(tip + s * t);
         p = *rest;
         continue;
       }
@@ -171,18 +171,18 @@ class Window {
         const auto pulled = std::min(points.size(), static_cast<std::size_t>(radius_));
         std::fill(track.junction.end() - static_cast<std::ptrdiff_t>(pulled), track.junction.end(), true);
       }
-      in_crossing = wide ? 1.4 * width_ : in_crossing - kStep;
+      in_crossing = wide ? 1.4 * width_ : in_crossing - kStep_px;
       p = wide ? q : Vec2(q + std::clamp(*middle, -0.7, 0.7) * Vec2(-t.y(), t.x()));
       const Vec2 back = p - start;
-      if (travelled > 4.0 * radius_ && std::abs(back.dot(start_tangent)) < 0.6 * kStep &&
+      if (travelled > 4.0 * radius_ && std::abs(back.dot(start_tangent)) < 0.6 * kStep_px &&
           std::abs(geometry::cross(start_tangent, back)) < std::max(1.2, 0.35 * width_) &&
           t.dot(start_tangent) > 0.3) {
         track.closed = true;
         break;
       }
-      on_passed = passed_at(p) && !wide ? on_passed + kStep : 0.0;
-      if (on_passed > kLongestOverlap * width_ + 6.0) {  // back on its own track: that part is no news
-        const auto old = static_cast<std::size_t>(on_passed / kStep);
+      on_passed = passed_at(p) && !wide ? on_passed + kStep_px : 0.0;
+      if (on_passed > kMaxOverlap * width_ + 6.0) {  // back on its own track: that part is no news
+        const auto old = static_cast<std::size_t>(on_passed / kStep_px);
         points.resize(points.size() - std::min(points.size() - 1, old));
         track.junction.resize(points.size());
         break;
@@ -201,7 +201,7 @@ class Window {
     const auto* a = seen_.ptr<float>(y) + x;
     const auto* b = seen_.ptr<float>(y + 1) + x;
     const float w = (1 - v) * ((1 - u) * a[0] + u * a[1]) + v * ((1 - u) * b[0] + u * b[1]);
-    return w > kFaint ? w : 0.0F;
+    return w > kFaintWeight ? w : 0.0F;
   }
 
   bool passed_at(const Vec2& p) const {
@@ -223,8 +223,8 @@ class Window {
 
   /// Where the stroke was heading before the other one began to pull at the window.
   Vec2 direction_before(const std::vector<Vec2>& points, const Vec2& t) const {
-    const auto skip = static_cast<std::size_t>(radius_ / kStep);
-    const auto span = static_cast<std::size_t>((1.2 * width_ + 2.0) / kStep);
+    const auto skip = static_cast<std::size_t>(radius_ / kStep_px);
+    const auto span = static_cast<std::size_t>((1.2 * width_ + 2.0) / kStep_px);
     if (points.size() < skip + span + 1) return t;
     const Vec2 d = points[points.size() - 1 - skip] - points[points.size() - 1 - skip - span];
     return d.norm() > 0.0 ? d.normalized() : t;
@@ -239,7 +239,7 @@ class Window {
     for (std::size_t i = 0; i < length; ++i) {
       const Vec2 at = i < points.size()
                           ? points[points.size() - 1 - i]
-                          : Vec2(points.front() - kStep * double(i - points.size()) * start_tangent);
+                          : Vec2(points.front() - kStep_px * double(i - points.size()) * start_tangent);
       const cv::Point p(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
       cv::circle(seen_, p, r, cv::Scalar(0), -1);
       const cv::Rect here(p.x - r - 1, p.y - r - 1, 2 * r + 3, 2 * r + 3);
@@ -263,7 +263,7 @@ class Window {
     const int y0 = static_cast<int>(std::lround(tip.y())) - reach;
     const int side = 2 * reach + 1;
     const auto is_band = [&](int x, int y) {
-      return x >= 0 && y >= 0 && x < band_.cols && y < band_.rows && band_.at<float>(y, x) > kFaint;
+      return x >= 0 && y >= 0 && x < band_.cols && y < band_.rows && band_.at<float>(y, x) > kFaintWeight;
     };
     const auto is_rest = [&](int x, int y) {
       return is_band(x, y) && seen_.at<float>(y, x) > 0.0F && passed_.at<unsigned char>(y, x) == 0;
@@ -305,59 +305,6 @@ class Window {
 };
 
 }  // namespace
-
-cv::Mat edge_band(const Field& field, double stroke_width_px, bool is_stroke) {
-  // Sobel's gain is 8; a border blurred by sigma s has the slope contrast / (2.5 s).
-  const double strong = 8.0 * field.contrast / (2.5 * std::hypot(field.sigma_px, 1.0));
-  cv::Mat edges;
-  cv::Canny(field.smooth, edges, 0.15 * strong, 0.35 * strong, 3, true);
-  int size = 3;
-  if (is_stroke) size = 2 * (static_cast<int>(std::ceil(0.5 * stroke_width_px)) + 1) + 1;
-  const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_ELLIPSE, {size, size});
-  cv::Mat closed;
-  cv::copyMakeBorder(edges, closed, size, size, size, size, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::dilate(closed, closed, kernel);
-  cv::erode(closed, closed, kernel);
-  closed = closed(cv::Rect(size, size, edges.cols, edges.rows)).clone();
-
-  cv::Mat weights;
-  if (is_stroke) {
-    cv::bitwise_or(closed, field.drawn, closed);  // where strokes cross, their edges are too far apart
-    field.smooth.convertTo(weights, CV_32F, (field.dark ? -1.0 : 1.0) / (0.5 * field.contrast),
-                           (field.dark ? 1.0 : -1.0) * field.level / (0.5 * field.contrast));
-    weights = cv::min(cv::max(weights, 0.0), 1.0);
-  } else {
-    cv::Mat gx;
-    cv::Mat gy;
-    cv::Sobel(field.smooth, gx, CV_32F, 1, 0);
-    cv::Sobel(field.smooth, gy, CV_32F, 0, 1);
-    cv::magnitude(gx, gy, weights);
-    weights /= strong;
-    cv::dilate(closed, closed, cv::Mat());  // the ridge's flanks, for a centroid finer than a pixel
-  }
-  cv::Mat band(weights.size(), CV_32F, cv::Scalar(0));
-  weights.copyTo(band, closed);
-  return band;
-}
-
-std::optional<cv::Point> first_in_evolving_square(const cv::Mat& band) {
-  const int rings = (std::min(band.cols, band.rows) + 1) / 2;
-  for (int k = 0; k < rings; ++k) {
-    const int right = band.cols - 1 - k;
-    const int bottom = band.rows - 1 - k;
-    for (int x = k; x <= right; ++x) {
-      for (const int y : {k, bottom}) {
-        if (band.at<float>(y, x) > kFaint) return cv::Point(x, y);
-      }
-    }
-    for (int y = k; y <= bottom; ++y) {
-      for (const int x : {k, right}) {
-        if (band.at<float>(y, x) > kFaint) return cv::Point(x, y);
-      }
-    }
-  }
-  return std::nullopt;
-}
 
 Route follow_band(const cv::Mat& band, const cv::Point& start, double band_width_px, bool is_stroke) {
   Window window(band, band_width_px, is_stroke);

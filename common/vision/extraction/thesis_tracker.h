@@ -1,24 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way of the thesis (3.1.1-3.1.3): an edge band, and a window that travels along it.
+// The window of the thesis that travels along an edge band (3.1.3).
 #pragma once
 
-#include <opencv2/core.hpp>
-#include <optional>
+#include <opencv2/core/mat.hpp>
 
-#include "common/vision/extraction/extract.h"
-#include "common/vision/extraction/strokes.h"
-#include "common/vision/raster/picture.h"
+#include "common/vision/extraction/routes.h"
 
 namespace telekerf::vision {
-
-/// Canny's edges, dilated and eroded until they are continuous. For a stroke the kernel is wider than the
-/// stroke, so that its two edges become one band. Values are weights: the ink's darkness (strokes) or the
-/// edge's strength (regions).
-cv::Mat edge_band(const Field& field, double stroke_width_px, bool is_stroke);
-
-/// The first pixel of the band that a square meets which shrinks from the picture's border (closed
-/// contours, 3.1.2).
-std::optional<cv::Point> first_in_evolving_square(const cv::Mat& band);
 
 /// Follows the band from `start` in both directions. The tangent is the structure tensor's eigenvector of the
 /// smallest eigenvalue (eq. 1 has two unknowns and fails on straight edges), its sign kept by t . t_before >=

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/vision/raster/light.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
 namespace telekerf::vision {
-
 namespace {
 
 constexpr int kBlocks = 20;  ///< along each side of the picture
@@ -83,9 +82,9 @@ cv::Mat flattened(const cv::Mat& picture, const Light& light) {
       const double change = (light[1] + light[3] * u + light[4] * v) * u + (light[2] + light[5] * v) * v;
       const auto more = static_cast<unsigned char>(std::clamp(std::lround(change), 0L, 255L));
       const auto less = static_cast<unsigned char>(std::clamp(std::lround(-change), 0L, 255L));
-      const auto most = static_cast<unsigned char>(255 - less);
+      const auto ceiling = static_cast<unsigned char>(255 - less);
       for (int x = first; x < end; ++x) {
-        const unsigned char value = std::min(std::max(in[x], more), most);
+        const unsigned char value = std::min(std::max(in[x], more), ceiling);
         to[x] = static_cast<unsigned char>(value - more + less);
       }
     }

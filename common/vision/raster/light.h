@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <opencv2/core.hpp>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 
 namespace telekerf::vision {

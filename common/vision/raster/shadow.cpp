@@ -18,12 +18,12 @@ struct Edge {
   int high = 0;
 };
 
-/// The steepest places along one line of `count` pixels, of `least` grey levels or more.
-void collect(const unsigned char* line, int count, int least, std::vector<Edge>& edges) {
+/// The steepest places along one line of `count` pixels, of `min_step` grey levels or more.
+void collect(const unsigned char* line, int count, int min_step, std::vector<Edge>& edges) {
   const auto step = [&](int i) { return std::abs(line[i + kReach] - line[i - kReach]); };
   for (int i = 2 * kReach; i + 2 * kReach < count; ++i) {
     const int here = step(i);
-    if (here < least || here < step(i - 1) || here <= step(i + 1)) continue;
+    if (here < min_step || here < step(i - 1) || here <= step(i + 1)) continue;
     const auto [low, high] = std::minmax_element(line + i - kReach - 1, line + i + kReach + 2);
     edges.push_back({here, *low, *high});
   }
@@ -42,18 +42,19 @@ cv::Mat columns_of(const cv::Mat& picture, int every) {
 /// The sharp edges of some rows and columns; none if there are too few to say anything.
 std::vector<Edge> sharp_edges(const Field& field) {
   constexpr int kLines = 40;
-  constexpr std::size_t kFewest = 8;
+  constexpr std::size_t kMinEdges = 8;
   constexpr std::size_t kSteepest = 40;  // at least as many places cross a drawing that stands out
-  constexpr double kSharp = 0.5;         // share of their steps
+  constexpr double kSharp = 0.5;         // fraction of their steps
   std::vector<Edge> edges;
   const cv::Mat& smooth = field.smooth;
   const double noise = field.noise / (2.0 * field.sigma_px * std::sqrt(M_PI));
-  const int least = std::max(4, static_cast<int>(std::ceil(8.0 * noise)));
+  const int min_step = std::max(4, static_cast<int>(std::ceil(8.0 * noise)));
   for (int y = 0; y < smooth.rows; y += smooth.rows / kLines + 1)
-    collect(smooth.ptr<unsigned char>(y), smooth.cols, least, edges);
+    collect(smooth.ptr<unsigned char>(y), smooth.cols, min_step, edges);
   const cv::Mat columns = columns_of(smooth, smooth.cols / kLines + 1);
-  for (int k = 0; k < columns.rows; ++k) collect(columns.ptr<unsigned char>(k), columns.cols, least, edges);
-  if (edges.size() < kFewest) return {};
+  for (int k = 0; k < columns.rows; ++k)
+    collect(columns.ptr<unsigned char>(k), columns.cols, min_step, edges);
+  if (edges.size() < kMinEdges) return {};
   const auto steep = edges.begin() + static_cast<std::ptrdiff_t>(std::min(kSteepest, edges.size() / 4));
   std::nth_element(edges.begin(), steep, edges.end(),
                    [](const Edge& a, const Edge& b) { return a.step > b.step; });
@@ -76,17 +77,17 @@ double explained_edges(const Field& field) { return explained_at(sharp_edges(fie
 Field at_explaining_level(const Field& field) {
   const std::vector<Edge> edges = sharp_edges(field);
   Field best = field;
-  double most = explained_at(edges, field.level);
+  double best_explained = explained_at(edges, field.level);
   for (int level = 8; level < 248; ++level) {
     const double explained = explained_at(edges, level + 0.5);
-    if (explained <= most) continue;
-    most = explained;
+    if (explained <= best_explained) continue;
+    best_explained = explained;
     best.level = level + 0.5;
   }
   // Of all levels as good one that keeps off the background, where specks begin.
   if (best.level != field.level) {
     double last = best.level;
-    while (last < 248.0 && explained_at(edges, last + 1.0) >= most) last += 1.0;
+    while (last < 248.0 && explained_at(edges, last + 1.0) >= best_explained) last += 1.0;
     best.dark = !border_is_dark(best.smooth, 0.5 * (best.level + last));
     best.level = std::floor(best.level + (best.dark ? 1.0 : 2.0) / 3.0 * (last - best.level)) + 0.5;
   }

@@ -2,13 +2,13 @@
 // Light that changes at once, where a shadow ends: how it is noticed, and taken out from behind lines.
 #pragma once
 
-#include "common/vision/raster/picture.h"
+#include "common/vision/raster/field.h"
 
 namespace telekerf::vision {
 
-/// Share of the picture's sharp edges that lie on the border between drawing and background, 0 to 1. What was
-/// split along a shadow, or not split where it should be, leaves edges unexplained. Looked at in some rows
-/// and columns only.
+/// Fraction of the picture's sharp edges that lie on the border between drawing and background, 0 to 1. What
+/// was split along a shadow, or not split where it should be, leaves edges unexplained. Looked at in some
+/// rows and columns only.
 double explained_edges(const Field& field);
 
 /// The same picture split where it explains most edges: a shadow is no drawing where all that is drawn is

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/vision/vector/joining.h"
+
 namespace telekerf::vision {
 namespace {
 
@@ -24,12 +26,12 @@ std::optional<CurveWriter> DrawnLines::writer(const Eigen::Affine2d& here) {
   const double magnification = svd.singularValues()[0] * metres_.cwiseAbs().maxCoeff();
   if (!std::isfinite(magnification)) fail("a scale is not finite");
   if (failed() || !(magnification > 0.0)) return std::nullopt;
-  return CurveWriter(limits_.chord_error_m / magnification, limits_.most_points - points_);
+  return CurveWriter(limits_.chord_error_m / magnification, limits_.max_points - points_);
 }
 
 void DrawnLines::add(CurveWriter& writer, const Eigen::Affine2d& here, bool closed) {
   if (writer.bad()) return fail("a coordinate is not a finite number");
-  if (writer.full()) return fail(fmt::format("the drawing has more than {} points", limits_.most_points));
+  if (writer.full()) return fail(fmt::format("the drawing has more than {} points", limits_.max_points));
   geometry::Polyline line{writer.take(), closed};
   points_ += line.size();
   for (Vec2& p : line.points_m) p = metres_.cwiseProduct(here * p);
@@ -42,12 +44,13 @@ tl::expected<VectorDrawing, std::string> DrawnLines::drawing(std::string_view fo
   if (failed()) return tl::unexpected(complaint_);
   if (lines_.empty()) {
     const std::string none = fmt::format("the {} file draws no line", format);
-    if (left_out.empty()) return tl::unexpected(none);
-    return tl::unexpected(fmt::format("{} that is understood (not followed: {})", none, left_out.sentence()));
+    if (unsupported.empty()) return tl::unexpected(none);
+    return tl::unexpected(
+        fmt::format("{} that is understood (not followed: {})", none, unsupported.sentence()));
   }
   VectorDrawing out;
   out.contours = joined(std::exchange(lines_, {}), kMeets_m);
-  out.left_out = left_out;
+  out.unsupported = unsupported;
   return out;
 }
 

@@ -9,7 +9,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/vision/vector/curves.h"
+#include "common/vision/vector/curve_writer.h"
 #include "common/vision/vector/unsupported_elements.h"
 #include "common/vision/vector/vector_drawing.h"
 
@@ -20,7 +20,7 @@ class DrawnLines {
   /// `metres`: a unit of the file along x and y, negative where its axis points the other way.
   DrawnLines(const VectorLimits& limits, const Vec2& metres) : limits_(limits), metres_(metres) {}
 
-  UnsupportedElements left_out;
+  UnsupportedElements unsupported;
 
   /// The file cannot be drawn; the first reason counts.
   void fail(std::string sentence);

@@ -9,12 +9,12 @@
 namespace telekerf::vision {
 namespace {
 
-constexpr std::size_t kHighestDegree = 10;
-constexpr int kMostHalvings = 20;
+constexpr std::size_t kMaxDegree = 10;
+constexpr int kMaxHalvings = 20;
 
 /// Control points of one span as a Bezier curve: x w, y w, w.
 struct Bezier {
-  std::array<Eigen::Vector3d, kHighestDegree + 1> d;
+  std::array<Eigen::Vector3d, kMaxDegree + 1> d;
   std::size_t degree = 0;
   Vec2 point(std::size_t i) const { return d[i].head<2>() / d[i].z(); }
 };
@@ -25,7 +25,7 @@ Bezier bezier_of(const Spline& s, std::size_t span) {
   Bezier out;
   out.degree = p;
   for (std::size_t last = 0; last <= p; ++last) {
-    std::array<Eigen::Vector3d, kHighestDegree + 1> d;
+    std::array<Eigen::Vector3d, kMaxDegree + 1> d;
     for (std::size_t j = 0; j <= p; ++j) {
       const std::size_t i = span - p + j;
       const double w = s.weights.empty() ? 1.0 : s.weights[i];
@@ -60,7 +60,7 @@ bool is_flat(const Bezier& curve, double chord_error) {
 
 /// Halves the curve (de Casteljau) until its parts are flat.
 void draw(Bezier curve, int halvings, CurveWriter& w) {
-  if (halvings == kMostHalvings || is_flat(curve, w.chord_error()))
+  if (halvings == kMaxHalvings || is_flat(curve, w.chord_error()))
     return w.line_to(curve.point(curve.degree));
   Bezier first = curve;
   for (std::size_t r = 1; r <= curve.degree; ++r) {
@@ -76,7 +76,7 @@ void draw(Bezier curve, int halvings, CurveWriter& w) {
 std::optional<std::string> complaint_of(const Spline& s) {
   const std::size_t n = s.control.size();
   const auto p = static_cast<std::size_t>(std::max(0, s.degree));
-  if (p < 1 || p > kHighestDegree || n <= p || s.knots.size() != n + p + 1 ||
+  if (p < 1 || p > kMaxDegree || n <= p || s.knots.size() != n + p + 1 ||
       !std::is_sorted(s.knots.begin(), s.knots.end()) || (!s.weights.empty() && s.weights.size() != n))
     return "a SPLINE's degree, knots and control points do not fit together";
   if (!std::all_of(s.weights.begin(), s.weights.end(), [](double weight) { return weight > 0.0; }))

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/vision/vector/curves.h"
+#include "common/vision/vector/curve_writer.h"
 
 namespace telekerf::vision {
 

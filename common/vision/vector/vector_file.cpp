@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common/vision/vector/vector_file.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/vision/vector/vector_drawing.h"
+#include "common/vision/vector/dxf/document.h"
+#include "common/vision/vector/svg/document.h"
 
 namespace telekerf::vision {
 namespace {
@@ -29,8 +32,8 @@ tl::expected<VectorDrawing, std::string> read_vector_file(const std::string& pat
   const auto bytes = std::filesystem::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
   if (error || !file) return tl::unexpected(fmt::format("{}: cannot be read", path));
-  if (bytes > limits.most_bytes) {
-    return tl::unexpected(fmt::format("{}: larger than {} MB", path, limits.most_bytes / 1000000));
+  if (bytes > limits.max_bytes) {
+    return tl::unexpected(fmt::format("{}: larger than {} MB", path, limits.max_bytes / 1000000));
   }
   std::string text(bytes, '\0');
   file.read(text.data(), static_cast<std::streamsize>(bytes));

@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/vision/extraction/contour_extraction.h"
-#include "common/vision/extraction/extract.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {
@@ -16,8 +15,8 @@ namespace {
 
 struct Case {
   const char* shape;
-  Mode mode;
-  Mode used;  ///< what auto chooses
+  ExtractionMode mode;
+  ExtractionMode used;  ///< what auto chooses
 };
 
 class Truth : public testing::TestWithParam<Case> {};
@@ -41,27 +40,35 @@ TEST_P(Truth, PointsLieOnTheDrawingInOrder) {
 }
 
 std::string name_of_case(const testing::TestParamInfo<Case>& info) {
-  std::string out = std::string(info.param.shape) + "_" + std::string(name_of(info.param.mode));
+  std::string out = std::string(info.param.shape) + "_" + std::string(kExtractionModes.word(info.param.mode));
   std::replace(out.begin(), out.end(), '-', '_');
   return out;
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Drawings, Truth,
-    testing::Values(Case{"line", Mode::kAuto, Mode::kStroke}, Case{"circle", Mode::kAuto, Mode::kStroke},
-                    Case{"figure-8", Mode::kAuto, Mode::kStroke}, Case{"spiral", Mode::kAuto, Mode::kStroke},
-                    Case{"heart", Mode::kAuto, Mode::kStroke}, Case{"letter-s", Mode::kAuto, Mode::kStroke},
-                    Case{"script-e", Mode::kAuto, Mode::kStroke}, Case{"gear", Mode::kAuto, Mode::kOutline},
-                    Case{"cam", Mode::kAuto, Mode::kOutline}, Case{"octagon", Mode::kAuto, Mode::kOutline},
-                    Case{"letter-e", Mode::kAuto, Mode::kOutline}, Case{"blob", Mode::kAuto, Mode::kOutline},
-                    Case{"line", Mode::kThesis, Mode::kThesis}, Case{"circle", Mode::kThesis, Mode::kThesis},
-                    Case{"figure-8", Mode::kThesis, Mode::kThesis},
-                    Case{"spiral", Mode::kThesis, Mode::kThesis},
-                    Case{"script-e", Mode::kThesis, Mode::kThesis},
-                    Case{"letter-s", Mode::kThesis, Mode::kThesis}, Case{"cam", Mode::kThesis, Mode::kThesis},
-                    Case{"octagon", Mode::kThesis, Mode::kThesis}, Case{"gear", Mode::kThesis, Mode::kThesis},
-                    Case{"blob", Mode::kThesis, Mode::kThesis}),
-    name_of_case);
+INSTANTIATE_TEST_SUITE_P(Drawings, Truth,
+                         testing::Values(Case{"line", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"circle", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"figure-8", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"spiral", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"heart", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"letter-s", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"script-e", ExtractionMode::kAuto, ExtractionMode::kStroke},
+                                         Case{"gear", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"cam", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"octagon", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"letter-e", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"blob", ExtractionMode::kAuto, ExtractionMode::kOutline},
+                                         Case{"line", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"circle", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"figure-8", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"spiral", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"script-e", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"letter-s", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"cam", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"octagon", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"gear", ExtractionMode::kThesis, ExtractionMode::kThesis},
+                                         Case{"blob", ExtractionMode::kThesis, ExtractionMode::kThesis}),
+                         name_of_case);
 
 /// A pen drawing of straight lines between points of a unit circle's size.
 drawing::Drawing penned(std::vector<Vec2> points, bool closed, double pen_px) {
@@ -86,13 +93,13 @@ TEST(Extract, SharpCornersOfAStrokeAreGoneRound) {
         penned(star_points(1, 0.42), true, pen),                                               // 43
         penned(star_points(2, 0.0), true, pen)};  // 36, and five crossings
     for (const drawing::Drawing& drawing : drawings) {
-      for (const Mode mode : {Mode::kStroke, Mode::kThesis}) {
+      for (const ExtractionMode mode : {ExtractionMode::kStroke, ExtractionMode::kThesis}) {
         const auto found = extract(drawing::render(drawing, hard_look(2)), {.mode = mode});
         ASSERT_TRUE(found) << found.error();
         const PixelContour& contour = found->contours.front();
         EXPECT_EQ(contour.closed, drawing.lines_px.front().closed);
         const Comparison c = compare(contour, drawing.lines_px.front());
-        const auto what = testing::Message() << name_of(mode) << ", pen " << pen << ", "
+        const auto what = testing::Message() << kExtractionModes.word(mode) << ", pen " << pen << ", "
                                              << drawing.lines_px.front().size() << " corners";
         EXPECT_LT(c.rms_px, 0.5) << what;
         EXPECT_LT(c.max_px, 2.0) << what;
@@ -166,7 +173,7 @@ TEST(Extract, CornersOfARegionAreSharpAndCurvesStayRound) {
     waves.lines_px[0].points_m.emplace_back(319.5 + r * std::cos(a), 239.5 + r * std::sin(a));
   }
   for (const drawing::Drawing& drawing : {star, waves}) {
-    const auto found = extract(drawing::render(drawing, hard_look(1)), {.mode = Mode::kOutline});
+    const auto found = extract(drawing::render(drawing, hard_look(1)), {.mode = ExtractionMode::kOutline});
     ASSERT_TRUE(found) << found.error();
     const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
     EXPECT_LT(c.max_px, 1.5);
@@ -181,7 +188,7 @@ TEST(Extract, PensOfAnyWidthAndFaintLines) {
       drawing.pen_px = pen;
       const auto found = extract(drawing::render(drawing, hard_look(3)));
       ASSERT_TRUE(found) << found.error();
-      EXPECT_EQ(found->mode, Mode::kStroke);
+      EXPECT_EQ(found->mode, ExtractionMode::kStroke);
       const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
       EXPECT_LT(c.rms_px, 0.5) << shape << " pen " << pen;
       EXPECT_LT(c.missed_px, 2.0) << shape << " pen " << pen;

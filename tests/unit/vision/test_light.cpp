@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "common/vision/extraction/extract.h"
+#include "common/vision/extraction/contour_extraction.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {
@@ -37,7 +37,7 @@ TEST(Extract, FaintDrawingsShadowsAndUnevenLight) {
   for (const cv::Mat& picture : {drawing::render(circle, faint), shadow, lamp}) {
     const auto found = extract(picture);
     ASSERT_TRUE(found) << found.error();
-    EXPECT_EQ(found->mode, Mode::kStroke);
+    EXPECT_EQ(found->mode, ExtractionMode::kStroke);
     const Comparison c = compare(found->contours.front(), truth);
     EXPECT_LT(c.rms_px, 0.5);
     EXPECT_LT(c.max_px, 2.0);
@@ -62,11 +62,12 @@ cv::Mat in_half_shadow(const cv::Mat& picture, double angle_rad, double darker, 
 TEST(Extract, AShadowsEdgeIsNoPartOfADrawing) {
   struct Expected {
     const char* shape;
-    Mode mode;
+    ExtractionMode mode;
   };
-  for (const Expected& c : {Expected{"figure-8", Mode::kStroke}, Expected{"spiral", Mode::kStroke},
-                            Expected{"letter-s", Mode::kStroke}, Expected{"circle", Mode::kStroke},
-                            Expected{"blob", Mode::kOutline}, Expected{"gear", Mode::kOutline}}) {
+  for (const Expected& c :
+       {Expected{"figure-8", ExtractionMode::kStroke}, Expected{"spiral", ExtractionMode::kStroke},
+        Expected{"letter-s", ExtractionMode::kStroke}, Expected{"circle", ExtractionMode::kStroke},
+        Expected{"blob", ExtractionMode::kOutline}, Expected{"gear", ExtractionMode::kOutline}}) {
     const drawing::Drawing drawing = turned(c.shape, 1);
     for (const double angle : {0.4, 2.0, 3.9}) {
       const cv::Mat lit =
@@ -99,7 +100,7 @@ TEST(Extract, ThinLinesOnUnevenPaperAndFaintRegionsAreFound) {
       const drawing::Drawing drawing = smaller(shape, 1.0);
       const auto found = extract(drawing::render(drawing, faint));
       ASSERT_TRUE(found) << shape << ": " << found.error();
-      EXPECT_EQ(found->mode, Mode::kOutline) << shape << ", noise " << noise;
+      EXPECT_EQ(found->mode, ExtractionMode::kOutline) << shape << ", noise " << noise;
       EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.8)
           << shape << ", noise " << noise;
     }

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/vision/load.h"
+#include "common/vision/raster/picture_file.h"
 
 namespace telekerf::vision {
 namespace {

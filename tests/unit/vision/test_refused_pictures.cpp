@@ -8,12 +8,11 @@
 #include <string>
 
 #include "common/vision/extraction/contour_extraction.h"
-#include "common/vision/extraction/extract.h"
 
 namespace telekerf::vision {
 namespace {
 
-std::string complaint(const cv::Mat& picture, Mode mode = Mode::kAuto) {
+std::string complaint(const cv::Mat& picture, ExtractionMode mode = ExtractionMode::kAuto) {
   const auto found = extract(picture, {.mode = mode});
   if (found) {
     EXPECT_FALSE(found->contours.empty());
@@ -32,8 +31,8 @@ TEST(Extract, WhatIsNoDrawingIsRefusedWithAReason) {
     cv::Mat noise(480, 640, CV_8U);
     rng.fill(noise, cv::RNG::NORMAL, 128.0, sigma);
     EXPECT_NE(complaint(noise), "") << sigma;
-    EXPECT_NE(complaint(noise, Mode::kThesis), "") << sigma;
-    EXPECT_NE(complaint(noise, Mode::kStroke), "") << sigma;
+    EXPECT_NE(complaint(noise, ExtractionMode::kThesis), "") << sigma;
+    EXPECT_NE(complaint(noise, ExtractionMode::kStroke), "") << sigma;
   }
   cv::Mat uniform_noise(480, 640, CV_8U);
   rng.fill(uniform_noise, cv::RNG::UNIFORM, 0, 256);
@@ -87,13 +86,14 @@ TEST(Extract, StrokesThatRunOffThePictureAreRefused) {
   cv::Mat cut(480, 640, CV_8U, cv::Scalar(220));
   cv::line(cut, {-10, 200}, {660, 260}, cv::Scalar(40), 6, cv::LINE_AA);
   EXPECT_NE(complaint(cut).find("border"), std::string::npos);
-  EXPECT_NE(complaint(cut, Mode::kStroke).find("border"), std::string::npos);
+  EXPECT_NE(complaint(cut, ExtractionMode::kStroke).find("border"), std::string::npos);
   // A loop whose tail runs off the picture: its inside is no contour of its own.
   cv::Mat loop(480, 640, CV_8U, cv::Scalar(220));
   cv::circle(loop, {300, 240}, 120, cv::Scalar(40), 6, cv::LINE_AA);
   cv::line(loop, {420, 240}, {660, 240}, cv::Scalar(40), 6, cv::LINE_AA);
-  for (const Mode mode : {Mode::kAuto, Mode::kOutline, Mode::kStroke, Mode::kThesis}) {
-    EXPECT_NE(complaint(loop, mode).find("border"), std::string::npos) << name_of(mode);
+  for (const ExtractionMode mode :
+       {ExtractionMode::kAuto, ExtractionMode::kOutline, ExtractionMode::kStroke, ExtractionMode::kThesis}) {
+    EXPECT_NE(complaint(loop, mode).find("border"), std::string::npos) << kExtractionModes.word(mode);
   }
 }
 

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "common/vision/extraction/skeleton.h"
+#include "common/vision/extraction/thinning.h"
 
 namespace telekerf::vision {
 namespace {

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <tuple>
 
-#include "common/vision/export.h"
-#include "common/vision/vector/vector_drawing.h"
+#include "common/vision/export/csv.h"
+#include "common/vision/export/gcode.h"
+#include "common/vision/export/svg.h"
+#include "common/vision/vector/dxf/document.h"
+#include "common/vision/vector/svg/document.h"
 
 namespace telekerf::vision {
 namespace {
@@ -132,7 +135,7 @@ TEST(Svg, UseDrawsWhatIsDefinedElsewhere) {
   ends(1, {0, -1}, {0, -4});
   ends(2, {70, -40}, {76, -40});
   ends(3, {50, -2}, {50, -8});
-  EXPECT_TRUE(d.left_out.empty());
+  EXPECT_TRUE(d.unsupported.empty());
 }
 
 TEST(Svg, SymbolsAndNestedDrawingsFitTheirViewports) {
@@ -159,7 +162,7 @@ TEST(Svg, SymbolsAndNestedDrawingsFitTheirViewports) {
 TEST(Svg, WhatCannotBeFollowedIsNamed) {
   const auto d = svg(R"svg(<text>a</text><text>b</text><image href="p.png"/><line x2="1" clip-path="url(#c)"/>
       <defs><text>unseen</text></defs><sodipodi:namedview/><metadata/>)svg");
-  EXPECT_EQ(d.left_out.sentence(), "1 clip-path, 1 image, 2 text");
+  EXPECT_EQ(d.unsupported.sentence(), "1 clip-path, 1 image, 2 text");
   EXPECT_NE(svg_error("<svg><text>a</text></svg>").find("1 text"), std::string::npos);
   EXPECT_NE(svg_error("<svg><use href='#no'/><line x2='1'/></svg>").find("#no"), std::string::npos);
   EXPECT_NE(svg_error("<svg><use href='other.svg#a'/><line x2='1'/></svg>").find("same file"),
@@ -181,7 +184,7 @@ TEST(Svg, WhatCannotBeFollowedIsNamed) {
       bomb += "</g>";
     }
     VectorLimits few;
-    few.most_points = 20000;
+    few.max_points = 20000;
     const auto out = read_svg(bomb + "</defs><use href='#a11'/></svg>", few);
     ASSERT_FALSE(out);
     EXPECT_NE(out.error().find("more than 20000"), std::string::npos) << out.error();
@@ -215,7 +218,7 @@ TEST(Svg, DamageIsAnErrorThatSaysWhere) {
   EXPECT_NE(error(deep).find("no error"), 0u);
   // A curve that asks for more points than are allowed is refused, not drawn.
   VectorLimits few;
-  few.most_points = 100;
+  few.max_points = 100;
   EXPECT_FALSE(read_svg("<svg><circle r='1000'/></svg>", few));
 }
 
@@ -314,7 +317,7 @@ TEST(Dxf, WhatCannotBeFollowedIsNamed) {
   const auto d = dxf(line + "0\nTEXT\n1\nA\n0\nHATCH\n10\n0\n0\nTEXT\n0\nVIEWPORT\n67\n1\n" + line +
                      "67\n1\n0\nARC\n40\n1\n210\n0.6\n220\n0\n230\n0.8\n" + line + "60\n1\n");
   EXPECT_EQ(d.contours.size(), 1u);
-  EXPECT_EQ(d.left_out.sentence(), "1 HATCH, 1 LINE on a sheet, 2 TEXT, 1 tilted ARC");
+  EXPECT_EQ(d.unsupported.sentence(), "1 HATCH, 1 LINE on a sheet, 2 TEXT, 1 tilted ARC");
   EXPECT_NE(error(line + "0\nINSERT\n2\nNO\n").find("\"NO\""), std::string::npos);
   const std::string self = blocks("0\nBLOCK\n2\nA\n0\nINSERT\n2\nA\n0\nENDBLK\n");
   EXPECT_NE(error(line + "0\nINSERT\n2\nA\n", self).find("itself"), std::string::npos);

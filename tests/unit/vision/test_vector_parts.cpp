@@ -9,10 +9,11 @@
 #include <tuple>
 #include <vector>
 
-#include "common/vision/vector/dxf_blocks.h"
+#include "common/vision/vector/dxf/blocks.h"
 #include "common/vision/vector/spline.h"
-#include "common/vision/vector/svg_path.h"
-#include "common/vision/vector/svg_transform.h"
+#include "common/vision/vector/svg/path_data.h"
+#include "common/vision/vector/svg/transform.h"
+#include "common/vision/vector/svg/view_box.h"
 
 namespace telekerf::vision {
 namespace {

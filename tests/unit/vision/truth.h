@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/geometry/nearest.h"
-#include "common/vision/extraction/extract.h"
+#include "common/vision/extraction/pixel_contour.h"
 #include "slave/vision/drawing.h"
 
 namespace telekerf::vision {

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/vision/export/csv.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <iterator>
+#include <optional>
+
+#include "common/vision/vector/number.h"
+
+namespace telekerf::vision {
+
+std::string to_csv(const geometry::Polyline& line) {
+  std::string out = "x_m,y_m\n";
+  for (const Vec2& p : line.points_m) fmt::format_to(std::back_inserter(out), "{},{}\n", p.x(), p.y());
+  return out;
+}
+
+tl::expected<std::vector<Vec2>, std::string> points_from_csv(std::string_view text) {
+  std::vector<Vec2> out;
+  std::size_t number = 0;
+  while (!text.empty()) {
+    const auto end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    ++number;
+    std::string_view rest = line;
+    skip_separators(rest);
+    if (rest.empty() || rest.front() == '#') continue;
+    const auto x = take_number(rest);
+    const auto y = x ? take_number(rest) : std::nullopt;
+    while (!rest.empty() && (rest.back() == '\r' || rest.back() == ' ')) rest.remove_suffix(1);
+    const bool heading = number == 1 && !x && line.find_first_of("0123456789") == std::string_view::npos &&
+                         line.find("nan") == std::string_view::npos &&
+                         line.find("inf") == std::string_view::npos;
+    if (heading) continue;
+    if (!y || !rest.empty()) {
+      return tl::unexpected(fmt::format("line {}: \"{:.40}\" is not two finite numbers x,y", number, line));
+    }
+    out.emplace_back(*x, *y);
+  }
+  if (out.empty()) return tl::unexpected<std::string>("there is no point in it");
+  return out;
+}
+
+}  // namespace telekerf::vision

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/vision/extraction/contour_extraction.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <utility>
+#include <vector>
+
+#include "common/vision/extraction/border.h"
+#include "common/vision/extraction/centre_line.h"
+#include "common/vision/extraction/corners.h"
+#include "common/vision/extraction/edge_band.h"
+#include "common/vision/extraction/ends.h"
+#include "common/vision/extraction/local_level.h"
+#include "common/vision/extraction/separation.h"
+#include "common/vision/extraction/stroke.h"
+#include "common/vision/extraction/thesis_tracker.h"
+#include "common/vision/raster/grey_plane.h"
+
+namespace telekerf::vision {
+namespace {
+
+constexpr double kMinLength_px = 16.0;
+
+/// Largest first; specks go.
+void keep_large(Contours& contours, double min_size_fraction) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    if (length_px(contours[i]) < kMinLength_px) continue;
+    order.emplace_back(size_px(contours[i]), i);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  Contours kept;
+  for (const auto& [size, i] : order) {
+    if (size >= min_size_fraction * order.front().first) kept.push_back(std::move(contours[i]));
+  }
+  contours = std::move(kept);
+}
+
+tl::expected<Contours, std::string> finished(Contours contours, double min_size_fraction, double sigma_px,
+                                             const char* complaint) {
+  keep_large(contours, min_size_fraction);
+  if (contours.empty()) return tl::unexpected<std::string>(complaint);
+  for (PixelContour& contour : contours) smooth_and_resample(contour, sigma_px);
+  return contours;
+}
+
+/// Sigma of lens and filter together, from how steep the picture is along the borders.
+double blur_of(const Field& field, const Contours& contours) {
+  std::vector<double> slopes;
+  std::size_t points = 0;
+  for (const PixelContour& c : contours) points += c.points_px.size();
+  const std::size_t step = points / 2000 + 1;
+  std::size_t next = 0;
+  for (const PixelContour& c : contours) {
+    for (; next < c.points_px.size(); next += step) {
+      const int x = static_cast<int>(std::lround(c.points_px[next].x()));
+      const int y = static_cast<int>(std::lround(c.points_px[next].y()));
+      if (x < 1 || y < 1 || x + 1 >= field.smooth.cols || y + 1 >= field.smooth.rows) continue;
+      slopes.push_back(0.5 * std::hypot(field.value(x + 1, y) - field.value(x - 1, y),
+                                        field.value(x, y + 1) - field.value(x, y - 1)));
+    }
+    next -= c.points_px.size();
+  }
+  if (slopes.empty()) return field.sigma_px;
+  std::nth_element(slopes.begin(), slopes.begin() + slopes.size() / 2, slopes.end());
+  const double slope = std::max(1e-3, slopes[slopes.size() / 2]);
+  return std::clamp(field.contrast / (std::sqrt(2.0 * M_PI) * slope), field.sigma_px, 5.0);
+}
+
+tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines found,
+                                                 const ExtractionSettings& settings) {
+  const double blur_px = blur_of(field, found.contours);
+  for (std::size_t i = 0; i < found.contours.size(); ++i) found.contours[i].hole = found.areas_px[i] < 0.0;
+  auto contours =
+      finished(std::move(found.contours), settings.min_size_fraction, 1.0,
+               found.cut_off > 0 ? kAllCutOff : "the picture holds specks only, no shape with an outline");
+  if (contours) {
+    for (PixelContour& contour : *contours) {
+      move_to_local_level(field, blur_px, contour.points_px);
+      sharpen_corners(contour.points_px, true, {.blur_px = blur_px});
+    }
+  }
+  return contours;
+}
+
+tl::expected<Contours, std::string> stroke_mode(const Field& field, const Outlines& found,
+                                                const ExtractionSettings& settings) {
+  return finished(strokes_of(field, found), settings.min_size_fraction, 1.0,
+                  found.cut_off > 0 ? kAllCutOff : "the picture holds specks only, no stroke");
+}
+
+tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlines& found,
+                                                const ExtractionSettings& settings) {
+  const double width = found.width_px;
+  const bool is_stroke = found.thin();
+  const cv::Mat band = edge_band(field, width, is_stroke);
+  std::optional<cv::Point> start = first_in_evolving_square(band);
+  if (!start) return tl::unexpected<std::string>("Canny finds no edge in the picture");
+  if (settings.start_px) {
+    std::vector<cv::Point> on;
+    cv::findNonZero(band > 0.2F, on);
+    for (const cv::Point& p : on) {
+      const auto distance = [&](const cv::Point& q) {
+        return (Vec2(q.x, q.y) - *settings.start_px).squaredNorm();
+      };
+      if (distance(p) < distance(*start)) start = p;
+    }
+  }
+  const Route route = follow_band(band, *start, is_stroke ? width : 3.0, is_stroke);
+  Contours out{is_stroke ? centred(field, route, width) : on_border(field, route)};
+  const double blur_px = blur_of(field, out);
+  auto contours =
+      finished(std::move(out), settings.min_size_fraction, 1.0,
+               "the window found too little to follow from its start; give --start on the contour");
+  if (contours && !is_stroke) {
+    sharpen_corners(contours->front().points_px, contours->front().closed, {.blur_px = blur_px});
+  }
+  return contours;
+}
+
+}  // namespace
+
+tl::expected<Extraction, std::string> extract(const cv::Mat& image, const ExtractionSettings& settings) {
+  const auto grey = grey_plane(image);
+  if (!grey) return tl::unexpected(grey.error());
+  auto found = separated(*grey);
+  if (!found) return tl::unexpected(found.error());
+  Field& field = found->field;
+  Outlines& outlines = found->outlines;
+
+  Extraction out;
+  out.picture_width_px = image.cols;
+  out.picture_height_px = image.rows;
+  out.contrast = field.contrast;
+  out.noise = field.noise;
+  out.mode = settings.mode;
+  out.why = "asked for";
+  if (settings.mode == ExtractionMode::kAuto) {
+    const double width = outlines.width_px;
+    const double size = std::max(1.0, outlines.size_px);
+    out.mode = outlines.thin() ? ExtractionMode::kStroke : ExtractionMode::kOutline;
+    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", width, size,
+                          out.mode == ExtractionMode::kStroke ? "stroke" : "region");
+  }
+  auto contours = out.mode == ExtractionMode::kStroke   ? stroke_mode(field, outlines, settings)
+                  : out.mode == ExtractionMode::kThesis ? thesis_mode(field, outlines, settings)
+                                                        : outline_mode(field, std::move(outlines), settings);
+  if (!contours) return tl::unexpected(contours.error());
+  out.contours = std::move(*contours);
+  apply_ends(out.contours, settings.start_px, settings.end_px);
+  if (out.contours.front().points_px.size() < 4) {
+    return tl::unexpected<std::string>(
+        "start and end lie so close together that nothing is left between them");
+  }
+  return out;
+}
+
+}  // namespace telekerf::vision

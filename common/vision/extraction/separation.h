@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What of a picture is the drawing, and what its background.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "common/vision/extraction/outline.h"
+#include "common/vision/raster/field.h"
+
+namespace telekerf::vision {
+
+/// The complaint about a picture of which no shape is whole.
+inline constexpr const char* kAllCutOff =
+    "every shape touches the picture's border, so none is whole; show the shape with background all around "
+    "it";
+
+/// One way to tell drawing from background, and what speaks for it.
+struct Separation {
+  Field field;
+  Outlines outlines;
+  std::optional<std::string> complaint;
+  double explained = 0.0;   ///< fraction of the sharp edges
+  bool stands_out = false;  ///< large enough to be what the picture is about
+
+  bool whole() const { return !complaint && stands_out; }
+  double score() const { return explained * field.contrast; }  ///< many edges on a clear border
+};
+
+/// Drawing and background of a picture. Where the first level finds no whole drawing or leaves sharp edges
+/// over, a better one if there is any, or lines across shadows, whichever scores best.
+/// The error is one sentence that says why the picture is no drawing on a background.
+tl::expected<Separation, std::string> separated(const cv::Mat& grey);
+
+}  // namespace telekerf::vision
