@@ -9,11 +9,11 @@
 
 namespace telekerf::lap {
 ContourMessage find_contour(const LapSettings& settings) {
-  vision::ContourRequest request;
+  vision_process::ContourRequest request;
   request.image = settings.image;
   if (settings.width_mm > 0.0) request.width_m = settings.width_mm * 1e-3;
   request.workspace_radius_m = robot::load_robot(settings.slave.robot).workspace.radius_m;
-  return vision::find_contour(request);
+  return vision_process::find_contour(request);
 }
 
 RunRecord run_lap(const LapSettings& settings) { return run_lap(settings, find_contour(settings)); }

@@ -10,7 +10,7 @@
 #include "common/runtime/resources.h"
 #include "common/runtime/startup_error.h"
 
-namespace telekerf::vision {
+namespace telekerf::vision_process {
 namespace {
 
 /// FNV-1a over one line after the other.
@@ -36,15 +36,10 @@ std::uint32_t digest_of(const ContourMessage& message) {
 
 }  // namespace
 
-LoadRequest load_request(const ContourRequest& request) {
-  const auto mode = kExtractionModes.find(request.mode);
-  if (!mode)
-    throw StartupError(fmt::format("mode = {}: must be auto, outline, stroke or thesis", request.mode));
-  const auto anchor = kAnchorModes.find(request.anchor);
-  if (!anchor) throw StartupError(fmt::format("anchor = {}: must be box, first or image", request.anchor));
-  LoadRequest load;
-  load.extraction.mode = *mode;
-  load.scale.anchor = *anchor;
+vision::LoadRequest load_request(const ContourRequest& request) {
+  vision::LoadRequest load;
+  load.extraction.mode = request.mode;
+  load.scale.anchor = request.anchor;
   load.scale.picture_width_m = request.width_m;
   load.scale.workspace_radius_m = request.workspace_radius_m;
   load.fit_all = request.fit_all;
@@ -52,8 +47,8 @@ LoadRequest load_request(const ContourRequest& request) {
   return load;
 }
 
-tl::expected<ContourMessage, std::string> message_of(const LoadedContours& loaded, const std::string& source,
-                                                     double workspace_radius_m) {
+tl::expected<ContourMessage, std::string> message_of(const vision::LoadedContours& loaded,
+                                                     const std::string& source, double workspace_radius_m) {
   const geometry::Polyline& line = loaded.contours[loaded.selected];
   double reach_m = 0.0;
   for (const auto& point : line.points_m) reach_m = std::max(reach_m, point.norm());
@@ -85,12 +80,12 @@ tl::expected<ContourMessage, std::string> message_of(const LoadedContours& loade
 
 ContourMessage find_contour(const ContourRequest& request) {
   const std::string file = find_resource("pictures", request.image, ".png").string();
-  const auto loaded = load_contours(file, load_request(request));
-  if (!loaded) throw StartupError(loaded.error());
+  const auto loaded = vision::load_contours(file, load_request(request));
+  if (!loaded) throw input_error(loaded.error());
   const auto message =
       message_of(*loaded, std::filesystem::path(file).filename().string(), request.workspace_radius_m);
-  if (!message) throw StartupError(message.error());
+  if (!message) throw input_error(message.error());
   return *message;
 }
 
-}  // namespace telekerf::vision
+}  // namespace telekerf::vision_process

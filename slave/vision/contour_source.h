@@ -9,27 +9,27 @@
 #include "common/protocol/messages.h"
 #include "common/vision/load.h"
 
-namespace telekerf::vision {
+namespace telekerf::vision_process {
 
 struct ContourRequest {
-  std::string image;              ///< a shipped picture's name, or a path to a picture, SVG or DXF
-  std::string mode = "auto";      ///< auto, outline, stroke, thesis
-  std::string anchor = "box";     ///< what lies on the workpiece's origin: box, first, image
-  std::size_t select = 0;         ///< which contour; 0 is the largest
+  std::string image;  ///< a shipped picture's name, or a path to a picture, SVG or DXF
+  vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
+  vision::AnchorMode anchor = vision::AnchorMode::kBoundingBox;  ///< what lies on the workpiece's origin
+  std::size_t select = 0;                                        ///< which contour; 0 is the largest
   std::optional<double> width_m;  ///< of the whole picture; otherwise the contour is fitted to the workspace
   double workspace_radius_m = 0.02;  ///< of the slave
   bool fit_all = false;              ///< all contours together are centred and fitted, not the longest alone
 };
 
-/// What the vision library is asked for. Throws StartupError: an unknown mode or anchor.
-LoadRequest load_request(const ContourRequest& request);
+/// What the vision library is asked for.
+vision::LoadRequest load_request(const ContourRequest& request);
 /// The selected contour as it is published with the others beside it, its id a digest of all their points.
 /// The error is one sentence: it does not fit into the workspace.
-tl::expected<ContourMessage, std::string> message_of(const LoadedContours& loaded, const std::string& source,
-                                                     double workspace_radius_m);
+tl::expected<ContourMessage, std::string> message_of(const vision::LoadedContours& loaded,
+                                                     const std::string& source, double workspace_radius_m);
 
 /// Reads, extracts, scales. Throws StartupError: no such file, no picture, no contour, or larger than the
 /// workspace.
 ContourMessage find_contour(const ContourRequest& request);
 
-}  // namespace telekerf::vision
+}  // namespace telekerf::vision_process

@@ -15,19 +15,19 @@
 #include "common/runtime/resources.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
-#include "slave/vision/camera.h"
+#include "slave/vision/cameras/cameras.h"
 #include "slave/vision/vision_node.h"
 
-namespace telekerf::vision {
+namespace telekerf::vision_process {
 namespace {
 
 struct Flags {
   BusFlags bus;
   netem::NetemFlags netem;
   std::string image = "heart";
-  int camera = -1;
-  std::string mode = "auto";
-  std::string anchor = "box";
+  std::string camera = "none";
+  vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
+  vision::AnchorMode anchor = vision::AnchorMode::kBoundingBox;
   int select = 0;
   double width_mm = 0.0;
   bool fit_all = false;
@@ -61,12 +61,13 @@ void say(const ContourMessage& contour) {
 }
 
 int run(const Flags& flags) {
-  const auto camera = flags.camera >= 0 ? open_device(flags.camera) : open_image(path_of(flags.image));
+  const bool live = flags.camera != "none";
+  const auto camera = live ? open_camera(flags.camera) : open_image(path_of(flags.image));
   VisionNode node(request_of(flags));
-  Camera::Look look = camera->next();
-  VisionNode::Outcome outcome = node.step(look);
+  Camera::Result seen = camera->next();
+  VisionNode::Outcome outcome = node.step(seen);
   // A file's first look decides; what lies under a camera may come later.
-  if (flags.camera < 0 && node.state() == VisionNode::State::kNoContour) throw StartupError(outcome.remark);
+  if (!live && node.state() == VisionNode::State::kNoContour) throw input_error(outcome.remark);
 
   catch_stop_signals();
   BusSettings bus_settings = flags.bus.bus_settings(Site::kSlave, "vision");
@@ -86,23 +87,26 @@ int run(const Flags& flags) {
       report_at = now + std::chrono::seconds(1);
     }
     // A live camera sets the pace; for files and for what is gone, now and then will do.
-    const bool live = look && *look && (*look)->settles;
-    std::this_thread::sleep_for(std::chrono::milliseconds(live ? 1 : 200));
-    look = camera->next();
-    outcome = node.step(look);
+    const bool more = seen && *seen && (*seen)->settles;
+    std::this_thread::sleep_for(std::chrono::milliseconds(more ? 1 : 200));
+    seen = camera->next();
+    outcome = node.step(seen);
   }
   return 0;
+}
+
+std::string complaint_about_camera(const std::string& camera) {
+  return camera == "none" ? "" : validate_camera(camera);
 }
 
 void add_parameters(Flags& flags, Settings& settings) {
   settings.add("image", flags.image, kPicture,
                "a shipped picture's name, a picture, SVG or DXF file, a folder of them, or a video");
-  settings.add("camera", flags.camera, {.min = -1, .max = 255},
-               "number of a /dev/video device; -1: none, use image");
-  settings.add("mode", flags.mode, "from pixels to points", {"auto", "outline", "stroke", "thesis"});
-  settings.add("anchor", flags.anchor,
-               "what lies on the workpiece's origin: the contour's box or first point, or the image's centre",
-               {"box", "first", "image"});
+  settings.add(
+      "camera", flags.camera, {"CAMERA", "", "", complaint_about_camera},
+      "what shows the workpiece in place of image: none, the N of a /dev/video device, " + camera_forms());
+  settings.add("mode", flags.mode, vision::kExtractionModes, "from pixels to points");
+  settings.add("anchor", flags.anchor, vision::kAnchorModes, "what lies on the workpiece's origin");
   settings.add("select", flags.select, {.min = 0, .max = 9999}, "which contour, 0 is the largest");
   settings.add("width_mm", flags.width_mm, {.min = 0, .max = 10000, .unit = "mm"},
                "width of the whole picture; 0: the contour is fitted to 60 % of the workspace");
@@ -114,10 +118,10 @@ void add_parameters(Flags& flags, Settings& settings) {
 }
 
 }  // namespace
-}  // namespace telekerf::vision
+}  // namespace telekerf::vision_process
 
 int main(int argc, char** argv) {
-  using namespace telekerf::vision;
+  using namespace telekerf::vision_process;
   return telekerf::run_program(argc, argv, "telekerf-vision",
                                "Finds the contour in a picture and publishes it", Flags{}, add_parameters,
                                run);

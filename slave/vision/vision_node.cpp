@@ -9,14 +9,14 @@
 
 #include "common/geometry/nearest.h"
 
-namespace telekerf::vision {
+namespace telekerf::vision_process {
 namespace {
 
-constexpr double kSamePx = 2.0;        ///< a contour that moves less has not changed
-constexpr double kSameDrawing = 1e-6;  ///< metres, for drawings, which have no pixels
+constexpr double kSame_px = 2.0;         ///< a contour that moves less has not changed
+constexpr double kSameDrawing_m = 1e-6;  ///< for drawings, which have no pixels
 
 double tolerance_for(const ContourMessage& contour) {
-  return std::max(kSameDrawing, kSamePx * contour.metres_per_pixel + 4.0 * contour.deviation_m);
+  return std::max(kSameDrawing_m, kSame_px * contour.metres_per_pixel + 4.0 * contour.deviation_m);
 }
 
 double furthest(const std::vector<Vec2>& from, const geometry::NearestIndex& to) {
@@ -53,8 +53,9 @@ bool same_contour(const ContourMessage& a, const ContourMessage& b, double toler
 }
 
 tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& frame) {
-  const LoadRequest load = load_request(request_);
-  const auto loaded = frame.file.empty() ? contours_of(frame.image, load) : load_contours(frame.file, load);
+  const vision::LoadRequest load = load_request(request_);
+  const auto loaded =
+      frame.file.empty() ? vision::contours_of(frame.image, load) : vision::load_contours(frame.file, load);
   if (!loaded) return tl::unexpected(loaded.error());
   unsupported_ = loaded->unsupported;
   contrast_ = loaded->contrast;
@@ -89,14 +90,14 @@ VisionNode::Outcome VisionNode::enter(State state, const std::string& reason) {
   return {std::nullopt, reason + (published_ ? "; the published contour stands" : "")};
 }
 
-VisionNode::Outcome VisionNode::step(const Camera::Look& look) {
-  if (!look) {
+VisionNode::Outcome VisionNode::step(const Camera::Result& result) {
+  if (!result) {
     if (state_ != State::kGone) ++losses_;
-    return enter(State::kGone, look.error());
+    return enter(State::kGone, result.error());
   }
-  if (!*look) return {};
+  if (!*result) return {};
   ++frames_;
-  const Frame& frame = **look;
+  const Frame& frame = **result;
   auto seen = contour_in(frame);
   if (!seen) return enter(State::kNoContour, seen.error());
 
@@ -124,4 +125,4 @@ VisionNode::Outcome VisionNode::step(const Camera::Look& look) {
   return out;
 }
 
-}  // namespace telekerf::vision
+}  // namespace telekerf::vision_process

@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "slave/vision/camera.h"
+#include "slave/vision/cameras/camera.h"
 #include "slave/vision/contour_source.h"
 
-namespace telekerf::vision {
+namespace telekerf::vision_process {
 
 /// The same drawing: of each line no point lies further than `tolerance_m` from its like, and both are as
 /// long. The start, the direction and the order of the further lines do not matter.
@@ -31,7 +31,7 @@ class VisionNode {
     std::optional<ContourMessage> publish;
     std::string remark;  ///< for people, when something has changed; else empty
   };
-  Outcome step(const Camera::Look& look);
+  Outcome step(const Camera::Result& result);
 
   State state() const noexcept { return state_; }
   int frames() const noexcept { return frames_; }
@@ -58,4 +58,4 @@ class VisionNode {
   int losses_ = 0;
 };
 
-}  // namespace telekerf::vision
+}  // namespace telekerf::vision_process

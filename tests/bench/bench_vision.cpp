@@ -15,7 +15,7 @@
 
 #include "common/geometry/nearest.h"
 #include "common/vision/extraction/contour_extraction.h"
-#include "slave/vision/drawing.h"
+#include "tools/draw-pictures/rendering.h"
 
 namespace {
 
@@ -76,12 +76,12 @@ int main() {
     drawing.pen_px *= 2.0;
     std::vector<cv::Mat> pictures;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      drawing::Look look;
-      look.width_px = kWidth;
-      look.height_px = kHeight;
-      look.noise = 4.0;
-      look.seed = seed;
-      pictures.push_back(drawing::render(drawing, look));
+      drawing::Appearance appearance;
+      appearance.width_px = kWidth;
+      appearance.height_px = kHeight;
+      appearance.noise = 4.0;
+      appearance.seed = seed;
+      pictures.push_back(drawing::render(drawing, appearance));
     }
     for (const vision::ExtractionMode mode :
          {vision::ExtractionMode::kAuto, vision::ExtractionMode::kOutline, vision::ExtractionMode::kStroke}) {

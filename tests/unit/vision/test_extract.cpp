@@ -24,7 +24,7 @@ class Truth : public testing::TestWithParam<Case> {};
 TEST_P(Truth, PointsLieOnTheDrawingInOrder) {
   for (int round = 0; round < 4; ++round) {
     const drawing::Drawing drawing = turned(GetParam().shape, round);
-    const auto found = extract(drawing::render(drawing, hard_look(round)), {.mode = GetParam().mode});
+    const auto found = extract(drawing::render(drawing, hard_appearance(round)), {.mode = GetParam().mode});
     ASSERT_TRUE(found) << found.error();
     EXPECT_EQ(found->mode, GetParam().used);
     const PixelContour& contour = found->contours.front();
@@ -94,7 +94,7 @@ TEST(Extract, SharpCornersOfAStrokeAreGoneRound) {
         penned(star_points(2, 0.0), true, pen)};  // 36, and five crossings
     for (const drawing::Drawing& drawing : drawings) {
       for (const ExtractionMode mode : {ExtractionMode::kStroke, ExtractionMode::kThesis}) {
-        const auto found = extract(drawing::render(drawing, hard_look(2)), {.mode = mode});
+        const auto found = extract(drawing::render(drawing, hard_appearance(2)), {.mode = mode});
         ASSERT_TRUE(found) << found.error();
         const PixelContour& contour = found->contours.front();
         EXPECT_EQ(contour.closed, drawing.lines_px.front().closed);
@@ -134,7 +134,7 @@ TEST(Extract, StrokesAreSmoothUpToTheirCorners) {
       drawing::Drawing drawing = turned("heart", round);
       drawing.pen_px = pen;
       const auto& truth = drawing.lines_px.front().points_m;
-      const auto found = extract(drawing::render(drawing, hard_look(round)));
+      const auto found = extract(drawing::render(drawing, hard_appearance(round)));
       ASSERT_TRUE(found) << found.error();
       const PixelContour& contour = found->contours.front();
       EXPECT_LT(compare(contour, drawing.lines_px.front()).max_px, 1.0)
@@ -153,7 +153,7 @@ TEST(Extract, StrokesThatCrossAtASmallAngleGoStraightOn) {
       drawing.lines_px[0].points_m.emplace_back(319.5 + 190.0 * std::sin(3 * a + 0.4),
                                                 239.5 + 180.0 * std::sin(2 * a));
     }
-    const auto found = extract(drawing::render(drawing, hard_look(1)));
+    const auto found = extract(drawing::render(drawing, hard_appearance(1)));
     ASSERT_TRUE(found) << found.error();
     const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
     EXPECT_TRUE(found->contours.front().closed);
@@ -173,7 +173,8 @@ TEST(Extract, CornersOfARegionAreSharpAndCurvesStayRound) {
     waves.lines_px[0].points_m.emplace_back(319.5 + r * std::cos(a), 239.5 + r * std::sin(a));
   }
   for (const drawing::Drawing& drawing : {star, waves}) {
-    const auto found = extract(drawing::render(drawing, hard_look(1)), {.mode = ExtractionMode::kOutline});
+    const auto found =
+        extract(drawing::render(drawing, hard_appearance(1)), {.mode = ExtractionMode::kOutline});
     ASSERT_TRUE(found) << found.error();
     const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
     EXPECT_LT(c.max_px, 1.5);
@@ -186,7 +187,7 @@ TEST(Extract, PensOfAnyWidthAndFaintLines) {
     for (const char* shape : {"circle", "figure-8", "letter-s"}) {
       drawing::Drawing drawing = turned(shape, 1);
       drawing.pen_px = pen;
-      const auto found = extract(drawing::render(drawing, hard_look(3)));
+      const auto found = extract(drawing::render(drawing, hard_appearance(3)));
       ASSERT_TRUE(found) << found.error();
       EXPECT_EQ(found->mode, ExtractionMode::kStroke);
       const Comparison c = compare(found->contours.front(), drawing.lines_px.front());
@@ -198,7 +199,7 @@ TEST(Extract, PensOfAnyWidthAndFaintLines) {
 
 TEST(Extract, LightOnDarkIsTheSameDrawing) {
   const drawing::Drawing drawing = turned("script-e", 1);
-  const cv::Mat picture = drawing::render(drawing, hard_look(1));
+  const cv::Mat picture = drawing::render(drawing, hard_appearance(1));
   const auto found = extract(255 - picture);
   ASSERT_TRUE(found) << found.error();
   EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.5);
@@ -206,7 +207,7 @@ TEST(Extract, LightOnDarkIsTheSameDrawing) {
 
 TEST(Extract, HolesAreContoursOfTheirOwn) {
   const drawing::Drawing drawing = turned("flange", 1);
-  const auto found = extract(drawing::render(drawing, hard_look(1)));
+  const auto found = extract(drawing::render(drawing, hard_appearance(1)));
   ASSERT_TRUE(found) << found.error();
   ASSERT_EQ(found->contours.size(), 7u);
   EXPECT_FALSE(found->contours[0].hole);
@@ -215,7 +216,7 @@ TEST(Extract, HolesAreContoursOfTheirOwn) {
 
 TEST(Extract, EndsCanBeGivenAndCutThePath) {
   const drawing::Drawing drawing = *drawing::by_name("letter-s");
-  const cv::Mat picture = drawing::render(drawing, hard_look(1));
+  const cv::Mat picture = drawing::render(drawing, hard_appearance(1));
   const geometry::Polyline& truth = drawing.lines_px.front();
   const Vec2 first = truth.points_m.front();
   const Vec2 last = truth.points_m.back();
@@ -233,14 +234,14 @@ TEST(Extract, EndsCanBeGivenAndCutThePath) {
   EXPECT_LT((p.front() - quarter).norm(), 1.5);
   EXPECT_NEAR(geometry::length_m({p, false}), 0.75 * geometry::length_m(truth), 5.0);
   const auto ring =
-      extract(drawing::render(*drawing::by_name("circle"), hard_look(1)), {.start_px = Vec2(500, 240)});
+      extract(drawing::render(*drawing::by_name("circle"), hard_appearance(1)), {.start_px = Vec2(500, 240)});
   ASSERT_TRUE(ring);
   EXPECT_LT((ring->contours.front().points_px.front() - Vec2(501, 240)).norm(), 3.0);
 }
 
 TEST(Extract, DepthsAlphaAndPalettesAreTheSamePicture) {
   const drawing::Drawing drawing = turned("cam", 1);
-  const cv::Mat grey = drawing::render(drawing, hard_look(1));
+  const cv::Mat grey = drawing::render(drawing, hard_appearance(1));
   std::vector<cv::Mat> pictures;
   cv::Mat wide;
   grey.convertTo(wide, CV_16U, 200.0, 900.0);

@@ -14,7 +14,7 @@ namespace {
 TEST(Extract, FaintDrawingsShadowsAndUnevenLight) {
   const drawing::Drawing circle = turned("circle", 1);
   const geometry::Polyline& truth = circle.lines_px.front();
-  drawing::Look faint = hard_look(1);
+  drawing::Appearance faint = hard_appearance(1);
   faint.paper = 140.0;
   faint.ink = 118.0;
   faint.shading = 0.0;
@@ -87,7 +87,7 @@ TEST(Extract, ThinLinesOnUnevenPaperAndFaintRegionsAreFound) {
   const auto smaller = [](const char* shape, double scale) {
     return drawing::transformed(*drawing::by_name(shape), 0.7, scale, {319.5, 239.5}, {40.0, -10.0});
   };
-  const drawing::Look grainy{.paper = 200.0, .ink = 10.0, .noise = 2.0, .grain = 6.0, .seed = 3};
+  const drawing::Appearance grainy{.paper = 200.0, .ink = 10.0, .noise = 2.0, .grain = 6.0, .seed = 3};
   for (const char* shape : {"circle", "heart", "letter-s", "figure-8", "spiral"}) {
     const drawing::Drawing drawing = smaller(shape, 0.3);
     const auto found = extract(drawing::render(drawing, grainy));
@@ -95,7 +95,7 @@ TEST(Extract, ThinLinesOnUnevenPaperAndFaintRegionsAreFound) {
     EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.5) << shape;
   }
   for (const double noise : {2.0, 8.0}) {
-    const drawing::Look faint{.paper = 200.0, .ink = 182.0, .noise = noise, .seed = 3};
+    const drawing::Appearance faint{.paper = 200.0, .ink = 182.0, .noise = noise, .seed = 3};
     for (const char* shape : {"gear", "blob", "letter-e"}) {
       const drawing::Drawing drawing = smaller(shape, 1.0);
       const auto found = extract(drawing::render(drawing, faint));

@@ -1,57 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vision process without its bus: cameras that show, change, disappear and come back.
+// The vision process without its bus: what it publishes of what cameras show, and when.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
-#include "common/runtime/startup_error.h"
-#include "slave/vision/drawing.h"
 #include "slave/vision/vision_node.h"
+#include "tests/unit/vision/scenes.h"
 
-namespace telekerf::vision {
+namespace telekerf::vision_process {
 namespace {
 
-namespace fs = std::filesystem;
-
-cv::Mat picture_of(const std::string& name, std::uint64_t seed = 1, const Vec2& shift = Vec2::Zero()) {
-  const auto drawing = drawing::transformed(*drawing::by_name(name), 0.0, 0.8, Vec2(319.5, 239.5), shift);
-  return drawing::render(drawing, {.noise = 6.0, .seed = seed});
-}
-
-Camera::Look live(const cv::Mat& image) { return Frame{"camera 7", "", image, true}; }
-
-ContourRequest at_true_size() {
-  ContourRequest request;
-  request.width_m = 0.03;
-  request.anchor = "image";
-  return request;
-}
-
-class Folder {
- public:
-  explicit Folder(const std::string& name) : path_(fs::path(testing::TempDir()) / ("telekerf_" + name)) {
-    fs::remove_all(path_);
-    fs::create_directories(path_);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-  std::string path() const { return path_.string(); }
-  void put(const std::string& name, const cv::Mat& image) const {
-    ASSERT_TRUE(cv::imwrite(file("new.part.png"), image));
-    fs::rename(file("new.part.png"), file(name));
-  }
-
- private:
-  fs::path path_;
-};
+Camera::Result live(const cv::Mat& image) { return Frame{"camera 7", "", image, true}; }
 
 TEST(VisionNode, SaysWhatOfADrawingItDoesNotFollow) {
   const Folder folder("drawing");
@@ -137,7 +98,7 @@ TEST(VisionNode, AChangeInAnotherLineIsAnotherContour) {
 TEST(VisionNode, SaysOnceThatTheCameraIsGoneAndKeepsTheContour) {
   VisionNode node(at_true_size());
   for (int i = 0; i < 4; ++i) (void)node.step(live(picture_of("heart")));
-  const Camera::Look gone = tl::unexpected(std::string("camera 7: gives no picture"));
+  const Camera::Result gone = tl::unexpected(std::string("camera 7: gives no picture"));
   const auto loss = node.step(gone);
   EXPECT_NE(loss.remark.find("camera 7: gives no picture; the published contour stands"), std::string::npos);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(node.step(gone).remark, "");
@@ -168,87 +129,6 @@ TEST(VisionNode, AContourBeyondTheWorkspaceIsNotPublished) {
   EXPECT_NE(outcome.remark.find("--width-mm"), std::string::npos);
 }
 
-TEST(Cameras, AFileIsANewFrameWhenItIsWrittenAnew) {
-  const Folder folder("file");
-  EXPECT_THROW(open_image(folder.file("heart.png")), StartupError);
-  folder.put("heart.png", picture_of("heart"));
-  const auto camera = open_image(folder.file("heart.png"));
-  VisionNode node(at_true_size());
-  EXPECT_TRUE(node.step(camera->next()).publish);
-  EXPECT_FALSE(camera->next()->has_value());
-  fs::remove(folder.file("heart.png"));
-  EXPECT_FALSE(camera->next());
-  folder.put("heart.png", picture_of("cam"));
-  fs::last_write_time(folder.file("heart.png"), fs::file_time_type::clock::now() + std::chrono::seconds(2));
-  const auto changed = node.step(camera->next());
-  ASSERT_TRUE(changed.publish);
-  EXPECT_EQ(changed.publish->source, "heart.png");
-}
-
-TEST(Cameras, AFolderIsShownInOrderAndWatched) {
-  const Folder folder("folder");
-  EXPECT_THROW(open_image(folder.path()), StartupError);
-  folder.put("b.png", picture_of("cam"));
-  folder.put("a.png", picture_of("heart"));
-  const auto camera = open_image(folder.path());
-  std::vector<std::string> seen;
-  const auto look = [&] {
-    for (int i = 0; i < 4; ++i) {
-      const auto next = camera->next();
-      ASSERT_TRUE(next);
-      if (*next) seen.push_back((*next)->source);
-    }
-  };
-  look();
-  EXPECT_EQ(seen, (std::vector<std::string>{"a.png", "b.png"}));
-  folder.put("aa.png", picture_of("gear"));
-  look();
-  EXPECT_EQ(seen.back(), "aa.png");
-  EXPECT_EQ(seen.size(), 3u);
-}
-
-TEST(Cameras, AVideoThatDisappearsAndComesBackIsFollowed) {
-  const Folder folder("video");
-  const auto record = [&](const std::string& name, const std::string& shape) {
-    cv::VideoWriter writer(folder.file(name), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 200.0, {640, 480});
-    for (int i = 0; i < 8; ++i) {
-      cv::Mat colour;
-      cv::Mat grey = picture_of(shape, 1 + i);
-      cv::merge(std::vector<cv::Mat>{grey, grey, grey}, colour);
-      writer.write(colour);
-    }
-    return writer.isOpened();
-  };
-  if (!record("a.avi", "heart")) GTEST_SKIP() << "OpenCV cannot write a video here";
-  const auto camera = open_image(folder.file("a.avi"));
-  VisionNode node(at_true_size());
-  int published = 0;
-  const auto watch = [&] {
-    for (int i = 0; i < 12; ++i) published += node.step(camera->next()).publish.has_value();
-  };
-  watch();
-  EXPECT_EQ(published, 1);
-  EXPECT_EQ(node.frames(), 8);
-  EXPECT_NE(node.state(), VisionNode::State::kGone);  // a video that has ended is not gone
-  fs::remove(folder.file("a.avi"));
-  watch();
-  EXPECT_EQ(node.state(), VisionNode::State::kGone);
-  EXPECT_EQ(node.losses(), 1);
-  ASSERT_TRUE(record("a.avi", "cam"));
-  watch();
-  EXPECT_EQ(published, 2);
-  EXPECT_EQ(node.state(), VisionNode::State::kSeeing);
-}
-
-TEST(Cameras, ADeviceThatIsNotThereIsRefused) {
-  try {
-    open_device(251);
-    FAIL() << "there is a camera 251";
-  } catch (const StartupError& refusal) {
-    EXPECT_NE(std::string(refusal.what()).find("camera 251: cannot be opened; --camera"), std::string::npos);
-  }
-}
-
 TEST(Contour, TheIdIsTheContoursOwn) {
   ContourRequest request;
   request.image = TELEKERF_PICTURES "/heart.png";
@@ -260,4 +140,4 @@ TEST(Contour, TheIdIsTheContoursOwn) {
 }
 
 }  // namespace
-}  // namespace telekerf::vision
+}  // namespace telekerf::vision_process

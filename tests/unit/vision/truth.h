@@ -9,7 +9,7 @@
 
 #include "common/geometry/nearest.h"
 #include "common/vision/extraction/pixel_contour.h"
-#include "slave/vision/drawing.h"
+#include "tools/draw-pictures/rendering.h"
 
 namespace telekerf::vision {
 
@@ -64,13 +64,13 @@ inline Comparison compare(const PixelContour& contour, const geometry::Polyline&
 }
 
 /// Blur, noise and uneven light, other ones each round.
-inline drawing::Look hard_look(int round) {
-  drawing::Look look;
-  look.blur_px = 1.2;
-  look.noise = 8.0;
-  look.shading = 20.0;
-  look.seed = static_cast<std::uint64_t>(round) + 1;
-  return look;
+inline drawing::Appearance hard_appearance(int round) {
+  drawing::Appearance appearance;
+  appearance.blur_px = 1.2;
+  appearance.noise = 8.0;
+  appearance.shading = 20.0;
+  appearance.seed = static_cast<std::uint64_t>(round) + 1;
+  return appearance;
 }
 
 /// A shipped drawing at another angle, size and place each round.

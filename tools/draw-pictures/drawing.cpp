@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/vision/drawing.h"
+#include "tools/draw-pictures/drawing.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
-#include <opencv2/imgproc.hpp>
-#include <random>
 #include <utility>
 
 namespace telekerf::drawing {
@@ -47,9 +45,9 @@ Polyline gear() {
   for (int tooth = 0; tooth < kTeeth; ++tooth) {
     const double pitch = 2.0 * M_PI / kTeeth;
     const double at = tooth * pitch;
-    for (const auto& [share, radius] :
+    for (const auto& [part, radius] :
          {std::pair{0.0, 0.84}, {0.28, 0.84}, {0.40, 1.0}, {0.62, 1.0}, {0.74, 0.84}}) {
-      out.points_m.push_back(polar(radius, at + share * pitch));
+      out.points_m.push_back(polar(radius, at + part * pitch));
     }
   }
   return out;
@@ -232,58 +230,6 @@ Drawing transformed(const Drawing& drawing, double angle_rad, double gain, const
     }
   }
   out.pen_px *= gain;
-  return out;
-}
-
-cv::Mat render(const Drawing& drawing, const Look& look) {
-  constexpr int kFine = 6;
-  constexpr int kShift = 8;
-  cv::Mat fine(look.height_px * kFine, look.width_px * kFine, CV_8U, cv::Scalar(0));
-  std::vector<std::vector<cv::Point>> lines;
-  for (const Polyline& line : drawing.lines_px) {
-    lines.emplace_back();
-    for (const Vec2& p : line.points_m) {
-      // The centre of pixel i lies at fine coordinate (i + 1/2) * kFine - 1/2.
-      const Vec2 f = (p.array() + 0.5) * kFine - 0.5;
-      lines.back().emplace_back(static_cast<int>(std::lround(f.x() * (1 << kShift))),
-                                static_cast<int>(std::lround(f.y() * (1 << kShift))));
-    }
-  }
-  if (drawing.filled) {
-    cv::fillPoly(fine, lines, cv::Scalar(255), cv::LINE_8, kShift);
-  } else {
-    const int thickness = std::max(1, static_cast<int>(std::lround(drawing.pen_px * kFine)));
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      cv::polylines(fine, lines[i], drawing.lines_px[i].closed, cv::Scalar(255), thickness, cv::LINE_8,
-                    kShift);
-    }
-  }
-  cv::Mat ink;
-  cv::resize(fine, ink, {look.width_px, look.height_px}, 0, 0, cv::INTER_AREA);
-
-  cv::Mat picture(ink.size(), CV_32F);
-  for (int y = 0; y < ink.rows; ++y) {
-    for (int x = 0; x < ink.cols; ++x) {
-      const double share = ink.at<unsigned char>(y, x) / 255.0;
-      const double dim = look.shading * (double(x) / ink.cols + double(y) / ink.rows) * 0.5;
-      picture.at<float>(y, x) = float(look.paper + share * (look.ink - look.paper) - dim);
-    }
-  }
-  cv::RNG rng(look.seed);
-  if (look.grain > 0.0) {
-    cv::Mat grain(ink.rows / 8 + 1, ink.cols / 8 + 1, CV_32F);
-    rng.fill(grain, cv::RNG::NORMAL, 0.0, look.grain);
-    cv::resize(grain, grain, ink.size(), 0, 0, cv::INTER_CUBIC);
-    picture += grain;
-  }
-  if (look.blur_px > 0.0) cv::GaussianBlur(picture, picture, {}, look.blur_px);
-  if (look.noise > 0.0) {
-    cv::Mat noise(ink.size(), CV_32F);
-    rng.fill(noise, cv::RNG::NORMAL, 0.0, look.noise);
-    picture += noise;
-  }
-  cv::Mat out;
-  picture.convertTo(out, CV_8U);
   return out;
 }
 

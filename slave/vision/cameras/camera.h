@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where pictures come from: a hardware vendor implements `Camera`; here are files, folders, videos and V4L2.
+// The seam to whatever shows the workpiece: a hardware vendor implements `Camera` and enters it in
+// cameras.cpp.
 #pragma once
 
 #include <memory>
-#include <opencv2/core.hpp>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 
-namespace telekerf::vision {
+#include "common/runtime/device_registry.h"
+
+namespace telekerf::vision_process {
 
 /// What a camera showed. Files are named, not read: a drawing has no pixels, a large picture is read reduced.
 struct Frame {
@@ -21,7 +25,7 @@ struct Frame {
 class Camera {
  public:
   /// A new frame, or nothing new, or the reason why the camera is gone.
-  using Look = tl::expected<std::optional<Frame>, std::string>;
+  using Result = tl::expected<std::optional<Frame>, std::string>;
 
   Camera() = default;
   virtual ~Camera() = default;
@@ -30,13 +34,16 @@ class Camera {
 
   /// Never waits longer than a frame's time, or what the driver takes to find out that its device is gone. A
   /// camera that is gone is looked for again at each call.
-  virtual Look next() = 0;
+  virtual Result next() = 0;
 };
 
-/// A picture, drawing, folder of pictures (in the order of their names) or video; what is changed or added
-/// later is a new frame. Throws StartupError when there is no such thing.
-std::unique_ptr<Camera> open_image(const std::string& path);
-/// Device /dev/videoN. Throws StartupError when it cannot be opened.
-std::unique_ptr<Camera> open_device(int number);
+/// How users name cameras: each kind has a row of its own beside its class.
+using CameraRegistry = DeviceRegistry<std::unique_ptr<Camera>>;
+using CameraKind = CameraRegistry::Kind;
 
-}  // namespace telekerf::vision
+/// Validates what stands behind the colon of a camera that shows files.
+inline std::string validate_path(std::string_view path) {
+  return path.empty() ? "a path must follow the colon" : "";
+}
+
+}  // namespace telekerf::vision_process

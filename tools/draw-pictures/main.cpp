@@ -7,7 +7,7 @@
 
 #include "common/runtime/program.h"
 #include "common/runtime/startup_error.h"
-#include "slave/vision/drawing.h"
+#include "tools/draw-pictures/rendering.h"
 
 namespace {
 
@@ -17,15 +17,15 @@ int draw_all(const std::filesystem::path& folder) {
   for (const std::string& name : telekerf::drawing::names()) {
     const auto drawing = telekerf::drawing::by_name(name);
     // Pen strokes look like paper under a lamp, regions like prints.
-    telekerf::drawing::Look look;
-    look.seed = seed++;
-    look.ink = drawing->filled ? 62.0 : 48.0;
-    look.shading = drawing->filled ? 12.0 : 30.0;
-    look.grain = 1.5;
-    look.noise = 1.5;
-    look.blur_px = 1.0;
+    telekerf::drawing::Appearance appearance;
+    appearance.seed = seed++;
+    appearance.ink = drawing->filled ? 62.0 : 48.0;
+    appearance.shading = drawing->filled ? 12.0 : 30.0;
+    appearance.grain = 1.5;
+    appearance.noise = 1.5;
+    appearance.blur_px = 1.0;
     const std::filesystem::path file = folder / (name + ".png");
-    if (!cv::imwrite(file.string(), telekerf::drawing::render(*drawing, look),
+    if (!cv::imwrite(file.string(), telekerf::drawing::render(*drawing, appearance),
                      {cv::IMWRITE_PNG_COMPRESSION, 9})) {
       throw telekerf::StartupError(fmt::format("{}: cannot be written", file.string()));
     }
