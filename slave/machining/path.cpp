@@ -8,6 +8,7 @@
 
 #include "common/geometry/cubic_spline.h"
 #include "common/geometry/elliptic_fourier.h"
+#include "common/geometry/smoothing.h"
 
 namespace telekerf::machining {
 namespace {
@@ -18,34 +19,6 @@ using geometry::Polyline;
 constexpr double kNodesPerSmoothing = 3.0;
 /// Harmonics beyond the one that the Gaussian weights with exp(-kTaper^2 / 2) are left out.
 constexpr double kTaper = 3.7;
-
-/// Gaussian along equally spaced points; a closed line wraps, an open one is continued by point reflection at
-/// its ends, which keeps them and their direction.
-std::vector<Vec2> smoothed(const std::vector<Vec2>& points, bool closed, double sigma) {
-  const int reach = static_cast<int>(std::ceil(4.0 * sigma));
-  const int count = static_cast<int>(points.size());
-  const auto at = [&](int i) -> Vec2 {
-    if (closed) return points[static_cast<std::size_t>(((i % count) + count) % count)];
-    const int last = count - 1;
-    if (i < 0) return 2.0 * points.front() - points[static_cast<std::size_t>(std::min(-i, last))];
-    if (i > last) return 2.0 * points.back() - points[static_cast<std::size_t>(std::max(2 * last - i, 0))];
-    return points[static_cast<std::size_t>(i)];
-  };
-  std::vector<double> weights;
-  double sum = 0.0;
-  for (int k = 0; k <= reach; ++k) {
-    weights.push_back(std::exp(-0.5 * k * k / (sigma * sigma)));
-    sum += (k == 0 ? 1.0 : 2.0) * weights.back();
-  }
-  std::vector<Vec2> out;
-  out.reserve(points.size());
-  for (int i = 0; i < count; ++i) {
-    Vec2 p = weights[0] * at(i);
-    for (int k = 1; k <= reach; ++k) p += weights[static_cast<std::size_t>(k)] * (at(i - k) + at(i + k));
-    out.push_back(p / sum);
-  }
-  return out;
-}
 
 Vec3 flat(const Vec2& p) { return {p.x(), p.y(), 0.0}; }
 
@@ -104,7 +77,7 @@ tl::expected<Path, std::string> open_path(const Polyline& line, double sigma_m) 
   const auto segments = static_cast<std::size_t>(std::ceil(kNodesPerSmoothing * length / sigma_m)) + 4;
   const double spacing = length / static_cast<double>(segments);
   Polyline even = geometry::resampled_to(line, segments);
-  even.points_m = smoothed(even.points_m, false, sigma_m / spacing);
+  even.points_m = geometry::gaussian_smoothed(even.points_m, false, sigma_m / spacing);
   std::vector<double> along{0.0};
   for (std::size_t i = 1; i < even.size(); ++i) {
     along.push_back(along.back() + (even.points_m[i] - even.points_m[i - 1]).norm());
@@ -128,7 +101,7 @@ double smoothing_for(const Polyline& line, const PathSettings& settings) {
   const Polyline even = geometry::resampled_to(line, segments);
   const double step = geometry::length_m(line) / static_cast<double>(segments);
   const auto moved = [&](double sigma_m) {
-    const auto after = smoothed(even.points_m, even.closed, sigma_m / step);
+    const auto after = geometry::gaussian_smoothed(even.points_m, even.closed, sigma_m / step);
     double worst = 0.0;
     for (std::size_t i = 0; i < after.size(); ++i) {
       // Across the line: along it a point may move without harm.
