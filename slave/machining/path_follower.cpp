@@ -44,19 +44,20 @@ ModelUse model_use(ControllerKind kind, const PathFollowerSettings& s) noexcept 
   return kind == ControllerKind::kIndependent ? s.independent_model : s.model;
 }
 
-DriveSettings drive_settings(ControllerKind kind, const PathFollowerSettings& s) noexcept {
-  DriveSettings drive;
-  drive.observer = {.period_s = 1.0 / s.control_hz,
-                    .bandwidth_rad_per_s = s.observer_rad_s,
-                    .velocity_bandwidth_rad_per_s = s.velocity_rad_s};
-  drive.loop_delay = s.loop_delay;
-  drive.inertia = model_use(kind, s) == ModelUse::kWhole ? NominalInertia::kModel : NominalInertia::kDiagonal;
-  return drive;
+control::JointAccelerationSettings joint_settings(ControllerKind kind,
+                                                  const PathFollowerSettings& s) noexcept {
+  return {.observer = {.period_s = 1.0 / s.control_hz,
+                       .bandwidth_rad_per_s = s.observer_rad_s,
+                       .velocity_bandwidth_rad_per_s = s.velocity_rad_s,
+                       .loop_delay = s.loop_delay},
+          .inertia = model_use(kind, s) == ModelUse::kWhole ? control::NominalInertia::kModel
+                                                            : control::NominalInertia::kDiagonal,
+          .friction_feedforward = false};
 }
 
 void PathFollower::reset(const Vec3& joints_m) noexcept {
-  drive_.reset(joints_m);
-  weight_n_ = robot::gravity_force(model_, kinematics_, drive_.state());
+  joints_.reset(joints_m);
+  weight_n_ = robot::gravity_force(model_, kinematics_, joints_.state());
 }
 
 /// Forces of the robot's file at the reference, where the currents will act.
@@ -73,16 +74,16 @@ Vec3 PathFollower::expected_force(const Tracking& now) const noexcept {
 
 double PathFollower::beam_power(const Reference& reference) const noexcept {
   if (!(reference.speed_m_per_s > 0.0)) return 0.0;
-  const double speed = drive_.state().tool_velocity_m_per_s.dot(reference.tangent);
+  const double speed = joints_.state().tool_velocity_m_per_s.dot(reference.tangent);
   return reference.power * std::clamp(speed / reference.speed_m_per_s, 0.0, 1.5);
 }
 
 Vec3 PathFollower::step(const robot::JointReading& reading, const Trajectory& trajectory,
                         double tick) noexcept {
-  drive_.observe(reading);
-  const Tracking now{kinematics_, drive_.state(), trajectory, tick, origin_in_base_m_};
+  joints_.observe(reading);
+  const Tracking now{kinematics_, joints_.state(), trajectory, tick, origin_in_base_m_};
   const Vec3 desired = desired_acceleration(controller_, now);
-  return drive_.currents(desired.allFinite() ? desired : Vec3(Vec3::Zero()), expected_force(now));
+  return joints_.currents(desired.allFinite() ? desired : Vec3(Vec3::Zero()), expected_force(now));
 }
 
 }  // namespace telekerf::machining

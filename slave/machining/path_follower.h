@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A controller on its drive: readings and references in, currents out, one step at a time.
+// A controller and the joints under it: readings and references in, currents out, one step at a time.
 #pragma once
 
+#include "common/control/joint_acceleration_control.h"
 #include "common/runtime/enum_table.h"
 #include "slave/machining/controller.h"
 
@@ -48,19 +49,20 @@ struct PathFollowerSettings {
 
 /// The controller of a kind with gains and preview that match the loop.
 Controller make_controller(ControllerKind kind, bool closed, const PathFollowerSettings& settings) noexcept;
-DriveSettings drive_settings(ControllerKind kind, const PathFollowerSettings& settings) noexcept;
+control::JointAccelerationSettings joint_settings(ControllerKind kind,
+                                                  const PathFollowerSettings& settings) noexcept;
 ModelUse model_use(ControllerKind kind, const PathFollowerSettings& settings) noexcept;
 
 class PathFollower {
  public:
-  PathFollower(const robot::RobotModel& nominal, const DriveSettings& drive, const Controller& controller,
-               ModelUse model_use) noexcept
+  PathFollower(const robot::RobotModel& nominal, const control::JointAccelerationSettings& joints,
+               const Controller& controller, ModelUse model_use) noexcept
       : model_(nominal),
         kinematics_(nominal.geometry),
         origin_in_base_m_(nominal.in_base(Vec3::Zero())),
-        ahead_(drive.loop_delay + 0.5),
+        ahead_(joints.observer.loop_delay + 0.5),
         model_use_(model_use),
-        drive_(nominal, drive),
+        joints_(nominal, joints),
         controller_(controller) {}
 
   void reset(const Vec3& joints_m) noexcept;
@@ -69,11 +71,11 @@ class PathFollower {
   /// Currents in A. A reference that is no pose of the robot gives the currents that hold it where it is.
   Vec3 step(const robot::JointReading& reading, const Trajectory& trajectory, double tick) noexcept;
   /// Observed tool, workpiece frame.
-  Vec3 tool_m() const noexcept { return drive_.state().tool_m - origin_in_base_m_; }
+  Vec3 tool_m() const noexcept { return joints_.state().tool_m - origin_in_base_m_; }
   /// Share of the beam's power that gives each millimetre the same energy: what was planned, corrected by the
   /// observed speed along the path (corners, friction), at most half as much again.
   double beam_power(const Reference& reference) const noexcept;
-  const Drive& drive() const noexcept { return drive_; }
+  const control::JointAccelerationControl& joints() const noexcept { return joints_; }
 
  private:
   Vec3 expected_force(const Tracking& now) const noexcept;
@@ -84,7 +86,7 @@ class PathFollower {
   double ahead_;  ///< samples until the currents act, on average
   ModelUse model_use_;
   Vec3 weight_n_ = Vec3::Zero();  ///< on the joints at the start
-  Drive drive_;
+  control::JointAccelerationControl joints_;
   Controller controller_;
 };
 
