@@ -8,10 +8,10 @@ namespace telekerf::master {
 
 namespace {
 
-control::DisturbanceObserver::Gains gains_of(const MasterSettings& settings) {
-  return {.period_s = 1.0 / settings.control_hz,
-          .bandwidth_rad_per_s = settings.observer_rad_s,
-          .velocity_bandwidth_rad_per_s = 3.0 * settings.observer_rad_s};
+control::JointAccelerationSettings joints_of(const MasterSettings& settings) {
+  return {.observer = {.period_s = 1.0 / settings.control_hz,
+                       .bandwidth_rad_per_s = settings.observer_rad_s,
+                       .velocity_bandwidth_rad_per_s = 3.0 * settings.observer_rad_s}};
 }
 
 ConstraintSettings constraint_of(const MasterSettings& settings) {
@@ -24,10 +24,8 @@ ConstraintSettings constraint_of(const MasterSettings& settings) {
 
 MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch)
     : model_(model),
-      kinematics_(model.geometry),
       settings_(settings),
-      acceleration_(control::AccelerationControl::settings_for(model, gains_of(settings))),
-      friction_(model.friction, gains_of(settings)),
+      joints_(model, joints_of(settings)),
       dt_s_(1.0 / settings.control_hz),
       modes_(settings.approach_m_per_s, dt_s_),
       constraint_(constraint_of(settings)),
@@ -35,17 +33,11 @@ MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& set
       states_(settings.stale_s, epoch, settings.command.ticks_per_sample) {}
 
 KinematicState MasterNode::observe(const robot::JointReading& joints) noexcept {
-  if (!located_ && joints.valid) acceleration_.reset(joints.joints_m);
-  acceleration_.observe(joints);
-  pose_.reset();
-  if (const auto pose = kinematics_.state(acceleration_.joints_m(), acceleration_.joint_velocity_m_per_s())) {
-    pose_ = *pose;
-  }
-  if (!pose_) return {};
-  inertia_kg_ = robot::joint_inertia(model_, *pose_);
-  friction_.update(pose_->joint_velocity_m_per_s);
-  const KinematicState tool{.position_m = model_.in_workpiece(pose_->tool_m),
-                            .velocity_m_per_s = pose_->tool_velocity_m_per_s};
+  if (!located_ && joints.valid) joints_.reset(joints.joints_m);
+  if (!joints_.observe(joints)) return {};
+  const robot::DeltaState& pose = joints_.state();
+  const KinematicState tool{.position_m = model_.in_workpiece(pose.tool_m),
+                            .velocity_m_per_s = pose.tool_velocity_m_per_s};
   if (!located_ && joints.valid) {
     modes_.rest_at(tool.position_m);
     located_ = true;
@@ -87,10 +79,7 @@ Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<Constrai
 MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) noexcept {
   MasterOutputs out;
   const KinematicState tool = observe(inputs.joints);
-  if (pose_) {
-    out.hand_n = control::reaction_force(model_, kinematics_, *pose_, acceleration_.disturbance_n(),
-                                         friction_.seen_n());
-  }
+  if (joints_.posed()) out.hand_n = joints_.reaction_force_n();
   receive(inputs.states);
   const Situation situation{.guide = inputs.guide,
                             .tool_m = tool.position_m,
@@ -99,20 +88,17 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   if (modes_.step(situation, inputs.events)) constraint_.enter();
 
   const Vec3 wanted = this->wanted(tool, inputs.constraint, out);
-  const Vec3 joint_acceleration =
-      pose_ ? within_strokes(model_.geometry, pose_->joints_m, pose_->joint_velocity_m_per_s,
-                             pose_->joint_acceleration(wanted))
-            : Vec3(-2.0 * settings_.constraint.bandwidth_rad_s * acceleration_.joint_velocity_m_per_s());
-  // All of the disturbance is put back, the hand's part of it included; along the curve the hand's force
-  // comes back through the virtual mass in `wanted`, so the pen is stiff across and free along.
-  out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_,
-                                          acceleration_.disturbance_n() + friction_.missing_n());
-  out.saturated = acceleration_.saturated();
+  const robot::DeltaState& pose = joints_.state();
+  out.currents_a = joints_.currents(
+      joints_.posed() ? within_strokes(model_.geometry, pose.joints_m, pose.joint_velocity_m_per_s,
+                                       pose.joint_acceleration(wanted))
+                      : joints_.braking_m_per_s2(settings_.constraint.bandwidth_rad_s));
+  out.saturated = joints_.saturated();
   out.mode = modes_.mode();
   out.tool_m = tool.position_m;
   out.velocity_m_per_s = tool.velocity_m_per_s;
   out.acceleration_m_per_s2 = wanted;
-  if (modes_.guide() != nullptr && pose_) {
+  if (modes_.guide() != nullptr && joints_.posed()) {
     out.command = stream_.step(now_ns, tick_,
                                {.tool = {tool.position_m, tool.velocity_m_per_s, wanted},
                                 .beta = modes_.guide()->beta,

@@ -5,8 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "common/control/acceleration_control.h"
-#include "common/control/friction_feedforward.h"
+#include "common/control/joint_acceleration_control.h"
 #include "common/protocol/messages.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
@@ -78,15 +77,11 @@ class MasterNode {
               MasterOutputs& out) noexcept;
 
   robot::RobotModel model_;
-  robot::DeltaKinematics kinematics_;
   MasterSettings settings_;
-  control::AccelerationControl acceleration_;
-  control::FrictionFeedforward friction_;
-  robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
+  control::JointAccelerationControl joints_;
   double dt_s_;
   Tick tick_ = 0;
-  bool located_ = false;                   ///< the robot has told where it stands
-  std::optional<robot::DeltaState> pose_;  ///< of this step; none: the joints are no pose of the robot
+  bool located_ = false;  ///< the robot has told where it stands
 
   Modes modes_;
   ConstraintController constraint_;

@@ -14,20 +14,18 @@ std::int64_t period_ns(const SlaveSettings& settings) noexcept {
   return std::llround(1e9 / settings.control_hz);
 }
 
-control::DisturbanceObserver::Gains gains_of(const SlaveSettings& settings) noexcept {
-  return {.period_s = 1.0 / settings.control_hz,
-          .bandwidth_rad_per_s = settings.observer_rad_s,
-          .velocity_bandwidth_rad_per_s = 2.5 * settings.observer_rad_s};
+control::JointAccelerationSettings joints_of(const SlaveSettings& settings) {
+  return {.observer = {.period_s = 1.0 / settings.control_hz,
+                       .bandwidth_rad_per_s = settings.observer_rad_s,
+                       .velocity_bandwidth_rad_per_s = 2.5 * settings.observer_rad_s}};
 }
 
 }  // namespace
 
 SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch)
     : model_(model),
-      kinematics_(model.geometry),
       settings_(settings),
-      acceleration_(control::AccelerationControl::settings_for(model, gains_of(settings))),
-      friction_(model.friction, gains_of(settings)),
+      joints_(model, joints_of(settings)),
       dt_s_(1.0 / settings.control_hz),
       commands_({.playout = settings.playout,
                  .timeout_s = settings.command_timeout_s,
@@ -41,15 +39,11 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
               epoch) {}
 
 KinematicState SlaveNode::observe(const robot::JointReading& joints) noexcept {
-  if (!located_ && joints.valid) acceleration_.reset(joints.joints_m);
-  acceleration_.observe(joints);
-  pose_.reset();
-  if (const auto pose = kinematics_.state(acceleration_.joints_m(), acceleration_.joint_velocity_m_per_s())) {
-    pose_ = *pose;
-  }
-  if (!pose_) return selector_.reference();
-  const KinematicState tool{.position_m = model_.in_workpiece(pose_->tool_m),
-                            .velocity_m_per_s = pose_->tool_velocity_m_per_s};
+  if (!located_ && joints.valid) joints_.reset(joints.joints_m);
+  if (!joints_.observe(joints)) return selector_.reference();
+  const robot::DeltaState& pose = joints_.state();
+  const KinematicState tool{.position_m = model_.in_workpiece(pose.tool_m),
+                            .velocity_m_per_s = pose.tool_velocity_m_per_s};
   if (!located_ && joints.valid) {
     selector_.rest_at(tool.position_m);
     located_ = true;
@@ -60,10 +54,10 @@ KinematicState SlaveNode::observe(const robot::JointReading& joints) noexcept {
 Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool) const noexcept {
   const double w = settings_.bandwidth_rad_s;
   // A pose without kinematics (it cannot be reached by following): the joints are braked where they are.
-  if (!pose_) return -2.0 * w * acceleration_.joint_velocity_m_per_s();
+  if (!joints_.posed()) return joints_.braking_m_per_s2(w);
   const Vec3 wanted = selected.bare ? selected.acceleration_m_per_s2
                                     : control::tracking_acceleration(selected.reference, tool, w);
-  return pose_->joint_acceleration(control::limited(wanted, model_.limits.acceleration_m_per_s2));
+  return joints_.state().joint_acceleration(control::limited(wanted, model_.limits.acceleration_m_per_s2));
 }
 
 Interlock SlaveNode::interlock(const SlaveInputs& inputs, const Selected& selected,
@@ -75,7 +69,7 @@ Interlock SlaveNode::interlock(const SlaveInputs& inputs, const Selected& select
        .contour_known =
            corridor != nullptr && commands_.heard() && commands_.header().contour_id == corridor->contour_id,
        .engaged = selector_.mode() == SlaveMode::kFollowing,
-       .fresh = selected.following && pose_.has_value() && inputs.joints.valid,
+       .fresh = selected.following && joints_.posed() && inputs.joints.valid,
        .inside_workspace = place.norm() <= model_.workspace.radius_m,
        .contour_distance_m = corridor == nullptr ? 1.0 : corridor->contour.find(place).distance_m,
        .speed_m_per_s = tool.velocity_m_per_s.norm(),
@@ -92,15 +86,8 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   for (const auto& command : inputs.commands) commands_.receive(command, contour_id);
   const Selected selected = selector_.step(commands_.play(now_ns, tool));
 
-  const Vec3 joint_acceleration = track(selected, tool);
-  friction_.update(acceleration_.joint_velocity_m_per_s());
-  if (pose_) {
-    inertia_kg_ = robot::joint_inertia(model_, *pose_);
-    out.force_n = control::reaction_force(model_, kinematics_, *pose_, acceleration_.disturbance_n(),
-                                          friction_.seen_n());
-  }
-  out.currents_a = acceleration_.currents(joint_acceleration, inertia_kg_,
-                                          acceleration_.disturbance_n() + friction_.missing_n());
+  if (joints_.posed()) out.force_n = joints_.reaction_force_n();
+  out.currents_a = joints_.currents(track(selected, tool));
 
   out.interlock = interlock(inputs, selected, tool);
   out.laser_w = out.interlock == Interlock::kReady && selected.button ? settings_.laser_w : 0.0;

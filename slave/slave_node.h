@@ -6,8 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "common/control/acceleration_control.h"
-#include "common/control/friction_feedforward.h"
+#include "common/control/joint_acceleration_control.h"
 #include "common/geometry/nearest.h"
 #include "common/protocol/messages.h"
 #include "common/robot/robot.h"
@@ -92,15 +91,11 @@ class SlaveNode {
                       const KinematicState& tool) const noexcept;
 
   robot::RobotModel model_;
-  robot::DeltaKinematics kinematics_;
   SlaveSettings settings_;
-  control::AccelerationControl acceleration_;
-  control::FrictionFeedforward friction_;
-  robot::Mat3 inertia_kg_ = robot::Mat3::Identity();
+  control::JointAccelerationControl joints_;
   double dt_s_;
   Tick tick_ = 0;
-  bool located_ = false;                   ///< the robot has told where it stands
-  std::optional<robot::DeltaState> pose_;  ///< of this step; none: the joints are no pose of the robot
+  bool located_ = false;  ///< the robot has told where it stands
 
   streaming::CommandReceiver commands_;
   ReferenceSelector selector_;

@@ -21,9 +21,9 @@ bool JointAccelerationControl::observe(const robot::JointReading& reading) noexc
   observer_.update(reading.joints_m, reading.valid);
   if (settings_.friction_feedforward) friction_.update(observer_.joint_velocity_m_per_s());
   const auto state = kinematics_.state(observer_.joints_m(), observer_.joint_velocity_m_per_s());
-  if (!state) return false;
-  state_ = *state;
-  return true;
+  if (state) state_ = *state;
+  posed_ = state.has_value();
+  return posed_;
 }
 
 Vec3 JointAccelerationControl::reaction_force_n() const noexcept {

@@ -41,6 +41,8 @@ class JointAccelerationControl {
   /// observed joints are no pose of this robot; state() then keeps the last one that was.
   bool observe(const robot::JointReading& reading) noexcept;
 
+  /// What the last observe() returned.
+  bool posed() const noexcept { return posed_; }
   /// Observed joints and velocities, and all maps there; base frame.
   const robot::DeltaState& state() const noexcept { return state_; }
   const Vec3& joints_m() const noexcept { return observer_.joints_m(); }
@@ -73,6 +75,7 @@ class JointAccelerationControl {
   FrictionFeedforward friction_;
   robot::DeltaState state_;
   Mat3 diagonal_kg_ = Mat3::Identity();
+  bool posed_ = false;
   bool saturated_ = false;
 };
 
