@@ -4,41 +4,6 @@
 #include <algorithm>
 
 namespace telekerf::machining {
-namespace {
-
-ControllerKind resolved(ControllerKind kind, bool closed) noexcept {
-  if (kind != ControllerKind::kAuto) return kind;
-  return closed ? ControllerKind::kContouring : ControllerKind::kPreview;
-}
-
-}  // namespace
-
-void PathFollowerSettings::tune_for_speed(double speed_m_per_s, bool stiff) noexcept {
-  observer_rad_s = std::clamp(37.5e3 * speed_m_per_s, stiff ? 200.0 : 60.0, 400.0);
-  velocity_rad_s = std::clamp(112.5e3 * speed_m_per_s, stiff ? 600.0 : 220.0, 900.0);
-  along_rad_s = std::clamp(20.0 + 17.5e3 * speed_m_per_s, 50.0, 70.0);
-}
-
-Controller make_controller(ControllerKind kind, bool closed, const PathFollowerSettings& s) noexcept {
-  switch (resolved(kind, closed)) {
-    case ControllerKind::kPreview: {
-      auto control = PreviewControl::matched(s.loop_delay, s.along_rad_s);
-      if (!s.preview) control.acceleration_ahead = 0.0;
-      return control;
-    }
-    case ControllerKind::kContouring: {
-      auto control = ContouringControl::matched(s.loop_delay, s.along_rad_s, s.across_rad_s);
-      if (!s.preview) control.acceleration_ahead = 0.0;
-      return control;
-    }
-    case ControllerKind::kAuto:
-    case ControllerKind::kIndependent:
-      break;
-  }
-  IndependentControl control{.bandwidth_rad_s = s.along_rad_s};
-  if (s.preview && s.independent_model != ModelUse::kNone) control.acceleration_ahead = s.loop_delay + 0.5;
-  return control;
-}
 
 ModelUse model_use(ControllerKind kind, const PathFollowerSettings& s) noexcept {
   return kind == ControllerKind::kIndependent ? s.independent_model : s.model;
