@@ -18,8 +18,7 @@ cv::Mat draw_cut(const RunRecord& record) {
   }
   constexpr int kPixels = 1200;
   constexpr double kSpotRadius_m = 60e-6;
-  workpiece::Workpiece workpiece({.half_width_m = 1.2 * reach_m, .pixels = kPixels},
-                                 workpiece::kWood);
+  workpiece::Workpiece workpiece({.half_width_m = 1.2 * reach_m, .pixels = kPixels}, workpiece::kWood);
   const double dt_s = control_period_s(record);
   for (const auto& row : record.slave) {
     if (row.laser_w > 0.0) workpiece.absorb(in_plane(row.tool_m), row.laser_w * dt_s, kSpotRadius_m);

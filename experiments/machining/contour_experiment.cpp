@@ -18,9 +18,9 @@
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 #include "common/vision/load.h"
+#include "common/workpiece/material.h"
 #include "experiments/machining/contour_run.h"
 #include "experiments/machining/independent_baselines.h"
-#include "common/workpiece/material.h"
 
 namespace telekerf::experiments {
 namespace {

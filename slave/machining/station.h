@@ -12,8 +12,8 @@
 #include "common/protocol/messages.h"
 #include "common/robot/supervisor.h"
 #include "common/runtime/loop.h"
-#include "slave/laser/laser_output.h"
 #include "common/workpiece/material.h"
+#include "slave/laser/laser_output.h"
 #include "slave/machining/job_executor.h"
 #include "slave/machining/work_report.h"
 

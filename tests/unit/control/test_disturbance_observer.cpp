@@ -114,8 +114,10 @@ TEST(DisturbanceObserver, AKnownLoopDelayIsNoDisturbance) {
   const double t = 1.0 / 2400.0, mass = 0.4;
   const auto largest = [&](int known_delay) {
     constexpr std::size_t kDelay = 3;
-    DisturbanceObserver observer(
-        {.period_s = t, .bandwidth_rad_per_s = 300, .velocity_bandwidth_rad_per_s = 700, .loop_delay = known_delay});
+    DisturbanceObserver observer({.period_s = t,
+                                  .bandwidth_rad_per_s = 300,
+                                  .velocity_bandwidth_rad_per_s = 700,
+                                  .loop_delay = known_delay});
     observer.reset(Vec3::Zero());
     Joint joint;
     std::array<double, kDelay + 1> sent{};

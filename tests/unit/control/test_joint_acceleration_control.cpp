@@ -161,7 +161,7 @@ TEST(JointAccelerationControl, NonsenseGivesNoCurrentAndNothingAllocates) {
   EXPECT_TRUE(control.saturated());
   EXPECT_LT((clipped - Vec3(10.0 / 6, -10.0 / 6, 1.0 / 6)).norm(), 1e-12);
   const robot::JointReading reading;
-  static_assert(noexcept(control.observe(reading)) && noexcept(control.currents(none, none)));
+  static_assert(noexcept(control.observe(reading))&& noexcept(control.currents(none, none)));
 }
 
 // What a model expects is given, and not estimated a second time.
