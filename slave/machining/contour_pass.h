@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/workpiece/material.h"
 #include "slave/machining/timed_path.h"
 
 namespace telekerf::machining {
