@@ -8,10 +8,10 @@ namespace telekerf::master {
 
 namespace {
 
-control::DisturbanceObserver::Gains gains_of(const MasterSettings& settings) {
-  return {.period_s = 1.0 / settings.control_hz,
-          .bandwidth_rad_per_s = settings.observer_rad_s,
-          .velocity_bandwidth_rad_per_s = 3.0 * settings.observer_rad_s};
+control::JointAccelerationSettings joints_of(const MasterSettings& settings) {
+  return {.observer = {.period_s = 1.0 / settings.control_hz,
+                       .bandwidth_rad_per_s = settings.observer_rad_s,
+                       .velocity_bandwidth_rad_per_s = 3.0 * settings.observer_rad_s}};
 }
 
 ConstraintSettings constraint_of(const MasterSettings& settings) {
@@ -25,7 +25,7 @@ ConstraintSettings constraint_of(const MasterSettings& settings) {
 MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch)
     : model_(model),
       settings_(settings),
-      joints_(model, {.observer = gains_of(settings)}),
+      joints_(model, joints_of(settings)),
       dt_s_(1.0 / settings.control_hz),
       modes_(settings.approach_m_per_s, dt_s_),
       constraint_(constraint_of(settings)),
@@ -34,10 +34,10 @@ MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& set
 
 KinematicState MasterNode::observe(const robot::JointReading& joints) noexcept {
   if (!located_ && joints.valid) joints_.reset(joints.joints_m);
-  posed_ = joints_.observe(joints);
-  if (!posed_) return {};
-  const KinematicState tool{.position_m = model_.in_workpiece(joints_.state().tool_m),
-                            .velocity_m_per_s = joints_.state().tool_velocity_m_per_s};
+  if (!joints_.observe(joints)) return {};
+  const robot::DeltaState& pose = joints_.state();
+  const KinematicState tool{.position_m = model_.in_workpiece(pose.tool_m),
+                            .velocity_m_per_s = pose.tool_velocity_m_per_s};
   if (!located_ && joints.valid) {
     modes_.rest_at(tool.position_m);
     located_ = true;
@@ -79,7 +79,7 @@ Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<Constrai
 MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) noexcept {
   MasterOutputs out;
   const KinematicState tool = observe(inputs.joints);
-  if (posed_) out.hand_n = joints_.reaction_force_n();
+  if (joints_.posed()) out.hand_n = joints_.reaction_force_n();
   receive(inputs.states);
   const Situation situation{.guide = inputs.guide,
                             .tool_m = tool.position_m,
@@ -90,16 +90,17 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   const Vec3 wanted = this->wanted(tool, inputs.constraint, out);
   // The hand's force is rejected with the rest of the disturbance; along the curve it comes back through the
   // virtual mass in `wanted`, so the pen is stiff across and free along.
-  out.currents_a = joints_.currents(posed_ ? within_strokes(model_.geometry, joints_.state().joints_m,
-                                                            joints_.state().joint_velocity_m_per_s,
-                                                            joints_.state().joint_acceleration(wanted))
-                                           : joints_.braking_m_per_s2(settings_.constraint.bandwidth_rad_s));
+  const robot::DeltaState& pose = joints_.state();
+  out.currents_a = joints_.currents(
+      joints_.posed() ? within_strokes(model_.geometry, pose.joints_m, pose.joint_velocity_m_per_s,
+                                       pose.joint_acceleration(wanted))
+                      : joints_.braking_m_per_s2(settings_.constraint.bandwidth_rad_s));
   out.saturated = joints_.saturated();
   out.mode = modes_.mode();
   out.tool_m = tool.position_m;
   out.velocity_m_per_s = tool.velocity_m_per_s;
   out.acceleration_m_per_s2 = wanted;
-  if (modes_.guide() != nullptr && posed_) {
+  if (modes_.guide() != nullptr && joints_.posed()) {
     out.command = stream_.step(now_ns, tick_,
                                {.tool = {tool.position_m, tool.velocity_m_per_s, wanted},
                                 .beta = modes_.guide()->beta,

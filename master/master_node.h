@@ -82,7 +82,6 @@ class MasterNode {
   double dt_s_;
   Tick tick_ = 0;
   bool located_ = false;  ///< the robot has told where it stands
-  bool posed_ = false;    ///< the joints of this step are a pose of the robot
 
   Modes modes_;
   ConstraintController constraint_;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "common/geometry/minimum_jerk.h"
+
 namespace telekerf::master {
 namespace {
 
@@ -72,15 +74,14 @@ KinematicState Modes::goal() noexcept {
 }
 
 KinematicState Modes::approach() noexcept {
-  // Minimum-jerk polynomial in normalised time.
   approach_s_ += dt_s_;
   const double duration = approach_duration_s_;
   const double u = std::min(approach_s_ / duration, 1.0);
   const Vec3 way = approach_to_m_ - approach_from_m_;
-  const double place = u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
-  const double speed = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration;
-  const double acceleration = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration);
-  return {approach_from_m_ + place * way, speed * way, acceleration * way};
+  const geometry::MinimumJerk motion = geometry::minimum_jerk(u);
+  const double speed = motion.rate / duration;
+  const double acceleration = motion.rate2 / (duration * duration);
+  return {approach_from_m_ + motion.place * way, speed * way, acceleration * way};
 }
 
 }  // namespace telekerf::master

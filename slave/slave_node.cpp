@@ -14,10 +14,10 @@ std::int64_t period_ns(const SlaveSettings& settings) noexcept {
   return std::llround(1e9 / settings.control_hz);
 }
 
-control::DisturbanceObserver::Gains gains_of(const SlaveSettings& settings) noexcept {
-  return {.period_s = 1.0 / settings.control_hz,
-          .bandwidth_rad_per_s = settings.observer_rad_s,
-          .velocity_bandwidth_rad_per_s = 2.5 * settings.observer_rad_s};
+control::JointAccelerationSettings joints_of(const SlaveSettings& settings) {
+  return {.observer = {.period_s = 1.0 / settings.control_hz,
+                       .bandwidth_rad_per_s = settings.observer_rad_s,
+                       .velocity_bandwidth_rad_per_s = 2.5 * settings.observer_rad_s}};
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ control::DisturbanceObserver::Gains gains_of(const SlaveSettings& settings) noex
 SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch)
     : model_(model),
       settings_(settings),
-      joints_(model, {.observer = gains_of(settings)}),
+      joints_(model, joints_of(settings)),
       dt_s_(1.0 / settings.control_hz),
       commands_({.playout = settings.playout,
                  .timeout_s = settings.command_timeout_s,
@@ -40,10 +40,10 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
 
 KinematicState SlaveNode::observe(const robot::JointReading& joints) noexcept {
   if (!located_ && joints.valid) joints_.reset(joints.joints_m);
-  posed_ = joints_.observe(joints);
-  if (!posed_) return selector_.reference();
-  const KinematicState tool{.position_m = model_.in_workpiece(joints_.state().tool_m),
-                            .velocity_m_per_s = joints_.state().tool_velocity_m_per_s};
+  if (!joints_.observe(joints)) return selector_.reference();
+  const robot::DeltaState& pose = joints_.state();
+  const KinematicState tool{.position_m = model_.in_workpiece(pose.tool_m),
+                            .velocity_m_per_s = pose.tool_velocity_m_per_s};
   if (!located_ && joints.valid) {
     selector_.rest_at(tool.position_m);
     located_ = true;
@@ -53,7 +53,8 @@ KinematicState SlaveNode::observe(const robot::JointReading& joints) noexcept {
 
 Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool) const noexcept {
   const double w = settings_.bandwidth_rad_s;
-  if (!posed_) return joints_.braking_m_per_s2(w);  // it cannot be reached by following
+  // A pose without kinematics (it cannot be reached by following): the joints are braked where they are.
+  if (!joints_.posed()) return joints_.braking_m_per_s2(w);
   const Vec3 wanted = selected.bare ? selected.acceleration_m_per_s2
                                     : control::tracking_acceleration(selected.reference, tool, w);
   return joints_.state().joint_acceleration(control::limited(wanted, model_.limits.acceleration_m_per_s2));
@@ -68,7 +69,7 @@ Interlock SlaveNode::interlock(const SlaveInputs& inputs, const Selected& select
        .contour_known =
            corridor != nullptr && commands_.heard() && commands_.header().contour_id == corridor->contour_id,
        .engaged = selector_.mode() == SlaveMode::kFollowing,
-       .fresh = selected.following && posed_ && inputs.joints.valid,
+       .fresh = selected.following && joints_.posed() && inputs.joints.valid,
        .inside_workspace = place.norm() <= model_.workspace.radius_m,
        .contour_distance_m = corridor == nullptr ? 1.0 : corridor->contour.find(place).distance_m,
        .speed_m_per_s = tool.velocity_m_per_s.norm(),
@@ -85,7 +86,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   for (const auto& command : inputs.commands) commands_.receive(command, contour_id);
   const Selected selected = selector_.step(commands_.play(now_ns, tool));
 
-  if (posed_) out.force_n = joints_.reaction_force_n();
+  if (joints_.posed()) out.force_n = joints_.reaction_force_n();
   out.currents_a = joints_.currents(track(selected, tool));
 
   out.interlock = interlock(inputs, selected, tool);

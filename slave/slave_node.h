@@ -96,7 +96,6 @@ class SlaveNode {
   double dt_s_;
   Tick tick_ = 0;
   bool located_ = false;  ///< the robot has told where it stands
-  bool posed_ = false;    ///< the joints of this step are a pose of the robot
 
   streaming::CommandReceiver commands_;
   ReferenceSelector selector_;

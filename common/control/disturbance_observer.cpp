@@ -2,11 +2,15 @@
 #include "common/control/disturbance_observer.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace telekerf::control {
 
-DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept : period_s_(gains.period_s) {
+DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept
+    : period_s_(gains.period_s), loop_delay_(std::clamp(gains.loop_delay, 0, kMaxLoopDelay)) {
+  forces_n_.fill(Vec3::Zero());
   const double r1 = 1 - std::exp(-gains.bandwidth_rad_per_s * period_s_);
   const double r2 = 1 - std::exp(-gains.velocity_bandwidth_rad_per_s * period_s_);
   const double c1 = r1 + 2 * r2;
@@ -23,11 +27,15 @@ void DisturbanceObserver::reset(const Vec3& joints_m) noexcept {
   w_.setZero();
   acceleration_.setZero();
   disturbance_n_.setZero();
+  forces_n_.fill(Vec3::Zero());
 }
 
 void DisturbanceObserver::applied(const Vec3& force_n, const Mat3& nominal_inertia_kg) noexcept {
   nominal_inertia_kg_ = nominal_inertia_kg;
-  acceleration_ = nominal_inertia_kg.inverse() * force_n;
+  const auto delay = static_cast<std::size_t>(loop_delay_);
+  for (std::size_t i = delay; i > 0; --i) forces_n_[i] = forces_n_[i - 1];
+  forces_n_[0] = force_n;
+  acceleration_ = nominal_inertia_kg.inverse() * forces_n_[delay];
 }
 
 void DisturbanceObserver::update(const Vec3& measured_joints_m, bool valid) noexcept {

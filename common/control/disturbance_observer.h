@@ -13,12 +13,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 #include "common/runtime/vectors.h"
 
 namespace telekerf::control {
 
 using Mat3 = Eigen::Matrix3d;
+
+/// Most samples between a reading and the effect of the currents that answer it.
+inline constexpr int kMaxLoopDelay = 4;
 
 class DisturbanceObserver {
  public:
@@ -27,6 +31,8 @@ class DisturbanceObserver {
     double bandwidth_rad_per_s = 300;  ///< of the disturbance estimate
     double velocity_bandwidth_rad_per_s =
         900;  ///< of the velocity estimate; more: less lag, more sensor noise
+    int loop_delay =
+        0;  ///< samples from a reading to the effect of the force that answers it, 0..kMaxLoopDelay
   };
 
   explicit DisturbanceObserver(const Gains& gains) noexcept;
@@ -38,8 +44,9 @@ class DisturbanceObserver {
   /// `valid` false (no reading): only predicts.
   void update(const Vec3& measured_joints_m, bool valid) noexcept;
 
-  /// What acts from now to the next update: the motor force *after* clipping (so nothing winds up at the
-  /// limit) and the nominal inertia A_n that the estimate refers to (constant, or the model's A(q)).
+  /// What answers the last reading: the motor force *after* clipping (so nothing winds up at the limit) and
+  /// the nominal inertia A_n that the estimate refers to (constant, or the model's A(q)). From now to the
+  /// next update acts the force of `loop_delay` samples ago.
   void applied(const Vec3& force_n, const Mat3& nominal_inertia_kg) noexcept;
 
   const Vec3& joints_m() const noexcept { return q_; }
@@ -52,10 +59,12 @@ class DisturbanceObserver {
   double alpha_;
   double beta_;
   double gamma_;
+  int loop_delay_;
   Vec3 q_ = Vec3::Zero();
   Vec3 v_ = Vec3::Zero();
-  Vec3 w_ = Vec3::Zero();             // disturbance as a joint acceleration, m/s^2
-  Vec3 acceleration_ = Vec3::Zero();  // A_n^-1 times the applied force
+  Vec3 w_ = Vec3::Zero();                         // disturbance as a joint acceleration, m/s^2
+  std::array<Vec3, kMaxLoopDelay + 1> forces_n_;  // on their way, newest first
+  Vec3 acceleration_ = Vec3::Zero();              // A_n^-1 times the force that acts
   Mat3 nominal_inertia_kg_ = Mat3::Identity();
   Vec3 disturbance_n_ = Vec3::Zero();
 };

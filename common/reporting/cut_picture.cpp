@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "common/reporting/run_lookup.h"
-#include "slave/laser/mark_picture.h"
-#include "slave/laser/workpiece.h"
+#include "common/workpiece/mark_picture.h"
 
 namespace telekerf::reporting {
 
@@ -18,18 +17,16 @@ cv::Mat draw_cut(const RunRecord& record) {
     reach_m = std::max({reach_m, std::abs(point[0]), std::abs(point[1])});
   }
   constexpr int kPixels = 1200;
-  laser::Workpiece workpiece({.half_width_m = 1.2 * reach_m, .pixels = kPixels, .spot_radius_m = 60e-6});
+  constexpr double kSpotRadius_m = 60e-6;
+  workpiece::Workpiece workpiece({.half_width_m = 1.2 * reach_m, .pixels = kPixels}, workpiece::kWood);
   const double dt_s = control_period_s(record);
   for (const auto& row : record.slave) {
-    if (row.laser_w > 0.0) workpiece.expose(in_plane(row.tool_m), row.laser_w * dt_s);
+    if (row.laser_w > 0.0) workpiece.absorb(in_plane(row.tool_m), row.laser_w * dt_s, kSpotRadius_m);
   }
 
-  const laser::Material& wood = laser::kWood;
+  const workpiece::Material& wood = workpiece.material();
   const double full_j = 4.0 * workpiece.pixel_m() * workpiece.pixel_m() * 1e6;  // 4 J/mm^2 chars fully
-  cv::Mat burnt;
-  cv::exp(workpiece.energy_j() * (-3.0 / full_j), burnt);
-  burnt = 1.0 - burnt;
-  cv::Mat picture = laser::mark_picture(burnt, wood);
+  cv::Mat picture = workpiece::mark_picture(workpiece::burnt_fraction(workpiece.energy_j(), full_j), wood);
 
   constexpr int kShift = 4;
   const auto pixel = [&](const Vec2& point) {
@@ -53,7 +50,7 @@ cv::Mat draw_cut(const RunRecord& record) {
   for (const auto& point : record.contour_m) path.push_back(pixel(point));
   stroke({200, 110, 30}, record.contour_closed);
 
-  laser::draw_scale_bar(picture, workpiece.pixel_m(), laser::ink_of(wood));
+  workpiece::draw_scale_bar(picture, workpiece.pixel_m(), workpiece::ink_of(wood));
   return picture;
 }
 

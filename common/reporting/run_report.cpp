@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "common/geometry/corridor.h"
 #include "common/geometry/nearest.h"
 #include "common/reporting/cut_picture.h"
 #include "common/reporting/picture_file.h"
@@ -145,8 +146,8 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
     const geometry::Nearest nearest = contour.find(in_plane(row.tool_m));
     cut.add(nearest.distance_m);
     laser_on_s += dt_s;
-    (nearest.distance_m <= kCorridor_m ? inside_j : outside_j) += row.laser_w * dt_s;
-    if (nearest.distance_m <= kCorridor_m) {
+    (nearest.distance_m <= geometry::kCorridorHalfWidth_m ? inside_j : outside_j) += row.laser_w * dt_s;
+    if (nearest.distance_m <= geometry::kCorridorHalfWidth_m) {
       coverage.mark(previous.value_or(nearest), nearest);
       previous = nearest;
     } else {

@@ -9,9 +9,6 @@
 
 namespace telekerf::reporting {
 
-/// Half width of the corridor that the laser may not leave, to either side of the contour.
-inline constexpr double kCorridor_m = 0.5e-3;
-
 /// The report (names: README.md, "What a run leaves"). Pure: same record, same bytes.
 nlohmann::ordered_json make_report(const RunRecord& record);
 

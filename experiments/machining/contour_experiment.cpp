@@ -13,7 +13,6 @@
 #include "experiments/machining/contour_run.h"
 #include "experiments/machining/contour_source.h"
 #include "experiments/machining/independent_baselines.h"
-#include "slave/laser/material.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -31,7 +30,7 @@ struct Options {
   machining::ControllerKind controller = machining::ControllerKind::kAuto;
   machining::CornerPolicy corner = machining::CornerPolicy::kRounded;
   bool ideal = false;
-  const laser::Material* material = &laser::kWood;
+  const workpiece::Material* material = &workpiece::kWood;
   std::string out;
   double tolerance_um = 10.0;
   double along_rad_s = 0.0;
@@ -180,9 +179,9 @@ void add_parameters(Options& o, Settings& s) {
   s.add("corner", o.corner, machining::kCorners, "what to do at corners");
   s.add("tolerance_um", o.tolerance_um, {.min = 0, .max = 1000, .unit = "um"}, "rounding of corners");
   s.add("plant", o.ideal, kPlants, "what is machined with");
-  s.add("material", o.material, laser::kMaterials, "what the beam meets");
+  s.add("material", o.material, workpiece::kMaterials, "what the beam meets");
   s.add("mismatch", o.mismatch, {.min = 0, .max = 0.5}, "how far the plant is off its file, as a share");
-  s.add("loop_delay", o.loop_delay, {.min = 0, .max = machining::kMaxLoopDelay},
+  s.add("loop_delay", o.loop_delay, {.min = 0, .max = control::kMaxLoopDelay},
         "samples from a reading to the effect of its currents");
   s.add("no_preview", o.no_preview, "accelerations of the same sample, as if the loop had no delay");
   s.add("no_model_ahead", o.no_model_ahead, "no force of the model sent ahead, only the observer");

@@ -55,7 +55,7 @@ ContourRun run_contour(const machining::TimedPath& plan, const geometry::Polylin
   const bool closed = plan.path.closed();
   robot::SimulatedRobot robot(true_robot(nominal, settings), settings.seed + 1000,
                               nominal.in_base(trajectory[0].position_m));
-  machining::PathFollower follower(nominal, machining::drive_settings(settings.controller, settings.follower),
+  machining::PathFollower follower(nominal, machining::joint_settings(settings.controller, settings.follower),
                                    machining::make_controller(settings.controller, closed, settings.follower),
                                    machining::model_use(settings.controller, settings.follower));
   follower.reset(robot.read().joints_m);
@@ -82,7 +82,7 @@ ContourRun run_contour(const machining::TimedPath& plan, const geometry::Polylin
       }
     }
     Vec3 currents = follower.step(robot.read(), trajectory, static_cast<double>(tick));
-    if (i >= hold && follower.drive().saturated()) ++run.limit_violations;
+    if (i >= hold && follower.joints().saturated()) ++run.limit_violations;
     if (i >= hold && reference.beam)
       run.pass.rows.back().laser_w = settings.laser_w * follower.beam_power(reference);
     if (!on_the_way.empty()) {

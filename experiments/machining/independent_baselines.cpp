@@ -55,8 +55,9 @@ std::vector<double> answer_to_a_reading(double law_rad_s, const machining::PathF
   const double dt = 1.0 / s.control_hz;
   control::DisturbanceObserver observer({.period_s = dt,
                                          .bandwidth_rad_per_s = s.observer_rad_s,
-                                         .velocity_bandwidth_rad_per_s = s.velocity_rad_s});
-  std::array<double, machining::kMaxLoopDelay + 1> sent{};
+                                         .velocity_bandwidth_rad_per_s = s.velocity_rad_s,
+                                         .loop_delay = s.loop_delay});
+  std::array<double, control::kMaxLoopDelay + 1> sent{};
   double position = 0.0, velocity = 0.0;
   std::vector<double> out;
   for (int i = 0; i < static_cast<int>(kSeconds * s.control_hz); ++i) {
@@ -65,8 +66,8 @@ std::vector<double> answer_to_a_reading(double law_rad_s, const machining::PathF
     for (std::size_t k = sent.size() - 1; k > 0; --k) sent[k] = sent[k - 1];
     sent[0] = -law_rad_s * law_rad_s * observer.joints_m()[0] -
               2.0 * law_rad_s * observer.joint_velocity_m_per_s()[0] + observer.disturbance_n()[0];
+    observer.applied({sent[0], 0.0, 0.0}, robot::Mat3::Identity());
     const double acts = sent[static_cast<std::size_t>(s.loop_delay)];
-    observer.applied({acts, 0.0, 0.0}, robot::Mat3::Identity());
     position += dt * velocity + 0.5 * dt * dt * acts;
     velocity += dt * acts;
   }

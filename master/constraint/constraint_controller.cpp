@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/geometry/minimum_jerk.h"
+
 namespace telekerf::master {
 
 void ConstraintController::enter() noexcept {
@@ -93,7 +95,7 @@ Vec3 ConstraintController::step(const GuidePath& guide, const KinematicState& to
     // An opened corridor gives the hand its freedom gradually.
     opened_s_ += dt_s;
     const double u = std::min(opened_s_ / settings_.entry_s, 1.0);
-    const double share = u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
+    const double share = geometry::minimum_jerk(u).place;
     return (1.0 - share) * guided_acceleration(active_, settings_, tool, hand_n, reference) + share * free;
   }
   faster_m_per_s_ = std::max(0.0, faster_m_per_s_ - settings_.bend_m_per_s2 * dt_s);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/geometry/circle_fit.h"
+#include "common/geometry/speed_profile.h"
 #include "master/constraint/guide_curve.h"
 
 namespace telekerf::master {
@@ -29,20 +30,11 @@ SpeedLimits::SpeedLimits(const geometry::Polyline& line, double spacing_m, const
     const double change =
         std::abs(bends[index_of(line, i + 2)] - bends[index_of(line, i - 2)]) / (4.0 * spacing_m);
     limit_m_per_s_[static_cast<std::size_t>(i)] =
-        std::min({settings.max_speed_m_per_s, std::sqrt(settings.bend_m_per_s2 / bend),
+        std::min({settings.max_speed_m_per_s, geometry::speed_in_bend(bend, settings.bend_m_per_s2),
                   settings.bend_rad_s / bend, std::cbrt(settings.bend_m_per_s3 / std::max(change, 1e-3))});
   }
   if (!line.closed) limit_m_per_s_.front() = limit_m_per_s_.back() = settings.end_m_per_s;
-  // v^2 may grow by 2 a ds; on a closed curve twice round, so that the seam is seen from both sides.
-  const double growth = 2.0 * settings.slowing_m_per_s2 * spacing_m;
-  const auto soften = [&](long from, long to) {
-    auto& limited = limit_m_per_s_[static_cast<std::size_t>(((to % n) + n) % n)];
-    const double neighbour = limit_m_per_s_[static_cast<std::size_t>(((from % n) + n) % n)];
-    limited = std::min(limited, std::sqrt(neighbour * neighbour + growth));
-  };
-  const long steps = line.closed ? 2 * n : n - 1;
-  for (long i = 0; i < steps; ++i) soften(i, i + 1);
-  for (long i = steps; i > 0; --i) soften(i, i - 1);
+  geometry::keep_brakable_both_ways(limit_m_per_s_, spacing_m, settings.slowing_m_per_s2, line.closed);
 }
 
 SpeedLimit SpeedLimits::at(double fraction) const noexcept {

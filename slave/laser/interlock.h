@@ -2,14 +2,15 @@
 // May the beam be on? Laser off is the answer to every doubt; the first reason that forbids it is said aloud.
 #pragma once
 
+#include "common/geometry/corridor.h"
 #include "common/protocol/messages.h"
 
 namespace telekerf::laser {
 
 struct InterlockSettings {
-  double corridor_m = 0.5e-3;    ///< half width, judged at the beam's centre (contract.md, "Corridor")
-  double reaction_s = 0.003;     ///< the beam may run on this long after the decision
-  double measurement_m = 20e-6;  ///< allowance for what the sensors do not see
+  double corridor_m = geometry::kCorridorHalfWidth_m;
+  double reaction_s = 0.003;             ///< the beam may run on this long after the decision
+  double measurement_m = 20e-6;          ///< allowance for what the sensors do not see
   double max_tracking_error_m = 0.2e-3;  ///< tool to where the master wants it
 };
 
@@ -37,7 +38,5 @@ inline Interlock evaluate_interlock(const InterlockInputs& now, const InterlockS
   if (!(now.tracking_error_m < settings.max_tracking_error_m)) return Interlock::kTracking;
   return Interlock::kReady;
 }
-
-const char* name_of(Interlock state) noexcept;
 
 }  // namespace telekerf::laser

@@ -9,7 +9,9 @@
 #include "common/geometry/nearest.h"
 #include "common/runtime/error_statistics.h"
 #include "common/runtime/startup_error.h"
-#include "slave/laser/kerf.h"
+#include "common/workpiece/mark_along_path.h"
+#include "common/workpiece/mark_picture.h"
+#include "slave/laser/pulsed_beam.h"
 #include "slave/machining/contouring_control.h"
 
 namespace telekerf::machining {
@@ -147,7 +149,7 @@ ordered_json measure(std::span<const ContourPass> passes, double speed_m_per_s) 
           {"closure_gap_um", any_closed ? ordered_json(gap * 1e6) : ordered_json()}};
 }
 
-ordered_json burn(std::span<const ContourPass> passes, const laser::Material& material,
+ordered_json burn(std::span<const ContourPass> passes, const workpiece::Material& material,
                   const std::filesystem::path& folder) {
   std::vector<Vec2> all;
   for (const ContourPass& pass : passes)
@@ -161,9 +163,12 @@ ordered_json burn(std::span<const ContourPass> passes, const laser::Material& ma
   // A stronger laser has more pulses of the same energy.
   source.repetition_hz *= most_w / source.max_power_w;
   source.max_power_w = most_w;
-  laser::HeightMap map(
-      {.centre_m = box.centre(), .half_width_m = 0.5 * box.size().maxCoeff() + 0.5e-3, .pixel_m = 7.5e-6},
-      material, source);
+  const double half_width_m = 0.5 * box.size().maxCoeff() + geometry::kCorridorHalfWidth_m;
+  workpiece::Workpiece workpiece({.centre_m = box.centre(),
+                                  .half_width_m = half_width_m,
+                                  .pixels = workpiece::pixels_for(half_width_m, 7.5e-6)},
+                                 material);
+  laser::PulsedBeam beam(source, workpiece);
   std::vector<Polyline> paths;
   for (const ContourPass& pass : passes) {
     const NearestIndex corridor(*pass.contour);
@@ -171,27 +176,27 @@ ordered_json burn(std::span<const ContourPass> passes, const laser::Material& ma
     for (std::size_t i = 0; i + 1 < pass.rows.size(); ++i) {
       const PassRow& row = pass.rows[i];
       const Vec2 from = row.tool_m.head<2>();
-      map.expose(from, pass.rows[i + 1].tool_m.head<2>(), row.laser_w, pass.plan->period_s, 0.0, &corridor);
+      beam.expose(from, pass.rows[i + 1].tool_m.head<2>(), row.laser_w, pass.plan->period_s, &corridor);
       if (row.reference.arc_length_m < pass.plan->path.length_m()) paths.back().points_m.push_back(from);
     }
   }
   // Only when everything is burned: a later contour may cross an earlier one.
-  laser::MarkAlongPath whole;
+  workpiece::MarkAlongPath whole;
   double length = 0.0;
   for (const Polyline& path : paths) {
     if (path.size() < 3) continue;
-    const laser::MarkAlongPath mark = laser::measure_mark(map, path, source.spot_radius_m);
+    const workpiece::MarkAlongPath mark = workpiece::measure_mark(workpiece, path, source.spot_radius_m);
     const double share = geometry::length_m(path);
     whole.depth_m += share * mark.depth_m;
     whole.kerf_m += share * mark.kerf_m;
     whole.depth_variation = std::max(whole.depth_variation, mark.depth_variation);
     length += share;
   }
-  if (!cv::imwrite((folder / "mark.png").string(), map.picture()) ||
-      !cv::imwrite((folder / "depth.png").string(), map.depth_picture())) {
+  if (!cv::imwrite((folder / "mark.png").string(), workpiece::picture_of(workpiece)) ||
+      !cv::imwrite((folder / "depth.png").string(), workpiece::depth_picture(workpiece))) {
     throw environment_error(folder.string() + ": cannot be written");
   }
-  const laser::EnergyStatistics& energy = map.energy();
+  const laser::EnergyStatistics& energy = beam.energy();
   return {{"material", material.name},
           {"depth_um", length > 0.0 ? 1e6 * whole.depth_m / length : 0.0},
           {"depth_variation_percent", 100.0 * whole.depth_variation},

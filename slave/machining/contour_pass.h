@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "slave/laser/material.h"
+#include "common/workpiece/material.h"
 #include "slave/machining/timed_path.h"
 
 namespace telekerf::machining {
@@ -39,7 +39,7 @@ nlohmann::ordered_json measure(std::span<const ContourPass> passes, double speed
 
 /// What the beam left: joules, depth and kerf along the paths; writes mark.png and depth.png into the folder.
 /// Throws StartupError.
-nlohmann::ordered_json burn(std::span<const ContourPass> passes, const laser::Material& material,
+nlohmann::ordered_json burn(std::span<const ContourPass> passes, const workpiece::Material& material,
                             const std::filesystem::path& folder);
 
 /// Vertices where the contour turns by more than 30 degrees within 0.3 mm.

@@ -12,6 +12,7 @@
 // left of travel (eq. 38); with constant z the binormal is z.
 #pragma once
 
+#include "slave/machining/follower_settings.h"
 #include "slave/machining/tracking.h"
 
 namespace telekerf::machining {
@@ -32,10 +33,10 @@ struct ContouringControl {
   Vec3 damping{1.0, 1.0, 1.0};
   double acceleration_ahead = 0.5;  ///< samples, as in preview control
 
-  static ContouringControl matched(int loop_delay, double along_rad_s, double across_rad_s) noexcept {
+  static ContouringControl tuned(const PathFollowerSettings& s) noexcept {
     ContouringControl control;
-    control.bandwidth_rad_s = {along_rad_s, across_rad_s, across_rad_s};
-    control.acceleration_ahead = loop_delay + 0.5;
+    control.bandwidth_rad_s = {s.along_rad_s, s.across_rad_s, s.across_rad_s};
+    control.acceleration_ahead = s.preview ? s.loop_delay + 0.5 : 0.0;
     return control;
   }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The three ways to follow a path, behind one interface: measured state and references in, desired joint
-// acceleration out (thesis 4.2, 4.3).
+// The ways to follow a path, behind one interface: measured state and references in, desired joint
+// acceleration out (thesis 4.2, 4.3). A controller is its own header (gains, tuned() and update()), and what
+// this page says of it: a type, a kind, a row and a case.
 #pragma once
 
-#include <string_view>
+#include <cstdint>
 #include <variant>
 
+#include "common/runtime/enum_table.h"
 #include "slave/machining/contouring_control.h"
 #include "slave/machining/independent_control.h"
 #include "slave/machining/preview_control.h"
@@ -14,17 +16,39 @@ namespace telekerf::machining {
 
 using Controller = std::variant<IndependentControl, PreviewControl, ContouringControl>;
 
+enum class ControllerKind : std::uint8_t {
+  kAuto,  ///< contouring on closed contours, preview on open ones
+  kIndependent,
+  kPreview,
+  kContouring,
+};
+inline constexpr EnumRow<ControllerKind> kControllerRows[] = {
+    {"auto", ControllerKind::kAuto, "contouring on closed contours, preview on open ones"},
+    {"independent", ControllerKind::kIndependent, "every joint for itself"},
+    {"preview", ControllerKind::kPreview, "joints with the accelerations of the samples to come"},
+    {"contouring", ControllerKind::kContouring, "loops along and across the path"},
+};
+inline constexpr EnumTable<ControllerKind> kControllers(kControllerRows);
+
+/// The controller of a kind with gains and preview that match the loop.
+inline Controller make_controller(ControllerKind kind, bool closed, const PathFollowerSettings& s) noexcept {
+  switch (kind) {
+    case ControllerKind::kIndependent:
+      return IndependentControl::tuned(s);
+    case ControllerKind::kPreview:
+      return PreviewControl::tuned(s);
+    case ControllerKind::kContouring:
+      return ContouringControl::tuned(s);
+    case ControllerKind::kAuto:
+      break;
+  }
+  return closed ? Controller(ContouringControl::tuned(s)) : Controller(PreviewControl::tuned(s));
+}
+
 /// Desired joint acceleration, m/s^2. Real-time: noexcept, no allocation. Not finite only if the reference is
 /// no pose of the robot.
 inline Vec3 desired_acceleration(const Controller& controller, const Tracking& now) noexcept {
-  switch (controller.index()) {
-    case 0:
-      return std::get_if<IndependentControl>(&controller)->update(now);
-    case 1:
-      return std::get_if<PreviewControl>(&controller)->update(now);
-    default:
-      return std::get_if<ContouringControl>(&controller)->update(now);
-  }
+  return std::visit([&](const auto& law) noexcept { return law.update(now); }, controller);
 }
 
 }  // namespace telekerf::machining

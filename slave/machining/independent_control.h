@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "slave/machining/follower_settings.h"
 #include "slave/machining/tracking.h"
 
 namespace telekerf::machining {
@@ -14,6 +15,12 @@ struct IndependentControl {
   double bandwidth_rad_s = 60.0;    ///< K_p1 = bandwidth^2
   double damping = 1.0;             ///< K_p2 = 2 damping bandwidth
   double acceleration_ahead = 0.0;  ///< samples, as in preview control
+
+  static IndependentControl tuned(const PathFollowerSettings& s) noexcept {
+    IndependentControl control{.bandwidth_rad_s = s.along_rad_s};
+    if (s.preview && s.independent_model != ModelUse::kNone) control.acceleration_ahead = s.loop_delay + 0.5;
+    return control;
+  }
 
   Vec3 update(const Tracking& now) const noexcept {
     const JointReference q = joint_reference(now, now.trajectory.at(now.tick));

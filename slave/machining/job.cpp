@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "common/geometry/cutting_order.h"
-#include "slave/laser/kerf.h"
+#include "common/geometry/minimum_jerk.h"
+#include "slave/machining/kerf.h"
 
 namespace telekerf::machining {
 namespace {
@@ -29,20 +30,21 @@ class Writer {
     const Vec3 way = to_m - here_m_;
     const double length = way.norm();
     if (!(length > 1e-9)) return;
-    // s = 10 u^3 - 15 u^4 + 6 u^5: at most 15/8 of the mean speed and 5.78 length / time^2.
     const TimedPathSettings& most = settings_.plan;
     const double time_s = std::max(
-        1.875 * length / std::min(settings_.travel_m_per_s, most.max_speed_m_per_s),
-        std::sqrt(5.78 * length / std::min(settings_.travel_m_per_s2, most.max_acceleration_m_per_s2)));
+        geometry::kMinimumJerkPeakRate * length / std::min(settings_.travel_m_per_s, most.max_speed_m_per_s),
+        std::sqrt(geometry::kMinimumJerkPeakRate2 * length /
+                  std::min(settings_.travel_m_per_s2, most.max_acceleration_m_per_s2)));
     const auto ticks = static_cast<std::size_t>(std::ceil(time_s / period_s_));
     const double whole_s = static_cast<double>(ticks) * period_s_;
     for (std::size_t i = 1; i <= ticks; ++i) {
       const double u = static_cast<double>(i) / static_cast<double>(ticks);
       Reference r;
-      r.position_m = here_m_ + u * u * u * (10.0 + u * (6.0 * u - 15.0)) * way;
+      const geometry::MinimumJerk motion = geometry::minimum_jerk(u);
+      r.position_m = here_m_ + motion.place * way;
       r.tangent = way / length;
-      r.speed_m_per_s = 30.0 * u * u * (1.0 - u) * (1.0 - u) * length / whole_s;
-      r.speed_rate_m_per_s2 = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) * length / (whole_s * whole_s);
+      r.speed_m_per_s = motion.rate * length / whole_s;
+      r.speed_rate_m_per_s2 = motion.rate2 * length / (whole_s * whole_s);
       r.velocity_m_per_s = r.speed_m_per_s * r.tangent;
       r.acceleration_m_per_s2 = r.speed_rate_m_per_s2 * r.tangent;
       push(r, phase);
@@ -93,7 +95,7 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
   std::vector<Vec2> all;
   double length_m = 0.0;
   for (const std::size_t which : order) {
-    auto line = laser::compensated(contours[which], settings.kerf_m, is_hole(contours, which));
+    auto line = compensated(contours[which], settings.kerf_m, is_hole(contours, which));
     if (!line) return tl::unexpected(line.error());
     lines.push_back(std::move(*line));
     auto plan = make_timed_path(lines.back(), settings.plan);

@@ -13,7 +13,7 @@ JobExecutor::JobExecutor(const robot::RobotModel& nominal, const Job& job,
                    make_controller(settings.controller, true, settings.follower)},
       settings_(settings),
       workspace_radius_m_(nominal.workspace.radius_m),
-      follower_(nominal, drive_settings(settings.controller, settings.follower), controllers_[0],
+      follower_(nominal, joint_settings(settings.controller, settings.follower), controllers_[0],
                 model_use(settings.controller, settings.follower)),
       hold_({Reference{}}) {
   turn_to(0);
@@ -37,9 +37,9 @@ JobExecutorOutputs JobExecutor::step(const robot::JointReading& reading, bool st
   const Reference& reference = stopped_ ? hold_[0] : job_.trajectory[tick_];
   out.currents_a = stopped_ ? follower_.step(reading, hold_, 0.0)
                             : follower_.step(reading, job_.trajectory, static_cast<double>(tick_));
-  out.saturated = follower_.drive().saturated();
+  out.saturated = follower_.joints().saturated();
   out.tool_m = follower_.tool_m();
-  out.tool_velocity_m_per_s = follower_.drive().state().tool_velocity_m_per_s;
+  out.tool_velocity_m_per_s = follower_.joints().state().tool_velocity_m_per_s;
   out.reference_m = reference.position_m;
   out.tick = tick_;
   out.phase = job_.phases[tick_];

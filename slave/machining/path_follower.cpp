@@ -4,59 +4,25 @@
 #include <algorithm>
 
 namespace telekerf::machining {
-namespace {
-
-ControllerKind resolved(ControllerKind kind, bool closed) noexcept {
-  if (kind != ControllerKind::kAuto) return kind;
-  return closed ? ControllerKind::kContouring : ControllerKind::kPreview;
-}
-
-}  // namespace
-
-void PathFollowerSettings::tune_for_speed(double speed_m_per_s, bool stiff) noexcept {
-  observer_rad_s = std::clamp(37.5e3 * speed_m_per_s, stiff ? 200.0 : 60.0, 400.0);
-  velocity_rad_s = std::clamp(112.5e3 * speed_m_per_s, stiff ? 600.0 : 220.0, 900.0);
-  along_rad_s = std::clamp(20.0 + 17.5e3 * speed_m_per_s, 50.0, 70.0);
-}
-
-Controller make_controller(ControllerKind kind, bool closed, const PathFollowerSettings& s) noexcept {
-  switch (resolved(kind, closed)) {
-    case ControllerKind::kPreview: {
-      auto control = PreviewControl::matched(s.loop_delay, s.along_rad_s);
-      if (!s.preview) control.acceleration_ahead = 0.0;
-      return control;
-    }
-    case ControllerKind::kContouring: {
-      auto control = ContouringControl::matched(s.loop_delay, s.along_rad_s, s.across_rad_s);
-      if (!s.preview) control.acceleration_ahead = 0.0;
-      return control;
-    }
-    case ControllerKind::kAuto:
-    case ControllerKind::kIndependent:
-      break;
-  }
-  IndependentControl control{.bandwidth_rad_s = s.along_rad_s};
-  if (s.preview && s.independent_model != ModelUse::kNone) control.acceleration_ahead = s.loop_delay + 0.5;
-  return control;
-}
 
 ModelUse model_use(ControllerKind kind, const PathFollowerSettings& s) noexcept {
   return kind == ControllerKind::kIndependent ? s.independent_model : s.model;
 }
 
-DriveSettings drive_settings(ControllerKind kind, const PathFollowerSettings& s) noexcept {
-  DriveSettings drive;
-  drive.observer = {.period_s = 1.0 / s.control_hz,
-                    .bandwidth_rad_per_s = s.observer_rad_s,
-                    .velocity_bandwidth_rad_per_s = s.velocity_rad_s};
-  drive.loop_delay = s.loop_delay;
-  drive.inertia = model_use(kind, s) == ModelUse::kWhole ? NominalInertia::kModel : NominalInertia::kDiagonal;
-  return drive;
+control::JointAccelerationSettings joint_settings(ControllerKind kind,
+                                                  const PathFollowerSettings& s) noexcept {
+  return {.observer = {.period_s = 1.0 / s.control_hz,
+                       .bandwidth_rad_per_s = s.observer_rad_s,
+                       .velocity_bandwidth_rad_per_s = s.velocity_rad_s,
+                       .loop_delay = s.loop_delay},
+          .inertia = model_use(kind, s) == ModelUse::kWhole ? control::NominalInertia::kModel
+                                                            : control::NominalInertia::kDiagonal,
+          .friction_feedforward = false};
 }
 
 void PathFollower::reset(const Vec3& joints_m) noexcept {
-  drive_.reset(joints_m);
-  weight_n_ = robot::gravity_force(model_, kinematics_, drive_.state());
+  joints_.reset(joints_m);
+  weight_n_ = robot::gravity_force(model_, kinematics_, joints_.state());
 }
 
 /// Forces of the robot's file at the reference, where the currents will act.
@@ -73,16 +39,16 @@ Vec3 PathFollower::expected_force(const Tracking& now) const noexcept {
 
 double PathFollower::beam_power(const Reference& reference) const noexcept {
   if (!(reference.speed_m_per_s > 0.0)) return 0.0;
-  const double speed = drive_.state().tool_velocity_m_per_s.dot(reference.tangent);
+  const double speed = joints_.state().tool_velocity_m_per_s.dot(reference.tangent);
   return reference.power * std::clamp(speed / reference.speed_m_per_s, 0.0, 1.5);
 }
 
 Vec3 PathFollower::step(const robot::JointReading& reading, const Trajectory& trajectory,
                         double tick) noexcept {
-  drive_.observe(reading);
-  const Tracking now{kinematics_, drive_.state(), trajectory, tick, origin_in_base_m_};
+  joints_.observe(reading);
+  const Tracking now{kinematics_, joints_.state(), trajectory, tick, origin_in_base_m_};
   const Vec3 desired = desired_acceleration(controller_, now);
-  return drive_.currents(desired.allFinite() ? desired : Vec3(Vec3::Zero()), expected_force(now));
+  return joints_.currents(desired.allFinite() ? desired : Vec3(Vec3::Zero()), expected_force(now));
 }
 
 }  // namespace telekerf::machining

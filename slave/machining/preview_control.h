@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 
+#include "slave/machining/follower_settings.h"
 #include "slave/machining/tracking.h"
 
 namespace telekerf::machining {
@@ -25,10 +26,10 @@ struct PreviewControl {
   double layer_m_per_s = 2e-3;
 
   /// Steps ahead for a loop whose currents act `loop_delay` samples after the reading.
-  static PreviewControl matched(int loop_delay, double bandwidth_rad_s) noexcept {
+  static PreviewControl tuned(const PathFollowerSettings& s) noexcept {
     PreviewControl control;
-    control.convergence_rad_s = control.slope_rad_s = bandwidth_rad_s;
-    control.acceleration_ahead = loop_delay + 0.5;
+    control.convergence_rad_s = control.slope_rad_s = s.along_rad_s;
+    control.acceleration_ahead = s.preview ? s.loop_delay + 0.5 : 0.0;
     return control;
   }
 

@@ -55,7 +55,7 @@ void StationSettings::add_parameters(Settings& settings) {
   settings.add("speed_mm_s", speed_mm_s, {.min = 0.1, .max = 100, .unit = "mm/s"}, "tangential speed");
   settings.add("controller", controller, kControllers, "how the robot is kept on the path");
   settings.add("corner", corner, kCorners, "what to do at corners");
-  settings.add("material", material, laser::kMaterials, "what the beam meets");
+  settings.add("material", material, workpiece::kMaterials, "what the beam meets");
   settings.add("kerf_um", kerf_um, {.min = 0, .max = 2000, .unit = "um"}, "width of the cut to compensate");
   settings.add("no_framing", no_framing, "no run round the work with the pilot beam");
   settings.add("machining_hz", machining_hz, {.min = 800, .max = 10000, .unit = "Hz"}, "control rate");

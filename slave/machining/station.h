@@ -12,8 +12,8 @@
 #include "common/protocol/messages.h"
 #include "common/robot/supervisor.h"
 #include "common/runtime/loop.h"
+#include "common/workpiece/material.h"
 #include "slave/laser/laser_output.h"
-#include "slave/laser/material.h"
 #include "slave/machining/job_executor.h"
 #include "slave/machining/work_report.h"
 
@@ -35,7 +35,7 @@ struct StationSettings {
   double speed_mm_s = 8.0;
   ControllerKind controller = ControllerKind::kAuto;
   CornerPolicy corner = CornerPolicy::kRounded;
-  const laser::Material* material = &laser::kWood;
+  const workpiece::Material* material = &workpiece::kWood;
   double kerf_um = 0.0;  ///< closed contours are moved by half of it
   bool no_framing = false;
   double machining_hz = 2400.0;  ///< control rate

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <unordered_map>
 #include <utility>
+
+#include "common/geometry/interpolation.h"
+#include "common/geometry/speed_profile.h"
+#include "slave/machining/even_burn.h"
 
 namespace telekerf::machining {
 namespace {
@@ -27,7 +29,7 @@ std::vector<double> speed_limits(const Path& path, const TimedPathSettings& s, d
   std::vector<double> limit(count, wanted);
   for (std::size_t i = 0; i < count; ++i) {
     const double bend = path.at(from_m + static_cast<double>(i) * kGrid_m).second.norm();
-    if (bend > 0.0) limit[i] = std::min(wanted, std::sqrt(across / bend));
+    if (bend > 0.0) limit[i] = std::min(wanted, geometry::speed_in_bend(bend, across));
   }
   // The smoothing in time mixes neighbours: the slow place is made longer by what it may reach.
   std::vector<double> wide = limit;
@@ -38,9 +40,7 @@ std::vector<double> speed_limits(const Path& path, const TimedPathSettings& s, d
       wide[k] = std::min(wide[k], limit[i]);
     }
   }
-  for (std::size_t i = count - 1; i-- > 0;) {
-    wide[i] = std::min(wide[i], std::sqrt(wide[i + 1] * wide[i + 1] + 2.0 * along * kGrid_m));
-  }
+  geometry::keep_brakable(wide, kGrid_m, along);
   const double ramp = std::min(s.ramp_m_per_s2, s.max_acceleration_m_per_s2);
   for (std::size_t i = 0; i < count; ++i) {
     wide[i] = std::min(wide[i],
@@ -67,92 +67,6 @@ std::vector<double> box(const std::vector<double>& in, std::size_t width) {
   }
   return out;
 }
-
-/// Shares of the planned power along the path with which every place gets the same energy although beams
-/// overlap: at a sharp corner the spot burns the next leg while it is on this one. Richardson and Lucy's
-/// deconvolution.
-class EvenBurn {
- public:
-  EvenBurn(const Path& path, double cut_end_m, const TimedPathSettings& s)
-      : step_m_(0.25 * s.spot_radius_m), spot_radius_m_(s.spot_radius_m) {
-    const double fade_m = path.closed() ? s.overlap_m : 0.0;
-    for (double arc = 0.0; arc <= cut_end_m; arc += step_m_) {
-      places_.push_back(path.at(arc).position_m.head<2>());
-      // A closed contour's end meets its start: one fades out while the other fades in.
-      shares_.push_back(fade_m > 0.0 ? std::min({1.0, arc / fade_m, (cut_end_m - arc) / fade_m}) : 1.0);
-    }
-    find_neighbours();
-    // What a straight line gets; an open one's ends get less, which nothing should change.
-    const auto count = static_cast<std::ptrdiff_t>(places_.size());
-    std::vector<double> wanted(places_.size(), 0.0), reach(places_.size(), 0.0), lack(places_.size());
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      for (std::ptrdiff_t k = -kReach; k <= kReach; ++k) {
-        if (path.closed() || (i + k >= 0 && i + k < count))
-          wanted[at] += weight(static_cast<double>(k) * step_m_);
-      }
-      for (const auto& [other, w] : near_[at]) reach[at] += w;
-    }
-    for (int round = 0; round < kRounds; ++round) {
-      for (std::size_t i = 0; i < places_.size(); ++i) {
-        double dose = 0.0;
-        for (const auto& [other, w] : near_[i]) dose += w * shares_[other];
-        lack[i] = dose > 0.0 ? wanted[i] / dose : 1.0;
-      }
-      for (std::size_t i = 0; i < places_.size(); ++i) {
-        double more = 0.0;
-        for (const auto& [other, w] : near_[i]) more += w * lack[other];
-        shares_[i] = std::min(kMost, shares_[i] * more / reach[i]);
-      }
-    }
-  }
-
-  double share(double arc_m) const noexcept {
-    const double place = std::clamp(arc_m / step_m_, 0.0, static_cast<double>(shares_.size() - 1));
-    const auto i = std::min(static_cast<std::size_t>(place), shares_.size() - 2);
-    return shares_[i] + (place - static_cast<double>(i)) * (shares_[i + 1] - shares_[i]);
-  }
-
- private:
-  static constexpr std::ptrdiff_t kReach = 8;  ///< steps: two spot radii
-  static constexpr int kRounds = 20;
-  static constexpr double kMost = 1.25;  ///< beside a corner a little more evens out what the corner lacks
-
-  double weight(double distance_m) const noexcept {
-    const double r = distance_m / spot_radius_m_;
-    return r < 2.0 + 1e-9 ? std::exp(-2.0 * r * r) : 0.0;
-  }
-  /// By squares of two spot radii, so that the work grows with the path's length only.
-  void find_neighbours() {
-    const double cell = 2.0 * spot_radius_m_;
-    const auto key = [&](const Vec2& p, int dx, int dy) {
-      const auto x = static_cast<std::int64_t>(std::floor(p.x() / cell)) + dx;
-      const auto y = static_cast<std::int64_t>(std::floor(p.y() / cell)) + dy;
-      return (x << 32) ^ (y & 0xffffffff);
-    };
-    std::unordered_map<std::int64_t, std::vector<std::uint32_t>> cells;
-    for (std::size_t i = 0; i < places_.size(); ++i)
-      cells[key(places_[i], 0, 0)].push_back(static_cast<std::uint32_t>(i));
-    near_.resize(places_.size());
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        for (int dy = -1; dy <= 1; ++dy) {
-          const auto found = cells.find(key(places_[i], dx, dy));
-          if (found == cells.end()) continue;
-          for (const std::uint32_t other : found->second) {
-            const double w = weight((places_[other] - places_[i]).norm());
-            if (w > 0.0) near_[i].emplace_back(other, w);
-          }
-        }
-      }
-    }
-  }
-
-  double step_m_, spot_radius_m_;
-  std::vector<Vec2> places_;
-  std::vector<double> shares_;
-  std::vector<std::vector<std::pair<std::uint32_t, double>>> near_;
-};
 
 }  // namespace
 
@@ -232,11 +146,7 @@ tl::expected<TimedPath, std::string> make_timed_path(Path path, const TimedPathS
   const double from = -run_up;
   const double to = cut_end + run_up;
   const std::vector<double> limit = speed_limits(path, s, from, to);
-  const auto limit_at = [&](double arc) {
-    const double place = std::clamp((arc - from) / kGrid_m, 0.0, static_cast<double>(limit.size() - 1));
-    const auto i = std::min(static_cast<std::size_t>(place), limit.size() - 2);
-    return limit[i] + (place - static_cast<double>(i)) * (limit[i + 1] - limit[i]);
-  };
+  const auto limit_at = [&](double arc) { return geometry::interpolated(limit, (arc - from) / kGrid_m); };
 
   const auto width = static_cast<std::size_t>(s.smoothing_s * s.control_hz / 3.0) | 1U;
   const std::size_t pad = 2 * width;
@@ -254,7 +164,7 @@ tl::expected<TimedPath, std::string> make_timed_path(Path path, const TimedPathS
   arc.resize(arc.size() + pad, to);
   for (int pass = 0; pass < 3; ++pass) arc = box(arc, width);
 
-  const EvenBurn even(path, cut_end, s);
+  const EvenBurn even(path, cut_end, s.spot_radius_m, path.closed() ? s.overlap_m : 0.0);
   std::vector<Reference> points(arc.size());
   std::size_t cut_ticks = 0;
   double slowest = speed;
@@ -277,7 +187,7 @@ tl::expected<TimedPath, std::string> make_timed_path(Path path, const TimedPathS
     r.beam = arc[i] >= 0.0 && arc[i] <= cut_end;
     if (r.beam) {
       ++cut_ticks;
-      r.power = r.speed_m_per_s / s.speed_m_per_s * even.share(arc[i]);
+      r.power = r.speed_m_per_s / s.speed_m_per_s * even.fraction(arc[i]);
       slowest = std::min(slowest, r.speed_m_per_s);
     }
   }

@@ -2,11 +2,14 @@
 // What every controller of a path gets to see at one tick.
 #pragma once
 
+#include "common/robot/dynamics.h"
 #include "common/robot/robot_model.h"
-#include "slave/machining/drive.h"
 #include "slave/machining/timed_path.h"
 
 namespace telekerf::machining {
+
+using robot::DeltaState;
+using robot::Mat3;
 
 /// All in the base frame but the trajectory, which is in the workpiece frame; `origin_in_base_m` moves it.
 struct Tracking {

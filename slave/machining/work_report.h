@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/recording/run_record.h"
-#include "slave/laser/material.h"
+#include "common/workpiece/material.h"
 #include "slave/machining/job.h"
 
 namespace telekerf::machining {
@@ -22,7 +22,7 @@ struct WorkRow {
 
 struct WorkRecord {
   std::string controller, corner, sensor;  ///< as the user chose them
-  const laser::Material* material = &laser::kWood;
+  const workpiece::Material* material = &workpiece::kWood;
   double speed_m_per_s = 0.0;  ///< commanded
   DriveRecord drive;
   std::vector<WorkRow> rows{};

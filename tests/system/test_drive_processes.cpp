@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/system/robot_process.h"
-#include "tests/unit/slave/laser_device.h"
+#include "tests/unit/laser/laser_device.h"
 
 namespace telekerf::integration {
 namespace {

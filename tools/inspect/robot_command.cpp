@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "common/robot/hall_sensor.h"
+#include "common/robot/hall_calibration.h"
 #include "common/robot/robot_model.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"

@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "common/robot/hall_calibration.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::robot {

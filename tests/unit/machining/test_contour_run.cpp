@@ -5,8 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/workpiece/mark_along_path.h"
 #include "experiments/machining/independent_baselines.h"
-#include "slave/laser/kerf.h"
+#include "slave/laser/pulsed_beam.h"
+#include "slave/machining/kerf.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -178,19 +180,21 @@ struct Cut {
 /// that stays begins: inside of the groove, or outside of it for a hole.
 Cut cut(const Polyline& drawn, double compensation_m, bool hole) {
   const ContourRunSettings settings = at(8e-3);
-  const Polyline line = *laser::compensated(drawn, compensation_m, hole);
+  const Polyline line = *machining::compensated(drawn, compensation_m, hole);
   const auto plan = machining::make_timed_path(line, settings.plan);
   EXPECT_TRUE(plan);
   const ContourRun run = run_contour(*plan, line, settings);
   const laser::PulsedSourceSettings source;
-  laser::HeightMap map({.half_width_m = 5e-3, .pixel_m = 4e-6}, laser::kWood, source);
+  workpiece::Workpiece piece({.half_width_m = 5e-3, .pixels = workpiece::pixels_for(5e-3, 4e-6)},
+                             workpiece::kWood);
+  laser::PulsedBeam beam(source, piece);
   Polyline tool{{}, true};
   for (std::size_t i = 0; i + 1 < run.pass.rows.size(); ++i) {
     const machining::PassRow& row = run.pass.rows[i];
-    map.expose(row.tool_m.head<2>(), run.pass.rows[i + 1].tool_m.head<2>(), row.laser_w, plan->period_s);
+    beam.expose(row.tool_m.head<2>(), run.pass.rows[i + 1].tool_m.head<2>(), row.laser_w, plan->period_s);
     if (row.reference.arc_length_m < plan->path.length_m()) tool.points_m.emplace_back(row.tool_m.head<2>());
   }
-  const laser::MarkAlongPath mark = laser::measure_mark(map, tool, source.spot_radius_m);
+  const workpiece::MarkAlongPath mark = workpiece::measure_mark(piece, tool, source.spot_radius_m);
 
   Cut out;
   out.kerf_m = mark.kerf_m;
@@ -205,7 +209,7 @@ Cut cut(const Polyline& drawn, double compensation_m, bool hole) {
     const Vec2 outward(place.tangent.y(), -place.tangent.x());
     const double towards = hole ? -1.0 : 1.0;  // from the piece to the groove
     double d = -towards * 0.15e-3;
-    while (std::abs(d) < 0.2e-3 && map.depth_at(place.point_m + d * outward) < 0.5 * mark.depth_m)
+    while (std::abs(d) < 0.2e-3 && piece.depth_m(place.point_m + d * outward) < 0.5 * mark.depth_m)
       d += towards * 1e-6;
     out.mean_m += d;
     out.worst_m = std::max(out.worst_m, std::abs(d));

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "common/robot/hall_sensor.h"
+#include "common/robot/hall_calibration.h"
 
 namespace telekerf::robot {
 namespace {

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <thread>
 
-#include "common/control/acceleration_control.h"
+#include "common/control/joint_acceleration_control.h"
 #include "common/robot/drivers/simulated_robot.h"
 #include "common/robot/drivers/udp_robot.h"
 #include "common/runtime/startup_error.h"
@@ -55,8 +55,7 @@ class DriveProcess {
 /// Holds the tool at `goal` (base frame) for `steps` steps through any robot; returns the last measured tool.
 Vec3 hold(Robot& robot, const RobotModel& model, const Vec3& goal, int steps) {
   const DeltaKinematics kinematics(model.geometry);
-  control::AccelerationControl control(
-      control::AccelerationControl::settings_for(model, {kPeriod_s, 200, 600}));
+  control::JointAccelerationControl control(model, {.observer = {kPeriod_s, 200, 600}});
   control.reset(*kinematics.inverse(model.workspace.centre_m));
   Vec3 tool = model.workspace.centre_m;
   for (int i = 0; i < steps; ++i) {
@@ -65,13 +64,10 @@ Vec3 hold(Robot& robot, const RobotModel& model, const Vec3& goal, int steps) {
       std::this_thread::sleep_for(std::chrono::microseconds(50));
       reading = robot.read();
     }
-    control.observe(reading);
-    const auto state = kinematics.state(control.joints_m(), control.joint_velocity_m_per_s());
-    if (!state) return Vec3::Zero();
-    tool = state->tool_m;
-    const Vec3 wanted = 2500 * (goal - tool) - 100 * state->tool_velocity_m_per_s;
-    robot.write(control.currents(state->joint_acceleration(wanted), joint_inertia(model, *state),
-                                 control.disturbance_n()));
+    if (!control.observe(reading)) return Vec3::Zero();
+    tool = control.state().tool_m;
+    const Vec3 wanted = 2500 * (goal - tool) - 100 * control.state().tool_velocity_m_per_s;
+    robot.write(control.currents(control.state().joint_acceleration(wanted)));
   }
   return tool;
 }

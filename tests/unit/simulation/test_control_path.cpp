@@ -8,7 +8,7 @@
 #include "common/robot/drivers/udp_robot.h"
 #include "experiments/simulation/simulation.h"
 #include "tests/unit/allocations.h"
-#include "tests/unit/slave/laser_device.h"
+#include "tests/unit/laser/laser_device.h"
 
 namespace telekerf::simulation {
 namespace {

@@ -8,7 +8,7 @@
 #include "common/runtime/startup_error.h"
 #include "slave/laser/laser_output.h"
 #include "tests/unit/allocations.h"
-#include "tests/unit/slave/laser_device.h"
+#include "tests/unit/laser/laser_device.h"
 
 namespace telekerf::laser {
 namespace {

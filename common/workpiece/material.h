@@ -7,14 +7,14 @@
 
 #include "common/runtime/enum_table.h"
 
-namespace telekerf::laser {
+namespace telekerf::workpiece {
 
 /// Ablation by heating: of a pulse's fluence F (J/m^2 absorbed) the part above the threshold removes
 /// depth = (F - threshold) / heat_of_removal. Many pulses overlap, so the depth along a line is
 /// power / (heat_of_removal width speed), less the threshold's share.
 struct Material {
   std::string_view name;
-  double absorption = 0.8;                ///< share of the beam that stays, at 1065 nm
+  double absorption = 0.8;                ///< fraction of the beam that stays, at 1065 nm
   double threshold_j_per_m2 = 500.0;      ///< of one pulse
   double heat_of_removal_j_per_m3 = 3e9;  ///< to heat and remove
   double thickness_m = 3e-3;              ///< deeper there is nothing left
@@ -55,4 +55,4 @@ inline constexpr EnumRow<const Material*> kMaterialRows[] = {
 };
 inline constexpr EnumTable<const Material*> kMaterials(kMaterialRows);
 
-}  // namespace telekerf::laser
+}  // namespace telekerf::workpiece

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/control/joint_acceleration_control.h"
+
+namespace telekerf::control {
+
+JointAccelerationControl::JointAccelerationControl(const robot::RobotModel& nominal,
+                                                   const JointAccelerationSettings& settings) noexcept
+    : model_(nominal),
+      kinematics_(nominal.geometry),
+      settings_(settings),
+      observer_(settings.observer),
+      friction_(nominal.friction, settings.observer) {}
+
+void JointAccelerationControl::reset(const Vec3& joints_m) noexcept {
+  observer_.reset(joints_m);
+  if (const auto state = kinematics_.state(joints_m, Vec3::Zero())) state_ = *state;
+  diagonal_kg_ = robot::joint_inertia(model_, state_).diagonal().asDiagonal();
+}
+
+bool JointAccelerationControl::observe(const robot::JointReading& reading) noexcept {
+  observer_.update(reading.joints_m, reading.valid);
+  if (settings_.friction_feedforward) friction_.update(observer_.joint_velocity_m_per_s());
+  const auto state = kinematics_.state(observer_.joints_m(), observer_.joint_velocity_m_per_s());
+  if (state) state_ = *state;
+  posed_ = state.has_value();
+  return posed_;
+}
+
+Vec3 JointAccelerationControl::reaction_force_n() const noexcept {
+  const Vec3 modelled = robot::coriolis_force(model_, state_) +
+                        robot::gravity_force(model_, kinematics_, state_) + friction_.seen_n();
+  return state_.inverse_jacobian.transpose() * (modelled - observer_.disturbance_n());
+}
+
+Vec3 JointAccelerationControl::currents(const Vec3& desired_joint_acceleration_m_per_s2,
+                                        const Vec3& known_n) noexcept {
+  const Mat3 inertia_kg =
+      settings_.inertia == NominalInertia::kModel ? robot::joint_inertia(model_, state_) : diagonal_kg_;
+  const Vec3 unknown_n = observer_.disturbance_n() + friction_.missing_n();
+  Vec3 wanted_n = inertia_kg * desired_joint_acceleration_m_per_s2 + known_n + unknown_n;
+  if (!wanted_n.allFinite()) wanted_n.setZero();
+  const double limit_n = model_.motor.peak_force_n;
+  const Vec3 force_n = wanted_n.cwiseMax(-limit_n).cwiseMin(limit_n);
+  saturated_ = force_n != wanted_n;
+  observer_.applied(known_n.allFinite() ? Vec3(force_n - known_n) : force_n, inertia_kg);
+  return force_n / model_.motor.force_constant_n_per_a;
+}
+
+Vec3 JointAccelerationControl::braking_m_per_s2(double bandwidth_rad_s) const noexcept {
+  return -2.0 * bandwidth_rad_s * observer_.joint_velocity_m_per_s();
+}
+
+}  // namespace telekerf::control
