@@ -29,7 +29,7 @@ inline constexpr EnumRow<CodecChoice> kCodecRows[] = {
     {"weber", {&kWeberCodec}, "the same by a fraction of the last one sent"},
     {"dpcm", {&kDpcmCodec}, "differences of neighbouring samples"},
 };
-inline constexpr EnumTable<CodecChoice> kCodecs(kCodecRows);
+inline constexpr EnumTable<CodecChoice> kCodecs{kCodecRows};
 
 inline constexpr CodecChoice kDefaultCodec{&kSdctCodec};
 
