@@ -10,11 +10,12 @@ namespace {
 
 std::int64_t to_ns(double s) { return std::llround(s * 1e9); }
 
-std::array<Probability, kMostLossStates - 1> cumulative(const std::array<double, kMostLossStates>& shares) {
-  std::array<Probability, kMostLossStates - 1> up_to;
+std::array<Probability, kMaxLossStates - 1> cumulative(
+    const std::array<double, kMaxLossStates>& probabilities) {
+  std::array<Probability, kMaxLossStates - 1> up_to;
   double sum = 0.0;
-  for (int i = 0; i < kMostLossStates - 1; ++i) {
-    sum += shares[i];
+  for (int i = 0; i < kMaxLossStates - 1; ++i) {
+    sum += probabilities[i];
     up_to[i] = Probability(std::min(sum, 1.0));
   }
   return up_to;
@@ -25,7 +26,7 @@ std::array<Probability, kMostLossStates - 1> cumulative(const std::array<double,
 CompiledProfile::Stage::Stage(const netem::Stage& stage)
     : from_ns(to_ns(stage.from_s)),
       delay(stage.conditions.delay),
-      constant(stage.conditions.delay.law == Law::kConstant),
+      constant(stage.conditions.delay.distribution == DelayDistribution::kConstant),
       constant_ns(to_ns(stage.conditions.delay.delay_s)),
       correlation(stage.conditions.delay.correlation),
       innovation(std::sqrt(1.0 - correlation * correlation)),
@@ -48,8 +49,8 @@ CompiledProfile::Stage::Stage(const netem::Stage& stage)
   has_states = chain.states > 1;
   loss_from_trace = now.loss.model == LossModel::kTrace;
   retransmission_lost = Probability(mean_loss(chain));
-  first_state = cumulative(chain.share);
-  for (int i = 0; i < kMostLossStates; ++i) loss[i] = {cumulative(chain.to[i]), Probability(chain.lost[i])};
+  first_state = cumulative(chain.stationary);
+  for (int i = 0; i < kMaxLossStates; ++i) loss[i] = {cumulative(chain.to[i]), Probability(chain.lost[i])};
   if (now.rate_bit_per_s > 0) {
     ns_per_byte = 8e9 / now.rate_bit_per_s;
     queue_ns = std::llround(static_cast<double>(now.queue_bytes) * ns_per_byte);

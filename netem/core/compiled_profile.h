@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "netem/core/law.h"
-#include "netem/core/loss.h"
+#include "netem/core/delay_table.h"
+#include "netem/core/loss_chain.h"
 #include "netem/core/profile.h"
 #include "netem/core/random.h"
 
@@ -17,7 +17,7 @@ namespace telekerf::netem {
 /// Built outside the packet path (it allocates), then swapped into an emulator as a whole.
 struct CompiledProfile {
   struct State {
-    std::array<Probability, kMostLossStates - 1> up_to;  ///< cumulative: the next state is at most 0, 1, 2
+    std::array<Probability, kMaxLossStates - 1> up_to;  ///< cumulative: the next state is at most 0, 1, 2
     Probability lost;
   };
   struct Stage {
@@ -27,8 +27,8 @@ struct CompiledProfile {
     bool constant;  ///< no draw needed
     std::int64_t constant_ns;
     double correlation, innovation;
-    std::array<State, kMostLossStates> loss;
-    std::array<Probability, kMostLossStates - 1> first_state;
+    std::array<State, kMaxLossStates> loss;
+    std::array<Probability, kMaxLossStates - 1> first_state;
     bool lossy, has_states, loss_from_trace;
     Probability retransmission_lost;
     Order order;

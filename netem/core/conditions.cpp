@@ -7,45 +7,45 @@
 namespace telekerf::netem {
 namespace {
 
-DelayLaw read_delay(const Section& section) {
-  DelayLaw law;
+DelayParameters read_delay(const Section& section) {
+  DelayParameters law;
   law.delay_s = section.number("delay_ms", 0.0, kDelay_ms) * kMillisecond_s;
   law.jitter_s = section.number("jitter_ms", 0.0, kDelay_ms) * kMillisecond_s;
-  law.law = static_cast<Law>(
-      section.choice("distribution", 0,
-                     {"constant", "uniform", "normal", "laplace", "gamma", "lognormal", "pareto", "table"}));
+  law.distribution = section.choice("distribution", DelayDistribution::kConstant, kDelayDistributions);
   law.correlation = section.number("correlation", 0.0, {0.0, 0.999});
   law.shape = section.number("shape", 0.0, {0.0, 1000.0});
   for (const double p : section.numbers("table_p", kProbability)) law.table_p.push_back(p);
   for (const double ms : section.numbers("table_ms", kDelay_ms)) law.table_s.push_back(ms * kMillisecond_s);
 
-  const bool has_jitter = law.law != Law::kConstant && law.law != Law::kTable;
+  const bool has_jitter =
+      law.distribution != DelayDistribution::kConstant && law.distribution != DelayDistribution::kTable;
   if (!has_jitter) {
     if (law.jitter_s > 0) {
       section.refuse_misplaced("jitter_ms", "distribution",
-                               law.law == Law::kTable ? "a table has its own jitter"
-                                                      : "jitter needs a distribution, such as \"normal\"");
+                               law.distribution == DelayDistribution::kTable
+                                   ? "a table has its own jitter"
+                                   : "jitter needs a distribution, such as \"normal\"");
     }
     law.jitter_s = 0.0;
   } else if (law.jitter_s == 0) {
     section.refuse("jitter_ms", "this distribution needs a jitter above 0");
   }
-  if (law.law == Law::kConstant) {
+  if (law.distribution == DelayDistribution::kConstant) {
     if (law.correlation > 0) {
       section.refuse_misplaced("correlation", "distribution", "a constant delay has nothing to correlate");
     }
     law.correlation = 0.0;
   }
-  switch (law.law) {
-    case Law::kGamma:
+  switch (law.distribution) {
+    case DelayDistribution::kGamma:
       if (law.shape < 0.1) section.refuse("shape", "gamma needs a shape k of 0.1 or more");
       break;
-    case Law::kLognormal:
+    case DelayDistribution::kLognormal:
       if (law.shape < 0.01 || law.shape > 3) {
         section.refuse("shape", "lognormal needs a shape (sigma of the logarithm) within [0.01, 3]");
       }
       break;
-    case Law::kPareto:
+    case DelayDistribution::kPareto:
       if (law.shape < 2.05) {
         section.refuse("shape",
                        "pareto needs a shape (tail index) of 2.05 or more, or its jitter would be infinite");
@@ -54,7 +54,7 @@ DelayLaw read_delay(const Section& section) {
     default:
       section.refuse_misplaced("shape", "distribution", "belongs to gamma, lognormal or pareto");
   }
-  if (law.law == Law::kTable) {
+  if (law.distribution == DelayDistribution::kTable) {
     const auto& p = law.table_p;
     if (p.size() < 2 || p.front() != 0 || p.back() != 1) section.refuse("table_p", "must run from 0 to 1");
     if (law.table_s.size() != p.size()) section.refuse("table_ms", "must be as long as table_p");
@@ -70,10 +70,9 @@ DelayLaw read_delay(const Section& section) {
   return law;
 }
 
-LossLaw read_loss(const Section& section) {
-  LossLaw law;
-  law.model = static_cast<LossModel>(
-      section.choice("loss_model", 1, {"none", "bernoulli", "gilbert-elliott", "four-state", "trace"}));
+LossParameters read_loss(const Section& section) {
+  LossParameters law;
+  law.model = section.choice("loss_model", LossModel::kBernoulli, kLossModels);
   law.loss = section.number("loss", 0.0, kProbability);
   const double burst = section.number("loss_burst_packets", 0.0, {1.0, 1e6});
   law.ge_p = section.number("ge_p", 0.0, kProbability);
@@ -147,9 +146,9 @@ Conditions read_conditions(const Section& section) {
   Conditions now;
   now.delay = read_delay(section);
   now.loss = read_loss(section);
-  now.order = static_cast<Order>(section.choice("order", 0, {"fifo", "free", "reorder"}));
+  now.order = section.choice("order", Order::kFifo, kOrders);
   now.reorder = section.number("reorder", 0.0, kProbability);
-  now.reorder_gap = static_cast<int>(section.integer("reorder_gap", 1, {1.0, kLargestGap}));
+  now.reorder_gap = static_cast<int>(section.integer("reorder_gap", 1, {1.0, kMaxReorderGap}));
   now.tcp_like = section.boolean("tcp_like", false);
   now.rto_s = section.number("rto_ms", 200.0, {1.0, 60'000.0}) * kMillisecond_s;
   now.duplicate = section.number("duplicate", 0.0, kProbability);

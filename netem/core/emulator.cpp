@@ -8,7 +8,7 @@
 namespace telekerf::netem {
 namespace {
 
-constexpr int kMostRetransmissions = 6;  // then it gets through: a TCP connection that lives loses nothing
+constexpr int kMaxRetransmissions = 6;  // then it gets through: a TCP connection that lives loses nothing
 constexpr std::int64_t kLongAgo = std::numeric_limits<std::int64_t>::min() / 4;
 
 /// Uniform in [0, range), by multiplication instead of division.
@@ -20,7 +20,7 @@ std::uint64_t uniform_below(std::uint64_t word, std::uint64_t range) noexcept {
 
 Emulator::Emulator(const DirectionProfile& profile, const StreamKey& key, Capacity capacity,
                    std::int64_t origin_ns)
-    : plan_(profile),
+    : profile_(profile),
       normal_(NormalTable::instance()),
       delay_(key, Impairment::kDelay),
       loss_(key, Impairment::kLoss),
@@ -53,69 +53,70 @@ PacketOutcome Emulator::push(std::int64_t now_ns, std::span<const std::byte> pac
   now_ns = now_ns_ = std::max(now_ns, now_ns_);
   const std::uint64_t index = index_++;
   ++counters_.pushed;
-  if (plan_.recording && !plan_.loss_only) {
-    PacketOutcome fate = replay(index, now_ns);
-    keep(fate, now_ns, packet, size, tag, index);
-    return fate;
+  if (profile_.recording && !profile_.loss_only) {
+    PacketOutcome outcome = replay(index, now_ns);
+    keep(outcome, now_ns, packet, size, tag, index);
+    return outcome;
   }
 
   const CompiledProfile::Stage& stage = stage_at(now_ns - origin_ns_);
-  PacketOutcome fate;
+  PacketOutcome outcome;
   // The states of loss and delay advance with every packet, whatever else befalls it.
-  fate.lost_by_model = lose(stage, index);
-  fate.drawn_ns = law_delay(stage, index);
+  outcome.lost_by_model = lose(stage, index);
+  outcome.drawn_ns = law_delay(stage, index);
   std::int64_t leaves_ns = now_ns;
   if (stage.ns_per_byte > 0) {
     const std::int64_t waits_ns = std::max<std::int64_t>(0, bottleneck_free_ns_ - now_ns);
     const auto sends_ns = rounded(size * stage.ns_per_byte);
     // The packet on the wire is not in the queue: an idle bottleneck takes any packet.
-    fate.queue_full = waits_ns > 0 && waits_ns + sends_ns > stage.queue_ns;
-    if (!fate.queue_full) {
-      fate.queued_ns = waits_ns + sends_ns;
-      leaves_ns = bottleneck_free_ns_ = now_ns + fate.queued_ns;
+    outcome.queue_full = waits_ns > 0 && waits_ns + sends_ns > stage.queue_ns;
+    if (!outcome.queue_full) {
+      outcome.queued_ns = waits_ns + sends_ns;
+      leaves_ns = bottleneck_free_ns_ = now_ns + outcome.queued_ns;
     }
   }
-  if (!plan_.events.empty()) meet_events(leaves_ns - origin_ns_, index, fate);
+  if (!profile_.events.empty()) meet_events(leaves_ns - origin_ns_, index, outcome);
 
-  std::int64_t due_ns = leaves_ns + fate.drawn_ns + fate.event_ns;
-  if (stage.tcp_like && !fate.queue_full) due_ns += retransmit(stage, leaves_ns - origin_ns_, index, fate);
-  if (fate.lost()) {
-    fate.queue_full ? ++counters_.queue_full : ++counters_.lost;
-    return fate;
+  std::int64_t due_ns = leaves_ns + outcome.drawn_ns + outcome.event_ns;
+  if (stage.tcp_like && !outcome.queue_full)
+    due_ns += retransmit(stage, leaves_ns - origin_ns_, index, outcome);
+  if (outcome.lost()) {
+    outcome.queue_full ? ++counters_.queue_full : ++counters_.lost;
+    return outcome;
   }
 
   if (stage.order == Order::kReorder && stage.reorder.happens(reorder_.draw(index))) {
-    const std::int64_t earlier_ns = overtake(stage, now_ns, fate);
-    if (fate.reordered) due_ns = earlier_ns;
+    const std::int64_t earlier_ns = overtake(stage, now_ns, outcome);
+    if (outcome.reordered) due_ns = earlier_ns;
   }
-  if (stage.order != Order::kFree && !fate.reordered) {
+  if (stage.order != Order::kFree && !outcome.reordered) {
     due_ns = std::max(due_ns, last_due_ns_);
     if (stage.slot_ns > 0) due_ns = next_slot(stage, due_ns, size);
-    recent_due_ns_[in_order_++ % kLargestGap] = due_ns;
+    recent_due_ns_[in_order_++ % kMaxReorderGap] = due_ns;
   }
-  fate.due_ns = due_ns;
-  fate.duplicated = stage.duplicate.possible() && stage.duplicate.happens(duplicate_.draw(index));
-  fate.corrupted = stage.corrupt.possible() && stage.corrupt.happens(corrupt_.draw(2 * index));
-  keep(fate, now_ns, packet, size, tag, index);
-  return fate;
+  outcome.due_ns = due_ns;
+  outcome.duplicated = stage.duplicate.possible() && stage.duplicate.happens(duplicate_.draw(index));
+  outcome.corrupted = stage.corrupt.possible() && stage.corrupt.happens(corrupt_.draw(2 * index));
+  keep(outcome, now_ns, packet, size, tag, index);
+  return outcome;
 }
 
 const CompiledProfile::Stage& Emulator::stage_at(std::int64_t since_ns) noexcept {
-  while (stage_ + 1 < plan_.stages.size() && since_ns >= plan_.stages[stage_ + 1].from_ns) ++stage_;
-  return plan_.stages[stage_];
+  while (stage_ + 1 < profile_.stages.size() && since_ns >= profile_.stages[stage_ + 1].from_ns) ++stage_;
+  return profile_.stages[stage_];
 }
 
 bool Emulator::lose(const CompiledProfile::Stage& stage, std::uint64_t index) noexcept {
   if (stage.loss_from_trace) {
-    const auto& recording = *plan_.recording;
-    return recording[(index - plan_index_) % recording.size()].lost;
+    const auto& recording = *profile_.recording;
+    return recording[(index - first_index_) % recording.size()].lost;
   }
   if (!stage.lossy) return false;
   int next = 0;
   if (stage.has_states) {
     const auto& up_to = state_ < 0 ? stage.first_state : stage.loss[state_].up_to;
     const std::uint64_t word = loss_state_.draw(index);
-    for (const Probability& chance : up_to) next += chance.happens(word) ? 0 : 1;
+    for (const Probability& bound : up_to) next += bound.happens(word) ? 0 : 1;
   }
   state_ = next;
   return stage.loss[next].lost.happens(loss_.draw(index));
@@ -130,28 +131,28 @@ std::int64_t Emulator::law_delay(const CompiledProfile::Stage& stage, std::uint6
   return stage.delay.at(score_);
 }
 
-void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, PacketOutcome& fate) noexcept {
-  for (std::size_t i = 0; i < plan_.events.size(); ++i) {
-    const CompiledProfile::Event& event = plan_.events[i];
+void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, PacketOutcome& outcome) noexcept {
+  for (std::size_t i = 0; i < profile_.events.size(); ++i) {
+    const CompiledProfile::Event& event = profile_.events[i];
     CompiledProfile::Window& window = windows_[i];
     if (since_ns < window.from_ns || since_ns >= window.until_ns) window = event.window(since_ns);
     const std::int64_t occurrence = window.occurrence;
     if (occurrence < 0) continue;
-    const std::uint64_t word = event_delay_.draw(static_cast<std::uint64_t>(occurrence) * kMostEvents + i);
-    fate.event_ns +=
+    const std::uint64_t word = event_delay_.draw(static_cast<std::uint64_t>(occurrence) * kMaxEvents + i);
+    outcome.event_ns +=
         event.add_min_ns + static_cast<std::int64_t>(uniform_below(word, event.add_range_ns + 1));
-    if (event.lost.possible() && event.lost.happens(event_loss_.draw(index * kMostEvents + i))) {
-      fate.lost_by_event = true;
+    if (event.lost.possible() && event.lost.happens(event_loss_.draw(index * kMaxEvents + i))) {
+      outcome.lost_by_event = true;
     }
   }
 }
 
 bool Emulator::lost_again(const CompiledProfile::Stage& stage, std::int64_t since_ns,
                           std::uint64_t counter) const noexcept {
-  if (stage.retransmission_lost.happens(retransmission_.draw(counter * (kMostEvents + 1)))) return true;
-  for (std::size_t i = 0; i < plan_.events.size(); ++i) {
-    const CompiledProfile::Event& event = plan_.events[i];
-    const std::uint64_t word = retransmission_.draw(counter * (kMostEvents + 1) + 1 + i);
+  if (stage.retransmission_lost.happens(retransmission_.draw(counter * (kMaxEvents + 1)))) return true;
+  for (std::size_t i = 0; i < profile_.events.size(); ++i) {
+    const CompiledProfile::Event& event = profile_.events[i];
+    const std::uint64_t word = retransmission_.draw(counter * (kMaxEvents + 1) + 1 + i);
     if (event.lost.possible() && event.window(since_ns).occurrence >= 0 && event.lost.happens(word))
       return true;
   }
@@ -160,17 +161,17 @@ bool Emulator::lost_again(const CompiledProfile::Stage& stage, std::int64_t sinc
 
 /// The wait that a loss becomes: rto, then twice as long for every further attempt that is lost.
 std::int64_t Emulator::retransmit(const CompiledProfile::Stage& stage, std::int64_t since_ns,
-                                  std::uint64_t index, PacketOutcome& fate) const noexcept {
-  if (!fate.lost()) return 0;
-  fate.lost_by_model = fate.lost_by_event = false;
+                                  std::uint64_t index, PacketOutcome& outcome) const noexcept {
+  if (!outcome.lost()) return 0;
+  outcome.lost_by_model = outcome.lost_by_event = false;
   std::int64_t wait_ns = 0;
   std::int64_t rto_ns = stage.rto_ns;
   do {
     wait_ns += rto_ns;
     rto_ns *= 2;
-    ++fate.retransmissions;
-  } while (fate.retransmissions < kMostRetransmissions &&
-           lost_again(stage, since_ns + wait_ns, index * kMostRetransmissions + fate.retransmissions));
+    ++outcome.retransmissions;
+  } while (outcome.retransmissions < kMaxRetransmissions &&
+           lost_again(stage, since_ns + wait_ns, index * kMaxRetransmissions + outcome.retransmissions));
   return wait_ns;
 }
 
@@ -197,31 +198,31 @@ std::int64_t Emulator::next_slot(const CompiledProfile::Stage& stage, std::int64
 }
 
 std::int64_t Emulator::overtake(const CompiledProfile::Stage& stage, std::int64_t now_ns,
-                                PacketOutcome& fate) const noexcept {
+                                PacketOutcome& outcome) const noexcept {
   for (std::uint64_t gap = std::min<std::uint64_t>(stage.reorder_gap, in_order_); gap > 0; --gap) {
-    const std::int64_t ahead_ns = recent_due_ns_[(in_order_ - gap) % kLargestGap];
+    const std::int64_t ahead_ns = recent_due_ns_[(in_order_ - gap) % kMaxReorderGap];
     if (ahead_ns <= now_ns) continue;  // has arrived already
-    fate.reordered = true;
+    outcome.reordered = true;
     return ahead_ns - 1;
   }
   return now_ns;
 }
 
 PacketOutcome Emulator::replay(std::uint64_t index, std::int64_t now_ns) const noexcept {
-  const Recording& recording = *plan_.recording;
-  const RecordedFate& recorded = recording[(index - plan_index_) % recording.size()];
-  PacketOutcome fate;
-  fate.drawn_ns = recorded.delay_ns;
-  fate.due_ns = now_ns + recorded.delay_ns;
-  fate.lost_by_model = recorded.lost;
-  fate.duplicated = recorded.duplicated;
-  fate.corrupted = recorded.corrupted;
-  return fate;
+  const Recording& recording = *profile_.recording;
+  const RecordedOutcome& recorded = recording[(index - first_index_) % recording.size()];
+  PacketOutcome outcome;
+  outcome.drawn_ns = recorded.delay_ns;
+  outcome.due_ns = now_ns + recorded.delay_ns;
+  outcome.lost_by_model = recorded.lost;
+  outcome.duplicated = recorded.duplicated;
+  outcome.corrupted = recorded.corrupted;
+  return outcome;
 }
 
-void Emulator::keep(PacketOutcome& fate, std::int64_t now_ns, std::span<const std::byte> packet,
+void Emulator::keep(PacketOutcome& outcome, std::int64_t now_ns, std::span<const std::byte> packet,
                     std::uint32_t size, std::uint64_t tag, std::uint64_t index) noexcept {
-  if (fate.lost()) {
+  if (outcome.lost()) {
     ++counters_.lost;
     return;
   }
@@ -229,22 +230,22 @@ void Emulator::keep(PacketOutcome& fate, std::int64_t now_ns, std::span<const st
     if (packet.empty()) return -1;
     return static_cast<std::int64_t>(uniform_below(corrupted_bit_.draw(2 * index + copy), 8 * packet.size()));
   };
-  InFlight::Packet kept{now_ns, tag, size, fate.corrupted, false};
-  if (!flight_.insert(fate.due_ns, kept, packet, fate.corrupted ? bit(0) : -1)) {
-    fate.overflowed = true;
+  InFlight::Packet kept{now_ns, tag, size, outcome.corrupted, false};
+  if (!flight_.insert(outcome.due_ns, kept, packet, outcome.corrupted ? bit(0) : -1)) {
+    outcome.overflowed = true;
     ++counters_.overflowed;
     return;
   }
-  last_due_ns_ = std::max(last_due_ns_, fate.due_ns);
-  counters_.corrupted += fate.corrupted;
-  counters_.reordered += fate.reordered;
-  if (!fate.duplicated) return;
-  // The copy follows right behind, with a fate of its own only as to corruption.
+  last_due_ns_ = std::max(last_due_ns_, outcome.due_ns);
+  counters_.corrupted += outcome.corrupted;
+  counters_.reordered += outcome.reordered;
+  if (!outcome.duplicated) return;
+  // The copy follows right behind, with an outcome of its own only as to corruption.
   kept.duplicate = true;
-  kept.corrupted = plan_.recording && !plan_.loss_only
-                       ? fate.corrupted
-                       : plan_.stages[stage_].corrupt.happens(corrupt_.draw(2 * index + 1));
-  if (flight_.insert(fate.due_ns, kept, packet, kept.corrupted ? bit(1) : -1)) {
+  kept.corrupted = profile_.recording && !profile_.loss_only
+                       ? outcome.corrupted
+                       : profile_.stages[stage_].corrupt.happens(corrupt_.draw(2 * index + 1));
+  if (flight_.insert(outcome.due_ns, kept, packet, kept.corrupted ? bit(1) : -1)) {
     ++counters_.duplicated;
     counters_.corrupted += kept.corrupted;
   } else {
@@ -252,10 +253,10 @@ void Emulator::keep(PacketOutcome& fate, std::int64_t now_ns, std::span<const st
   }
 }
 
-void Emulator::switch_to(CompiledProfile& plan, std::int64_t now_ns) noexcept {
-  std::swap(plan_, plan);
+void Emulator::switch_to(CompiledProfile& profile, std::int64_t now_ns) noexcept {
+  std::swap(profile_, profile);
   origin_ns_ = now_ns;
-  plan_index_ = index_;
+  first_index_ = index_;
   stage_ = 0;
   state_ = -1;
   slot_number_ = -1;

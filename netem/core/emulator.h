@@ -45,7 +45,7 @@ struct Counters {
   std::uint64_t reordered = 0;
 };
 
-/// Same profile, key and sequence of pushes: same fates, on every machine. Nothing allocates after
+/// Same profile, key and sequence of pushes: same outcomes, on every machine. Nothing allocates after
 /// construction. Not thread-safe: one owner. Times are integer nanoseconds on any clock that the caller
 /// likes.
 class Emulator {
@@ -54,8 +54,8 @@ class Emulator {
   Emulator(const DirectionProfile& profile, const StreamKey& key, Capacity capacity = {},
            std::int64_t origin_ns = 0);
 
-  /// Decides the packet's fate and keeps a copy of it. `now_ns` earlier than an earlier push counts as that
-  /// one.
+  /// Decides the packet's outcome and keeps a copy of it. `now_ns` earlier than an earlier push counts as
+  /// that one.
   PacketOutcome push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint64_t tag) noexcept;
   /// The same for simulations that need no payload: only the size counts (rate, slots).
   PacketOutcome push(std::int64_t now_ns, std::uint32_t size_bytes, std::uint64_t tag) noexcept;
@@ -75,10 +75,10 @@ class Emulator {
     return delivery;
   }
 
-  /// Puts another network in place, from the next push on; what is under way keeps its due time. `plan`
+  /// Puts another network in place, from the next push on; what is under way keeps its due time. `profile`
   /// receives the old one, to be destroyed by the caller where allocation is allowed. Stages and events count
   /// from `now_ns`.
-  void switch_to(CompiledProfile& plan, std::int64_t now_ns) noexcept;
+  void switch_to(CompiledProfile& profile, std::int64_t now_ns) noexcept;
 
   const Counters& counters() const noexcept { return counters_; }
   std::size_t memory_bytes() const noexcept { return flight_.memory_bytes(); }
@@ -88,21 +88,21 @@ class Emulator {
                      std::uint64_t tag) noexcept;
   const CompiledProfile::Stage& stage_at(std::int64_t since_ns) noexcept;
   bool lose(const CompiledProfile::Stage& stage, std::uint64_t index) noexcept;
-  void meet_events(std::int64_t since_ns, std::uint64_t index, PacketOutcome& fate) noexcept;
+  void meet_events(std::int64_t since_ns, std::uint64_t index, PacketOutcome& outcome) noexcept;
   std::int64_t law_delay(const CompiledProfile::Stage& stage, std::uint64_t index) noexcept;
   bool lost_again(const CompiledProfile::Stage& stage, std::int64_t since_ns,
                   std::uint64_t counter) const noexcept;
   std::int64_t retransmit(const CompiledProfile::Stage& stage, std::int64_t since_ns, std::uint64_t index,
-                          PacketOutcome& fate) const noexcept;
+                          PacketOutcome& outcome) const noexcept;
   std::int64_t next_slot(const CompiledProfile::Stage& stage, std::int64_t due_ns,
                          std::uint32_t size) noexcept;
   std::int64_t overtake(const CompiledProfile::Stage& stage, std::int64_t now_ns,
-                        PacketOutcome& fate) const noexcept;
+                        PacketOutcome& outcome) const noexcept;
   PacketOutcome replay(std::uint64_t index, std::int64_t now_ns) const noexcept;
-  void keep(PacketOutcome& fate, std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
-            std::uint64_t tag, std::uint64_t index) noexcept;
+  void keep(PacketOutcome& outcome, std::int64_t now_ns, std::span<const std::byte> packet,
+            std::uint32_t size, std::uint64_t tag, std::uint64_t index) noexcept;
 
-  CompiledProfile plan_;
+  CompiledProfile profile_;
   const NormalTable& normal_;
   Stream delay_, loss_, loss_state_, retransmission_, duplicate_, corrupt_, corrupted_bit_, reorder_,
       event_delay_, event_loss_, slot_;
@@ -111,10 +111,10 @@ class Emulator {
 
   std::int64_t origin_ns_;
   std::int64_t now_ns_;
-  std::uint64_t index_ = 0;       // of the next packet: the counter of every stream
-  std::uint64_t plan_index_ = 0;  // index of the first packet under this plan
+  std::uint64_t index_ = 0;        // of the next packet: the counter of every stream
+  std::uint64_t first_index_ = 0;  // index of the first packet under this profile
   std::size_t stage_ = 0;
-  std::array<CompiledProfile::Window, kMostEvents>
+  std::array<CompiledProfile::Window, kMaxEvents>
       windows_{};       // the stretch of time that each event was last looked up for
   int state_ = -1;      // of the loss chain; -1: not drawn yet
   double score_ = 0.0;  // normal score of the last delay
@@ -122,7 +122,7 @@ class Emulator {
   std::int64_t bottleneck_free_ns_;
   std::int64_t last_due_ns_;
   std::int64_t slot_number_ = -1, slot_used_packets_ = 0, slot_used_bytes_ = 0;
-  std::array<std::int64_t, kLargestGap> recent_due_ns_{};  // ring of packets that kept their order
+  std::array<std::int64_t, kMaxReorderGap> recent_due_ns_{};  // ring of packets that kept their order
   std::uint64_t in_order_ = 0;
 };
 

@@ -7,7 +7,7 @@
 namespace telekerf::netem {
 
 InFlight::InFlight(Capacity capacity)
-    : run_(std::min(capacity.packets, kMostPackets)),
+    : run_(std::min(capacity.packets, kMaxPackets)),
       slots_(run_.size()),
       free_slots_(static_cast<std::uint32_t>(run_.size())),
       chunks_((static_cast<std::size_t>(capacity.bytes) + kChunk_bytes - 1) / kChunk_bytes * kChunk_bytes),

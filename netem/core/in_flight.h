@@ -31,7 +31,7 @@ struct Delivery {
 
 class InFlight {
  public:
-  static constexpr std::uint32_t kMostPackets = (1U << 24) - 1;
+  static constexpr std::uint32_t kMaxPackets = (1U << 24) - 1;
 
   struct Packet {
     std::int64_t in_ns = 0;
@@ -69,7 +69,7 @@ class InFlight {
       const Wide mine = static_cast<Wide>(due_ns) << 64 | sequence_and_slot;
       return mine < (static_cast<Wide>(other.due_ns) << 64 | other.sequence_and_slot);
     }
-    std::uint32_t slot() const noexcept { return sequence_and_slot & kMostPackets; }
+    std::uint32_t slot() const noexcept { return sequence_and_slot & kMaxPackets; }
   };
   struct Slot {
     std::int64_t in_ns;

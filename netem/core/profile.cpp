@@ -16,12 +16,11 @@ namespace telekerf::netem {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMostStages = 64;
+constexpr std::size_t kMaxStages = 64;
 
 void read_events(const ConfigFile& file, Profile& profile) {
   const std::size_t count = file.array_size("event");
-  if (count > kMostEvents)
-    throw StartupError(fmt::format("{}: more than {} events", file.name(), kMostEvents));
+  if (count > kMaxEvents) throw StartupError(fmt::format("{}: more than {} events", file.name(), kMaxEvents));
   for (std::size_t i = 0; i < count; ++i) {
     const std::string at = fmt::format("event.{}.", i);
     Event event;
@@ -98,8 +97,8 @@ Profile read_profile(const ConfigFile& file, const std::string& name, const std:
       throw StartupError(fmt::format("{}: has neither [{}] nor [both]", file.name(), direction));
     }
   }
-  if (file.array_size("stage") > kMostStages) {
-    throw StartupError(fmt::format("{}: more than {} stages", file.name(), kMostStages));
+  if (file.array_size("stage") > kMaxStages) {
+    throw StartupError(fmt::format("{}: more than {} stages", file.name(), kMaxStages));
   }
   profile.forward = read_direction(file, "forward", folder);
   profile.backward = read_direction(file, "backward", folder);

@@ -8,15 +8,29 @@
 #include <string>
 #include <vector>
 
+#include "common/runtime/enum_table.h"
+
 namespace telekerf::netem {
 
 /// Laws of the one-way delay. uniform, normal, laplace: `delay_s` is the centre, cut off at zero delay (the
 /// law under the condition delay >= 0). gamma, lognormal, pareto: `delay_s` is the floor and the law is added
 /// on top. table: quantiles added to `delay_s`.
-enum class Law { kConstant, kUniform, kNormal, kLaplace, kGamma, kLognormal, kPareto, kTable };
+enum class DelayDistribution { kConstant, kUniform, kNormal, kLaplace, kGamma, kLognormal, kPareto, kTable };
 
-struct DelayLaw {
-  Law law = Law::kConstant;
+inline constexpr EnumRow<DelayDistribution> kDelayDistributionRows[] = {
+    {"constant", DelayDistribution::kConstant, "always the same"},
+    {"uniform", DelayDistribution::kUniform, "anything within sqrt(3) jitters alike"},
+    {"normal", DelayDistribution::kNormal, "Gaussian"},
+    {"laplace", DelayDistribution::kLaplace, "a peak with two exponential tails"},
+    {"gamma", DelayDistribution::kGamma, "a floor and a sum of exponential waits"},
+    {"lognormal", DelayDistribution::kLognormal, "a floor and a heavy tail"},
+    {"pareto", DelayDistribution::kPareto, "a floor and a power-law tail"},
+    {"table", DelayDistribution::kTable, "quantiles of a measurement"},
+};
+inline constexpr EnumTable<DelayDistribution> kDelayDistributions(kDelayDistributionRows);
+
+struct DelayParameters {
+  DelayDistribution distribution = DelayDistribution::kConstant;
   double delay_s = 0.0;
   double jitter_s = 0.0;  ///< standard deviation of the law (of symmetric laws before the cut at zero)
   double shape = 0.0;     ///< gamma: k; lognormal: sigma of the logarithm; pareto: tail index > 2
@@ -28,7 +42,16 @@ struct DelayLaw {
 
 enum class LossModel { kNone, kBernoulli, kGilbertElliott, kFourState, kTrace };
 
-struct LossLaw {
+inline constexpr EnumRow<LossModel> kLossModelRows[] = {
+    {"none", LossModel::kNone, "nothing is lost"},
+    {"bernoulli", LossModel::kBernoulli, "each packet by itself"},
+    {"gilbert-elliott", LossModel::kGilbertElliott, "a good and a bad state"},
+    {"four-state", LossModel::kFourState, "bursts with pauses, and single losses"},
+    {"trace", LossModel::kTrace, "as recorded"},
+};
+inline constexpr EnumTable<LossModel> kLossModels(kLossModelRows);
+
+struct LossParameters {
   LossModel model = LossModel::kNone;
   double loss = 0.0;  ///< bernoulli: probability
   /// Gilbert-Elliott: good -> bad, bad -> good, and the shares *delivered* in the bad (h) and good (k) state.
@@ -41,6 +64,11 @@ struct LossLaw {
 /// `reorder_gap` packets before it as far as they are still under way.
 enum class Order { kFifo, kFree, kReorder };
 
+inline constexpr EnumRow<Order> kOrderRows[] = {{"fifo", Order::kFifo, "nothing overtakes"},
+                                                {"free", Order::kFree, "jitter alone decides"},
+                                                {"reorder", Order::kReorder, "chosen packets overtake"}};
+inline constexpr EnumTable<Order> kOrders(kOrderRows);
+
 /// Packets leave only at slot starts (n * period + uniform in [0, jitter]); 0 packets or bytes: no limit.
 struct Slots {
   double period_s = 0.0;  ///< 0: no slots
@@ -51,11 +79,11 @@ struct Slots {
 
 /// The network at one time.
 struct Conditions {
-  DelayLaw delay;
-  LossLaw loss;
+  DelayParameters delay;
+  LossParameters loss;
   Order order = Order::kFifo;
   double reorder = 0.0;  ///< probability
-  int reorder_gap = 1;   ///< packets, <= kLargestGap
+  int reorder_gap = 1;   ///< packets, <= kMaxReorderGap
   bool tcp_like =
       false;  ///< nothing is lost: a loss becomes a wait of rto, 3 rto, 7 rto ... for all that follow
   double rto_s = 0.2;
@@ -65,7 +93,7 @@ struct Conditions {
   std::int64_t queue_bytes = 0;  ///< waiting before the bottleneck; only with a rate
   Slots slots;
 };
-inline constexpr int kLargestGap = 64;
+inline constexpr int kMaxReorderGap = 64;
 
 struct Stage {
   double from_s = 0.0;  ///< since the profile began
@@ -82,21 +110,21 @@ struct Event {
   double add_delay_max_s = 0.0;
   double loss = 0.0;
 };
-inline constexpr std::size_t kMostEvents = 16;
+inline constexpr std::size_t kMaxEvents = 16;
 
-/// The recorded fate of one packet.
-struct RecordedFate {
+/// The recorded outcome of one packet.
+struct RecordedOutcome {
   std::int64_t in_ns = 0;
   std::int64_t delay_ns = 0;
   bool lost = false;
   bool duplicated = false;
   bool corrupted = false;
 };
-using Recording = std::vector<RecordedFate>;
+using Recording = std::vector<RecordedOutcome>;
 
 struct DirectionProfile {
   std::vector<Stage> stages{Stage{}};  ///< ascending; the first begins at 0
-  std::vector<Event> events;           ///< at most kMostEvents
+  std::vector<Event> events;           ///< at most kMaxEvents
   /// Replayed packet by packet and from its start again at its end; with `loss_only` only its losses.
   std::shared_ptr<const Recording> recording;
   bool loss_only = false;

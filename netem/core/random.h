@@ -5,10 +5,17 @@
 
 #include <cstdint>
 
+#include "common/runtime/enum_table.h"
+
 namespace telekerf::netem {
 
 /// forward: operator -> slave; backward: slave -> operator.
 enum class Direction : std::uint8_t { kForward = 0, kBackward = 1 };
+
+inline constexpr EnumRow<Direction> kDirectionRows[] = {
+    {"forward", Direction::kForward, "operator to slave"},
+    {"backward", Direction::kBackward, "slave to operator"}};
+inline constexpr EnumTable<Direction> kDirections(kDirectionRows);
 
 /// Names one flow of packets in one direction. Flows never influence one another.
 struct StreamKey {
@@ -17,7 +24,7 @@ struct StreamKey {
   Direction direction = Direction::kForward;
 };
 
-/// Every impairment draws from its own stream: switching one on leaves the fate that the others decide
+/// Every impairment draws from its own stream: switching one on leaves the outcome that the others decide
 /// unchanged.
 enum class Impairment : std::uint64_t {
   kDelay = 1,

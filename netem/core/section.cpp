@@ -41,12 +41,9 @@ std::vector<double> Section::numbers(const std::string& key, Bounds bounds) cons
   return values;
 }
 
-int Section::choice(const std::string& key, int fallback, const std::vector<std::string>& choices) const {
-  std::string value = choices[fallback];
-  for (const std::string& name : names(key)) value = file_.choice_or(name, value, choices);
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    if (choices[i] == value) return static_cast<int>(i);
-  }
+std::string Section::word(const std::string& key, std::string fallback,
+                          const std::vector<std::string>& words) const {
+  for (const std::string& name : names(key)) fallback = file_.choice_or(name, fallback, words);
   return fallback;
 }
 

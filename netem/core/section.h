@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/runtime/config.h"
+#include "common/runtime/enum_table.h"
 
 namespace telekerf::netem {
 
@@ -32,8 +33,13 @@ class Section {
   bool boolean(const std::string& key, bool fallback) const;
   std::string text(const std::string& key, std::string fallback) const;
   std::vector<double> numbers(const std::string& key, Bounds bounds) const;
-  /// Index into `choices`, which stand in the enum's order.
-  int choice(const std::string& key, int fallback, const std::vector<std::string>& choices) const;
+  /// What one of the table's words stands for.
+  template <typename Value>
+  Value choice(const std::string& key, Value fallback, const EnumTable<Value>& table) const {
+    std::vector<std::string> words;
+    for (const auto& row : table) words.emplace_back(row.word);
+    return *table.find(word(key, std::string(table.word(fallback)), words));
+  }
 
   /// How special the table is that holds the key (0: most); as many as there are tables if none does.
   std::size_t rank(const std::string& key) const;
@@ -47,6 +53,7 @@ class Section {
 
  private:
   std::vector<std::string> names(const std::string& key) const;
+  std::string word(const std::string& key, std::string fallback, const std::vector<std::string>& words) const;
 
   const ConfigFile& file_;
   std::vector<std::string> tables_;

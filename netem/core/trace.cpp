@@ -65,9 +65,10 @@ Recording load_recording(const std::string& file) {
   return recording;
 }
 
-std::string trace_row(std::uint64_t index, const RecordedFate& fate) {
-  return fmt::format("{},{},{},{:d},{:d},{:d}", index, fate.in_ns,
-                     fate.lost ? -1 : fate.in_ns + fate.delay_ns, fate.lost, fate.duplicated, fate.corrupted);
+std::string trace_row(std::uint64_t index, const RecordedOutcome& outcome) {
+  return fmt::format("{},{},{},{:d},{:d},{:d}", index, outcome.in_ns,
+                     outcome.lost ? -1 : outcome.in_ns + outcome.delay_ns, outcome.lost, outcome.duplicated,
+                     outcome.corrupted);
 }
 
 }  // namespace telekerf::netem

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A trace holds the fate of every packet: CSV `index,in_ns,out_ns,lost,duplicated,corrupted`, out_ns = -1 if
-// lost.
+// A trace holds the outcome of every packet: CSV `index,in_ns,out_ns,lost,duplicated,corrupted`, out_ns = -1
+// if lost.
 #pragma once
 
 #include <string>
@@ -16,6 +16,6 @@ inline constexpr const char* kTraceHeader = "index,in_ns,out_ns,lost,duplicated,
 Recording load_recording(const std::string& file);
 
 /// One CSV row, without the line's end.
-std::string trace_row(std::uint64_t index, const RecordedFate& fate);
+std::string trace_row(std::uint64_t index, const RecordedOutcome& outcome);
 
 }  // namespace telekerf::netem

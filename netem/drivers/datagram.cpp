@@ -16,7 +16,7 @@ constexpr std::size_t kDataWriter = kSubmessageHeader + 8;
 constexpr std::uint8_t kLittleEndian = 0x01;
 constexpr std::uint8_t kInlineQos = 0x02;
 constexpr std::uint8_t kHasData = 0x04;
-constexpr std::size_t kLargest = 65535;
+constexpr std::size_t kMaxDatagram = 65535;
 
 std::uint8_t octet(std::span<const std::byte> bytes, std::size_t at) {
   return std::to_integer<std::uint8_t>(bytes[at]);
@@ -30,7 +30,7 @@ std::optional<std::uint8_t> site_of(std::span<const std::byte> datagram) noexcep
 }
 
 Range stream_payload(std::span<const std::byte> datagram) noexcept {
-  if (datagram.size() > kLargest) return {};
+  if (datagram.size() > kMaxDatagram) return {};
   std::size_t at = kHeader;
   while (at + kSubmessageHeader <= datagram.size()) {
     const std::uint8_t flags = octet(datagram, at + 1);

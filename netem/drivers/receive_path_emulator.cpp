@@ -79,10 +79,10 @@ class ReceivePathEmulator::State {
                   kCapacity, monotonic_ns()) {}
 
   void set_profile(const Profile& profile) {
-    CompiledProfile plan(
+    CompiledProfile fresh(
         into(own_, profile));  // takes the old one home: both are built and freed outside the lock
     const std::lock_guard lock(mutex_);
-    emulator_.switch_to(plan, monotonic_ns());
+    emulator_.switch_to(fresh, monotonic_ns());
   }
 
   TransportCounters counters() const {

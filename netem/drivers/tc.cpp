@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "netem/core/law.h"
-#include "netem/core/loss.h"
+#include "netem/core/delay_distribution.h"
+#include "netem/core/loss_chain.h"
 
 namespace telekerf::netem {
 namespace {
@@ -15,18 +15,19 @@ namespace {
 std::string per_cent(double probability) { return fmt::format("{:.6g}%", 100.0 * probability); }
 std::string ms(double seconds) { return fmt::format("{:.6g}ms", 1e3 * seconds); }
 
-std::string delay_words(const DelayLaw& law, TcExport& out) {
-  if (law.law == Law::kConstant) return law.delay_s > 0 ? " delay " + ms(law.delay_s) : "";
+std::string delay_words(const DelayParameters& law, TcExport& out) {
+  if (law.distribution == DelayDistribution::kConstant)
+    return law.delay_s > 0 ? " delay " + ms(law.delay_s) : "";
   const Moments moments = delay_moments(law);
   std::string words;
-  switch (law.law) {
-    case Law::kUniform:  // tc's default law, plus or minus its half-width
+  switch (law.distribution) {
+    case DelayDistribution::kUniform:  // tc's default law, plus or minus its half-width
       words = fmt::format(" delay {} {}", ms(law.delay_s), ms(std::numbers::sqrt3 * law.jitter_s));
       break;
-    case Law::kNormal:
+    case DelayDistribution::kNormal:
       words = fmt::format(" delay {} {} distribution normal", ms(law.delay_s), ms(law.jitter_s));
       break;
-    case Law::kPareto:
+    case DelayDistribution::kPareto:
       words = fmt::format(" delay {} {} distribution pareto", ms(moments.mean_s), ms(moments.sd_s));
       out.shortcomings.push_back(
           "pareto: tc's table is cut at 4 standard deviations and knows one tail index");
@@ -37,7 +38,8 @@ std::string delay_words(const DelayLaw& law, TcExport& out) {
           "distribution: tc ships no table for this law; the command takes a normal law of equal mean and "
           "deviation");
   }
-  if (law.law == Law::kUniform || law.law == Law::kNormal || law.law == Law::kLaplace) {
+  if (law.distribution == DelayDistribution::kUniform || law.distribution == DelayDistribution::kNormal ||
+      law.distribution == DelayDistribution::kLaplace) {
     if (std::abs(moments.mean_s - law.delay_s) > 1e-3 * law.jitter_s) {
       out.shortcomings.push_back(
           "delays below zero: tc sends them at once, a heap at zero instead of a cut law");
@@ -50,7 +52,7 @@ std::string delay_words(const DelayLaw& law, TcExport& out) {
   return words;
 }
 
-std::string loss_words(const LossLaw& law, TcExport& out) {
+std::string loss_words(const LossParameters& law, TcExport& out) {
   switch (law.model) {
     case LossModel::kNone:
       return "";
@@ -89,8 +91,9 @@ TcExport export_to_tc(const DirectionProfile& profile, const std::string& device
         "reorder: tc sends the chosen packets without any delay, past everything under way; reorder_gap has "
         "no "
         "counterpart (tc's gap spaces the chosen packets)");
-    if (now.delay.law == Law::kConstant && now.delay.delay_s == 0) words += " delay 1ms";
-  } else if (now.order == Order::kFifo && now.delay.law != Law::kConstant) {
+    if (now.delay.distribution == DelayDistribution::kConstant && now.delay.delay_s == 0)
+      words += " delay 1ms";
+  } else if (now.order == Order::kFifo && now.delay.distribution != DelayDistribution::kConstant) {
     out.shortcomings.push_back("order = fifo: tc lets jitter reorder packets");
   }
   if (now.tcp_like) {
@@ -102,7 +105,7 @@ TcExport export_to_tc(const DirectionProfile& profile, const std::string& device
   }
   if (now.duplicate > 0) {
     words += " duplicate " + per_cent(now.duplicate);
-    if (now.delay.law != Law::kConstant) {
+    if (now.delay.distribution != DelayDistribution::kConstant) {
       out.shortcomings.push_back(
           "duplicate: tc draws another delay for the copy instead of sending it right behind");
     }
@@ -123,8 +126,9 @@ TcExport export_to_tc(const DirectionProfile& profile, const std::string& device
   if (profile.stages.size() > 1)
     out.shortcomings.push_back("stage: tc knows no time; only the beginning is here");
   if (!profile.events.empty()) out.shortcomings.push_back("event: tc knows no time; events are left out");
-  const bool random = now.delay.law != Law::kConstant || now.loss.model != LossModel::kNone ||
-                      now.duplicate > 0 || now.corrupt > 0 || now.order == Order::kReorder;
+  const bool random = now.delay.distribution != DelayDistribution::kConstant ||
+                      now.loss.model != LossModel::kNone || now.duplicate > 0 || now.corrupt > 0 ||
+                      now.order == Order::kReorder;
   if (random)
     out.shortcomings.push_back(
         "seed: tc draws other random numbers every time (a seed only since Linux 6.6)");

@@ -19,7 +19,6 @@
 #include <system_error>
 
 #include "common/runtime/startup_error.h"
-#include "netem/commands.h"
 #include "netem/core/emulator.h"
 #include "netem/core/trace.h"
 
@@ -43,7 +42,7 @@ class OneWay {
          const DirectionProfile& profile, const StreamKey& key)
       : from_(from), to_(to), timer_(io), emulator_(profile, key, kLinkCapacity, now_ns()) {}
 
-  /// Writes the fate of every packet from now on. Throws StartupError.
+  /// Writes the outcome of every packet from now on. Throws StartupError.
   void record(const std::filesystem::path& file) {
     trace_.reset(std::fopen(file.c_str(), "w"));
     if (!trace_) throw StartupError(fmt::format("cannot write {}", file.string()));
@@ -60,8 +59,8 @@ class OneWay {
   }
   void stop() { timer_.cancel(); }
   void switch_to(const DirectionProfile& profile) {
-    CompiledProfile plan(profile);
-    emulator_.switch_to(plan, now_ns());
+    CompiledProfile fresh(profile);
+    emulator_.switch_to(fresh, now_ns());
   }
   const Counters& counters() const { return emulator_.counters(); }
   std::uint64_t refused() const { return refused_; }
@@ -73,17 +72,17 @@ class OneWay {
       const ssize_t size = ::read(from_.native_handle(), buffer_.data(), buffer_.size());
       if (size <= 0) break;  // empty, or the device is going away
       const std::int64_t now = now_ns();
-      const PacketOutcome fate =
+      const PacketOutcome outcome =
           emulator_.push(now, std::span(buffer_).first(static_cast<std::size_t>(size)), 0);
-      if (trace_) write_down(now, fate);
+      if (trace_) write_down(now, outcome);
     }
     let_out();
   }
 
-  void write_down(std::int64_t now, const PacketOutcome& fate) {
+  void write_down(std::int64_t now, const PacketOutcome& outcome) {
     if (recorded_ == 0) recording_began_ns_ = now;
-    const RecordedFate row{now - recording_began_ns_, fate.lost() ? 0 : fate.due_ns - now, fate.lost(),
-                           fate.duplicated, fate.corrupted};
+    const RecordedOutcome row{now - recording_began_ns_, outcome.lost() ? 0 : outcome.due_ns - now,
+                              outcome.lost(), outcome.duplicated, outcome.corrupted};
     fmt::print(trace_.get(), "{}\n", trace_row(recorded_++, row));
   }
 
@@ -191,34 +190,6 @@ int run_link(const LinkOptions& options) {
   report("backward", *backward);
   const auto unintended = [](const OneWay& way) { return way.counters().overflowed + way.refused(); };
   return unintended(*forward) + unintended(*backward) == 0 ? 0 : 1;
-}
-
-void add_link_parameters(LinkOptions& o, Settings& s) {
-  const TextForm device{"DEVICE"}, netns{"NETNS"}, address{"ADDRESS"};
-  s.add("seed", o.seed, kSeeds, "of the random numbers");
-  s.add("operator_dev", o.operator_side.device, device, "TUN device at the operator's side");
-  s.add("slave_dev", o.slave_side.device, device, "TUN device at the slave's side");
-  s.add("operator_netns", o.operator_side.netns, netns, "network namespace to put it into (name or path)");
-  s.add("slave_netns", o.slave_side.netns, netns, "network namespace to put it into (name or path)");
-  s.add("operator_address", o.operator_side.address, address, "of the device; empty: configure it yourself");
-  s.add("slave_address", o.slave_side.address, address, "of the device; empty: configure it yourself");
-  s.add("operator_default_route", o.operator_side.default_route,
-        "everything from the operator's side goes over the link");
-  s.add("slave_default_route", o.slave_side.default_route,
-        "everything from the slave's side goes over the link");
-  s.add("record", o.record, kFolder, "for the fate of every packet: forward.csv, backward.csv");
-  s.add("seconds", o.seconds, {.min = 0, .max = 1e9, .unit = "s"},
-        "ends by itself after this time; 0: never");
-}
-
-void add_link_command(Program& program) {
-  program.add(
-      "link", "Joins two networks by an emulated link between two TUN devices", LinkOptions{},
-      [](LinkOptions& o, Settings& s) {
-        s.add("profile", o.profile, kProfile, "a shipped name, a TOML file or a trace").as_argument();
-        add_link_parameters(o, s);
-      },
-      run_link);
 }
 
 }  // namespace telekerf::netem

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <string>
 
-#include "common/runtime/program.h"
 #include "netem/drivers/tun.h"
 
 namespace telekerf::netem {
@@ -16,10 +15,8 @@ struct LinkOptions {
   TunSettings operator_side{"tk-operator", "", "10.77.0.1/24", false};
   TunSettings slave_side{"tk-slave", "", "10.77.0.2/24", false};
   double seconds = 0.0;  ///< 0: until SIGINT or SIGTERM
-  std::string record;    ///< folder for forward.csv and backward.csv, the fate of every packet; empty: none
+  std::string record;  ///< folder for forward.csv and backward.csv, what became of every packet; empty: none
 };
-
-void add_link_parameters(LinkOptions& options, Settings& settings);
 
 /// Forwards until it is told to stop, then prints what happened to the packets. SIGHUP reads the profile
 /// again and switches to it without a gap. Returns 1 if packets were lost otherwise than the profile says.

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "netem/core/bounds.h"
+#include "netem/verify/bounds.h"
 
 namespace telekerf::netem {
 
@@ -39,9 +39,9 @@ class Checks {
   void note(const std::string& name, const std::string& unit, double measured) {
     checks_.push_back({name, unit, measured, 0.0, 0.0, 0.0, false});
   }
-  /// A share of decisions; `memory`: of the chain that takes them (0: independent).
-  void share(const std::string& name, std::uint64_t count, std::uint64_t of, double nominal,
-             double memory = 0.0) {
+  /// A fraction of decisions; `memory`: of the chain that takes them (0: independent).
+  void fraction(const std::string& name, std::uint64_t count, std::uint64_t of, double nominal,
+                double memory = 0.0) {
     if (of == 0) return;
     if (nominal == 0) return none(name, count);
     const auto n = static_cast<double>(of);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "netem/verify/delay_checks.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "netem/verify/impairment_checks.h"
+#include "netem/core/delay_table.h"
 
 namespace telekerf::netem {
 namespace {
@@ -13,15 +15,15 @@ namespace {
 constexpr double kWinsorScore = 3.5;
 constexpr double kNs = 1e-9;
 
-void check_quantiles(const DelayLaw& law, std::vector<std::int64_t> drawn_ns, Checks& checks) {
+void check_quantiles(const DelayParameters& law, std::vector<std::int64_t> drawn_ns, Checks& checks) {
   std::sort(drawn_ns.begin(), drawn_ns.end());
   const auto n = static_cast<double>(drawn_ns.size());
   for (const double p : {0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999}) {
     const double half = bernstein(n, p * (1 - p), 1.0, law.correlation) + 1.0 / n;
-    const auto quantile_ms = [&](double share) {
-      share = std::clamp(share, 0.0, 1.0);
+    const auto quantile_ms = [&](double probability) {
+      probability = std::clamp(probability, 0.0, 1.0);
       constexpr double kEnd = 1e-19;  // the last number that can be drawn
-      return delay_quantile(law, std::max(share, kEnd), std::max(1.0 - share, kEnd)) * 1e3;
+      return delay_quantile(law, std::max(probability, kEnd), std::max(1.0 - probability, kEnd)) * 1e3;
     };
     const auto at = std::min(drawn_ns.size() - 1, static_cast<std::size_t>(p * n));
     constexpr double kRounding_ms = 2e-6;
@@ -31,7 +33,7 @@ void check_quantiles(const DelayLaw& law, std::vector<std::int64_t> drawn_ns, Ch
 }
 
 /// Means within inner normal scores: there every value is bounded, so the bounds hold for the heaviest tail.
-void check_moments(const DelayLaw& law, const std::vector<std::int64_t>& drawn_ns, Checks& checks) {
+void check_moments(const DelayParameters& law, const std::vector<std::int64_t>& drawn_ns, Checks& checks) {
   const auto n = static_cast<double>(drawn_ns.size());
   const Moments nominal = delay_moments(law, kWinsorScore);
   const double low_s = delay_at_normal(law, -kWinsorScore);
@@ -54,7 +56,8 @@ void check_moments(const DelayLaw& law, const std::vector<std::int64_t>& drawn_n
                 std::sqrt(std::max(0.0, variance - half)) * 1e3, std::sqrt(variance + half) * 1e3);
 }
 
-void check_correlation(const DelayLaw& law, const std::vector<std::int64_t>& drawn_ns, Checks& checks) {
+void check_correlation(const DelayParameters& law, const std::vector<std::int64_t>& drawn_ns,
+                       Checks& checks) {
   if (drawn_ns.size() < 100) return;
   const DelayTable table(law);
   double products = 0.0;
@@ -73,14 +76,13 @@ void check_correlation(const DelayLaw& law, const std::vector<std::int64_t>& dra
 }
 
 /// Normal scores can be told from delays only where the law has neither steps nor flat stretches.
-bool is_invertible(const DelayLaw& law) {
-  if (law.law != Law::kTable) {
+bool is_invertible(const DelayParameters& law) {
+  if (law.distribution != DelayDistribution::kTable) {
     // Where the delay hardly grows from score to score, whole nanoseconds tell nothing.
     constexpr double kStep = 0.25;
-    constexpr double kLeastRise_s = 25e-9;
+    constexpr double kMinRise_s = 25e-9;
     for (int i = -8; i < 14; ++i) {
-      if (delay_at_normal(law, (i + 1) * kStep) - delay_at_normal(law, i * kStep) < kLeastRise_s)
-        return false;
+      if (delay_at_normal(law, (i + 1) * kStep) - delay_at_normal(law, i * kStep) < kMinRise_s) return false;
     }
     return true;
   }
@@ -93,27 +95,27 @@ bool is_invertible(const DelayLaw& law) {
 }  // namespace
 
 void check_delay(const Conditions& nominal, const Run& run, double rate_hz, Checks& checks) {
-  const DelayLaw& law = nominal.delay;
-  if (law.law == Law::kConstant) {
+  const DelayParameters& law = nominal.delay;
+  if (law.distribution == DelayDistribution::kConstant) {
     const std::int64_t expected_ns = std::llround(law.delay_s * 1e9);
     std::uint64_t others = 0;
-    for (const Sent& sent : run.sent) others += sent.fate.drawn_ns != expected_ns;
-    checks.near("delay", "ms", static_cast<double>(run.sent.front().fate.drawn_ns) * 1e-6, law.delay_s * 1e3,
-                1e-6);
+    for (const Sent& sent : run.sent) others += sent.outcome.drawn_ns != expected_ns;
+    checks.near("delay", "ms", static_cast<double>(run.sent.front().outcome.drawn_ns) * 1e-6,
+                law.delay_s * 1e3, 1e-6);
     checks.none("other delays than that", others);
   } else {
     std::vector<std::int64_t> drawn_ns;
     drawn_ns.reserve(run.sent.size());
-    for (const Sent& sent : run.sent) drawn_ns.push_back(sent.fate.drawn_ns);
+    for (const Sent& sent : run.sent) drawn_ns.push_back(sent.outcome.drawn_ns);
     check_moments(law, drawn_ns, checks);
     if (is_invertible(law)) check_correlation(law, drawn_ns, checks);
     check_quantiles(law, std::move(drawn_ns), checks);
   }
-  if (nominal.order == Order::kFree && law.law != Law::kConstant) {
+  if (nominal.order == Order::kFree && law.distribution != DelayDistribution::kConstant) {
     std::uint64_t overtaking = 0;
     for (std::size_t i = 1; i < run.sent.size(); ++i) {
-      overtaking += run.sent[i].in_ns + run.sent[i].fate.drawn_ns <
-                    run.sent[i - 1].in_ns + run.sent[i - 1].fate.drawn_ns;
+      overtaking += run.sent[i].in_ns + run.sent[i].outcome.drawn_ns <
+                    run.sent[i - 1].in_ns + run.sent[i - 1].outcome.drawn_ns;
     }
     const auto n = static_cast<double>(run.sent.size() - 1);
     const double p = overtaking_probability(law, 1.0 / rate_hz);

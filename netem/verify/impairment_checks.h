@@ -1,22 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run of many packets must show of delay and loss, held against their nominal law.
+// What a run of many packets must show of events, copies, damage, order, slots and the bottleneck, held
+// against what the profile says.
 #pragma once
 
+#include <vector>
+
 #include "netem/core/profile.h"
+#include "netem/core/random.h"
 #include "netem/verify/checks.h"
 #include "netem/verify/virtual_run.h"
 
 namespace telekerf::netem {
 
-/// Quantiles, mean, deviation and memory of the delays; where the order is free how often a packet overtakes
-/// the one before it, sent at `rate_hz`.
-void check_delay(const Conditions& nominal, const Run& run, double rate_hz, Checks& checks);
+/// Delay and loss inside each event, as far as no other event reaches into it.
+void check_events(const std::vector<Event>& events, const Run& run, Checks& checks);
 
-/// Share and bursts of what the loss model takes. With `event_losses` retransmissions have two causes and are
-/// not counted.
-void check_loss(const Conditions& nominal, const Run& run, bool event_losses, Checks& checks);
+/// Copies, damage, overtaking and slots.
+void check_impairments(const Conditions& nominal, const Run& run, Checks& checks);
 
-/// Losses alone from a recording: packet by packet.
-void check_loss_trace(const Recording& recording, const Run& run, Checks& checks);
+/// Twice the bottleneck's rate is offered, in packets of which at least two fit into its queue; what leaves
+/// must be the rate, and nothing may stay longer than a full queue takes.
+void check_rate(const DirectionProfile& emulated, const Conditions& nominal, Direction direction,
+                Traffic traffic, Checks& checks);
+
+/// What every network keeps: nothing comes early or gets lost uncounted, and `fifo` nothing overtakes.
+void check_promises(bool fifo, const Run& run, Checks& checks);
 
 }  // namespace telekerf::netem

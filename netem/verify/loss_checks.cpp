@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "netem/verify/loss_checks.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "netem/verify/impairment_checks.h"
 
 namespace telekerf::netem {
 namespace {
 
-void check_burst(const LossLaw& law, const LossChain& chain, std::uint64_t lost, std::uint64_t bursts,
+void check_burst(const LossParameters& law, const LossChain& chain, std::uint64_t lost, std::uint64_t bursts,
                  double n, Checks& checks) {
   const double nominal = mean_burst(chain);
   const auto count = static_cast<double>(bursts);
@@ -37,29 +37,29 @@ void check_loss(const Conditions& nominal, const Run& run, bool event_losses, Ch
   std::uint64_t bursts = 0;
   bool before = false;
   for (const Sent& sent : run.sent) {
-    const bool now = sent.fate.lost_by_model || sent.fate.retransmissions > 0;
+    const bool now = sent.outcome.lost_by_model || sent.outcome.retransmissions > 0;
     lost += now;
     bursts += now && !before;
     before = now;
   }
   if (nominal.tcp_like) {
     checks.none("lost on a TCP-like link", run.counters.lost);
-    if (!event_losses) checks.share("retransmitted", lost, run.sent.size(), p, chain_memory(chain));
+    if (!event_losses) checks.fraction("retransmitted", lost, run.sent.size(), p, chain_memory(chain));
     return;
   }
   if (p == 0) {
     checks.none("lost by the model", lost);
     return;
   }
-  checks.share("loss", lost, run.sent.size(), p, chain_memory(chain));
+  checks.fraction("loss", lost, run.sent.size(), p, chain_memory(chain));
   if (bursts > 0 && p < 1) check_burst(nominal.loss, chain, lost, bursts, n, checks);
 }
 
 void check_loss_trace(const Recording& recording, const Run& run, Checks& checks) {
   std::uint64_t differing = 0;
   for (std::size_t i = 0; i < run.sent.size(); ++i) {
-    const PacketOutcome& fate = run.sent[i].fate;
-    const bool lost = fate.lost_by_model || fate.retransmissions > 0;
+    const PacketOutcome& outcome = run.sent[i].outcome;
+    const bool lost = outcome.lost_by_model || outcome.retransmissions > 0;
     differing += lost != recording[i % recording.size()].lost;
   }
   checks.none("lost otherwise than recorded", differing);

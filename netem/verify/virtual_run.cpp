@@ -21,9 +21,9 @@ Run run(const DirectionProfile& profile, Direction direction, const Traffic& tra
       const auto delivery = emulator.pop(*deadline);
       if (!delivery) break;
       const Sent& sent = run.sent[delivery->tag];
-      run.altered += delivery->due_ns != sent.fate.due_ns;
-      run.early +=
-          !sent.fate.reordered && delivery->due_ns < sent.in_ns + sent.fate.drawn_ns + sent.fate.event_ns;
+      run.altered += delivery->due_ns != sent.outcome.due_ns;
+      run.early += !sent.outcome.reordered &&
+                   delivery->due_ns < sent.in_ns + sent.outcome.drawn_ns + sent.outcome.event_ns;
       if (delivery->duplicate) continue;
       run.out_of_order += delivery->tag < newest;
       newest = std::max(newest, delivery->tag);

@@ -22,7 +22,7 @@ struct Traffic {
 /// A packet and what was decided for it.
 struct Sent {
   std::int64_t in_ns = 0;
-  PacketOutcome fate;
+  PacketOutcome outcome;
 };
 
 /// Everything that one run leaves behind.

@@ -73,11 +73,11 @@ std::vector<std::vector<Event>> events_of(const DirectionProfile& profile, std::
   for (int i = 0; i < kPackets; ++i) {
     const std::int64_t now_ns = i * kStep_ns;
     while (emulator.pop(now_ns)) --under_way;
-    const PacketOutcome fate = emulator.push(now_ns, 200U, static_cast<std::uint64_t>(i));
-    if (fate.lost()) continue;
-    for (int copy = 0; copy < 1 + fate.duplicated; ++copy) {
+    const PacketOutcome outcome = emulator.push(now_ns, 200U, static_cast<std::uint64_t>(i));
+    if (outcome.lost()) continue;
+    for (int copy = 0; copy < 1 + outcome.duplicated; ++copy) {
       events[i].push_back(
-          {fate.due_ns, sequence++, now_ns, static_cast<std::uint64_t>(i), 200, fate.corrupted, copy > 0});
+          {outcome.due_ns, sequence++, now_ns, static_cast<std::uint64_t>(i), 200, outcome.corrupted, copy > 0});
       ++under_way;
     }
     *most = std::max(*most, static_cast<std::uint32_t>(under_way));

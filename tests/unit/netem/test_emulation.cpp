@@ -101,7 +101,7 @@ TEST(Emulation, WithinASiteThereIsNone) {
 TEST(Emulation, NothingComesBeforeItsDrawnDueTime) {
   netem::Profile profile = constant(0.0, 0.0);
   auto& conditions = profile.forward.stages[0].conditions;
-  conditions.delay.law = netem::Law::kUniform;
+  conditions.delay.distribution = netem::DelayDistribution::kUniform;
   conditions.delay.delay_s = 0.010;
   conditions.delay.jitter_s = 0.004;
   conditions.duplicate = 0.1;
@@ -127,8 +127,8 @@ TEST(Emulation, NothingComesBeforeItsDrawnDueTime) {
 TEST(Emulation, BlocksThatWereOvertakenStillArrive) {
   netem::Profile profile = constant(0.0, 0.0);
   auto& conditions = profile.forward.stages[0].conditions;
-  conditions.delay.law =
-      netem::Law::kUniform;  // 0.3 to 7.7 ms, blocks 2 ms apart: overtaken by three at most
+  conditions.delay.distribution =
+      netem::DelayDistribution::kUniform;  // 0.3 to 7.7 ms, blocks 2 ms apart: overtaken by three at most
   conditions.delay.delay_s = 0.004;
   conditions.delay.jitter_s = 0.0021;
   conditions.order = netem::Order::kFree;

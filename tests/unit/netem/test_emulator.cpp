@@ -27,11 +27,11 @@ std::vector<std::byte> random_bytes(std::mt19937& random, std::size_t size) {
 
 TEST(Emulator, ConstantDelayIsExactAndNeverEarly) {
   Emulator emulator(both("delay_ms = 50"), {1, 0, Direction::kForward});
-  const PacketOutcome fate = emulator.push(7, 100U, 42);
-  EXPECT_EQ(fate.due_ns, 7 + 50 * kMs);
-  EXPECT_EQ(emulator.next_deadline(), fate.due_ns);
-  EXPECT_FALSE(emulator.pop(fate.due_ns - 1));
-  const auto delivery = emulator.pop(fate.due_ns);
+  const PacketOutcome outcome = emulator.push(7, 100U, 42);
+  EXPECT_EQ(outcome.due_ns, 7 + 50 * kMs);
+  EXPECT_EQ(emulator.next_deadline(), outcome.due_ns);
+  EXPECT_FALSE(emulator.pop(outcome.due_ns - 1));
+  const auto delivery = emulator.pop(outcome.due_ns);
   ASSERT_TRUE(delivery);
   EXPECT_EQ(delivery->tag, 42U);
   EXPECT_EQ(delivery->in_ns, 7);

@@ -22,7 +22,7 @@ DirectionProfile profile_of(const std::string& keys, const std::string& rest = "
 
 struct Journey {
   std::int64_t in_ns;
-  PacketOutcome fate;
+  PacketOutcome outcome;
 };
 
 /// Packets at 1 kHz; everything delivered is taken at its due time.
@@ -50,10 +50,10 @@ TEST(Impairments, FifoLiftsEveryPacketOverItsPredecessor) {
   double drawn = 0;
   double delivered = 0;
   for (const Journey& j : travel(profile_of(kJitter), 20'000)) {
-    EXPECT_EQ(j.fate.due_ns, std::max(last_ns, j.in_ns + j.fate.drawn_ns));
-    last_ns = j.fate.due_ns;
-    drawn += static_cast<double>(j.fate.drawn_ns);
-    delivered += static_cast<double>(j.fate.due_ns - j.in_ns);
+    EXPECT_EQ(j.outcome.due_ns, std::max(last_ns, j.in_ns + j.outcome.drawn_ns));
+    last_ns = j.outcome.due_ns;
+    drawn += static_cast<double>(j.outcome.drawn_ns);
+    delivered += static_cast<double>(j.outcome.due_ns - j.in_ns);
   }
   EXPECT_GT(delivered, 1.1 * drawn);
 }
@@ -62,9 +62,9 @@ TEST(Impairments, FreeOrderKeepsEveryDraw) {
   int overtaken = 0;
   std::int64_t last_ns = 0;
   for (const Journey& j : travel(profile_of(std::string(kJitter) + "order = \"free\""), 20'000)) {
-    EXPECT_EQ(j.fate.due_ns, j.in_ns + j.fate.drawn_ns);
-    overtaken += j.fate.due_ns < last_ns;
-    last_ns = j.fate.due_ns;
+    EXPECT_EQ(j.outcome.due_ns, j.in_ns + j.outcome.drawn_ns);
+    overtaken += j.outcome.due_ns < last_ns;
+    last_ns = j.outcome.due_ns;
   }
   EXPECT_GT(overtaken, 5'000);
 }
@@ -94,12 +94,12 @@ TEST(Impairments, TcpLikeLossesBecomeHeadOfLineWaits) {
       travel(profile_of("delay_ms = 20\nloss = 0.1\ntcp_like = true\nrto_ms = 200"), 50'000, 500 * kMs);
   int waits[8] = {};
   for (const Journey& j : journeys) {
-    EXPECT_FALSE(j.fate.lost());
-    const int n = j.fate.retransmissions;
+    EXPECT_FALSE(j.outcome.lost());
+    const int n = j.outcome.retransmissions;
     ++waits[n];
     // rto, rto + 2 rto, ... ; sent slowly, so that only its own wait can hold a packet up, or the one before
     // it.
-    EXPECT_GE(j.fate.due_ns - j.in_ns, (20 + 200 * ((1 << n) - 1)) * kMs);
+    EXPECT_GE(j.outcome.due_ns - j.in_ns, (20 + 200 * ((1 << n) - 1)) * kMs);
   }
   EXPECT_NEAR(waits[1], 50'000 * 0.1 * 0.9, 6 * std::sqrt(50'000 * 0.09));
   EXPECT_NEAR(waits[2], 50'000 * 0.01 * 0.9, 6 * std::sqrt(50'000 * 0.009));
@@ -108,9 +108,9 @@ TEST(Impairments, TcpLikeLossesBecomeHeadOfLineWaits) {
   std::int64_t last_ns = 0;
   int held_up = 0;
   for (const Journey& j : dense) {
-    EXPECT_GE(j.fate.due_ns, last_ns);
-    held_up += j.fate.retransmissions == 0 && j.fate.due_ns - j.in_ns > 21 * kMs;
-    last_ns = j.fate.due_ns;
+    EXPECT_GE(j.outcome.due_ns, last_ns);
+    held_up += j.outcome.retransmissions == 0 && j.outcome.due_ns - j.in_ns > 21 * kMs;
+    last_ns = j.outcome.due_ns;
   }
   EXPECT_GT(held_up, 500);
 }
@@ -121,17 +121,17 @@ TEST(Impairments, BottleneckSpacesPacketsAndDropsAtItsLimit) {
   std::int64_t last_ns = -10 * kMs;
   int passed = 0;
   for (const Journey& j : journeys) {
-    if (j.fate.queue_full) continue;
-    EXPECT_GE(j.fate.due_ns, last_ns + 10 * kMs);
-    EXPECT_LE(j.fate.due_ns - j.in_ns, 50 * kMs);
-    last_ns = j.fate.due_ns;
+    if (j.outcome.queue_full) continue;
+    EXPECT_GE(j.outcome.due_ns, last_ns + 10 * kMs);
+    EXPECT_LE(j.outcome.due_ns - j.in_ns, 50 * kMs);
+    last_ns = j.outcome.due_ns;
     ++passed;
   }
   EXPECT_NEAR(passed, 100 + 4, 2);
   // Offered less than the rate: the packet's own 10 ms and nothing lost.
   for (const Journey& j : travel(profile_of("rate_kbit_per_s = 80\nqueue_bytes = 400"), 1000, 11 * kMs)) {
-    EXPECT_FALSE(j.fate.queue_full);
-    EXPECT_EQ(j.fate.due_ns - j.in_ns, 10 * kMs);
+    EXPECT_FALSE(j.outcome.queue_full);
+    EXPECT_EQ(j.outcome.due_ns - j.in_ns, 10 * kMs);
   }
 }
 
@@ -140,13 +140,13 @@ TEST(Impairments, SlotsLetPacketsOutAtTheirStartsOnly) {
   int crowd = 0;
   for (const Journey& j :
        travel(profile_of("delay_ms = 3.3\nslot_ms = 5\nslot_jitter_ms = 1\nslot_packets = 6"), 5000)) {
-    EXPECT_LE(j.fate.due_ns % (5 * kMs), kMs);
-    EXPECT_GE(j.fate.due_ns, j.in_ns + j.fate.drawn_ns);
-    EXPECT_LE(j.fate.due_ns, j.in_ns + j.fate.drawn_ns + 11 * kMs);
-    crowd = j.fate.due_ns == last_ns ? crowd + 1 : 1;
+    EXPECT_LE(j.outcome.due_ns % (5 * kMs), kMs);
+    EXPECT_GE(j.outcome.due_ns, j.in_ns + j.outcome.drawn_ns);
+    EXPECT_LE(j.outcome.due_ns, j.in_ns + j.outcome.drawn_ns + 11 * kMs);
+    crowd = j.outcome.due_ns == last_ns ? crowd + 1 : 1;
     EXPECT_LE(crowd, 6);
-    EXPECT_GE(j.fate.due_ns, last_ns);
-    last_ns = j.fate.due_ns;
+    EXPECT_GE(j.outcome.due_ns, last_ns);
+    last_ns = j.outcome.due_ns;
   }
 }
 
@@ -168,13 +168,13 @@ loss = 1
     const std::int64_t since = j.in_ns - 1000 * kMs;
     const bool inside = since >= 0 && since % (2000 * kMs) < 100 * kMs;
     const bool outage = j.in_ns >= 2000 * kMs && j.in_ns < 2050 * kMs;
-    EXPECT_EQ(j.fate.lost_by_event, outage) << j.in_ns;
+    EXPECT_EQ(j.outcome.lost_by_event, outage) << j.in_ns;
     if (!inside) {
-      EXPECT_EQ(j.fate.event_ns, 0);
+      EXPECT_EQ(j.outcome.event_ns, 0);
     } else {
-      EXPECT_GE(j.fate.event_ns, 20 * kMs);
-      EXPECT_LE(j.fate.event_ns, 50 * kMs);
-      delays.insert(j.fate.event_ns);
+      EXPECT_GE(j.outcome.event_ns, 20 * kMs);
+      EXPECT_LE(j.outcome.event_ns, 50 * kMs);
+      delays.insert(j.outcome.event_ns);
     }
   }
   EXPECT_EQ(delays.size(), 10U);  // 1, 3, ... 19 s
@@ -183,19 +183,19 @@ loss = 1
 TEST(Impairments, StagesTakeOverAtTheirTime) {
   const auto journeys =
       travel(profile_of("delay_ms = 10", "[[stage]]\nfrom_s = 2\n[stage.both]\ndelay_ms = 30\n"), 4000);
-  for (const Journey& j : journeys) EXPECT_EQ(j.fate.drawn_ns, (j.in_ns < 2000 * kMs ? 10 : 30) * kMs);
+  for (const Journey& j : journeys) EXPECT_EQ(j.outcome.drawn_ns, (j.in_ns < 2000 * kMs ? 10 : 30) * kMs);
 }
 
 TEST(Impairments, SwitchingKeepsWhatIsUnderWayAndItsOrder) {
   Emulator emulator(profile_of("delay_ms = 50"), {1});
   const auto before = travel(emulator, 100);
-  CompiledProfile plan(profile_of("delay_ms = 5\nduplicate = 1"));
-  emulator.switch_to(plan, 100 * kMs);
+  CompiledProfile fresh(profile_of("delay_ms = 5\nduplicate = 1"));
+  emulator.switch_to(fresh, 100 * kMs);
   const auto after = travel(emulator, 100, 100 * kMs);
-  EXPECT_EQ(before.back().fate.due_ns, (99 + 50) * kMs);
-  EXPECT_EQ(after.front().fate.due_ns, (99 + 50) * kMs);  // behind the last of the old network
-  EXPECT_EQ(after.back().fate.due_ns, (199 + 5) * kMs);
-  EXPECT_TRUE(after.front().fate.duplicated);
+  EXPECT_EQ(before.back().outcome.due_ns, (99 + 50) * kMs);
+  EXPECT_EQ(after.front().outcome.due_ns, (99 + 50) * kMs);  // behind the last of the old network
+  EXPECT_EQ(after.back().outcome.due_ns, (199 + 5) * kMs);
+  EXPECT_TRUE(after.front().outcome.duplicated);
   std::uint64_t copies = 0;
   while (const auto delivery = emulator.pop(1000 * kMs)) copies += delivery->duplicate;
   EXPECT_GT(copies, 0U);
@@ -228,8 +228,8 @@ TEST(Impairments, OneImpairmentDoesNotDisturbAnother) {
   const auto plain = travel(profile_of(base), 5000);
   const auto busy = travel(profile_of(base + "duplicate = 0.3\ncorrupt = 0.2\n"), 5000);
   for (std::size_t i = 0; i < plain.size(); ++i) {
-    EXPECT_EQ(plain[i].fate.drawn_ns, busy[i].fate.drawn_ns);
-    EXPECT_EQ(plain[i].fate.lost(), busy[i].fate.lost());
+    EXPECT_EQ(plain[i].outcome.drawn_ns, busy[i].outcome.drawn_ns);
+    EXPECT_EQ(plain[i].outcome.lost(), busy[i].outcome.lost());
   }
 }
 

@@ -10,7 +10,8 @@
 #include <cmath>
 #include <vector>
 
-#include "netem/core/law.h"
+#include "netem/core/delay_distribution.h"
+#include "netem/core/delay_table.h"
 
 namespace telekerf::netem {
 namespace {

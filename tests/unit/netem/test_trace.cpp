@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorded traces: golden fates, round trip through a file, replay, and files that are none.
+// Recorded traces: golden outcomes, round trip through a file, replay, and files that are none.
 #include "netem/core/trace.h"
 
 #include <gtest/gtest.h>
@@ -22,9 +22,9 @@ Recording record(const DirectionProfile& profile, const StreamKey& key, int pack
     const std::int64_t now_ns = i * std::int64_t{1'000'000};
     while (emulator.pop(now_ns)) {
     }
-    const PacketOutcome fate = emulator.push(now_ns, 200U, i);
-    recording.push_back(
-        {now_ns, fate.lost() ? 0 : fate.due_ns - now_ns, fate.lost(), fate.duplicated, fate.corrupted});
+    const PacketOutcome outcome = emulator.push(now_ns, 200U, i);
+    recording.push_back({now_ns, outcome.lost() ? 0 : outcome.due_ns - now_ns, outcome.lost(),
+                         outcome.duplicated, outcome.corrupted});
   }
   return recording;
 }
@@ -53,7 +53,7 @@ struct File {
 };
 
 TEST(Trace, GoldenSeeds) {
-  // Same seed, same fate of every packet: on every machine, at every optimisation level, for ever.
+  // Same seed, same outcome of every packet: on every machine, at every optimisation level, for ever.
   EXPECT_EQ(fingerprint(text_of(record(load_profile("hostile").forward, {1}, 20'000))), 6103764377518664199U);
   EXPECT_EQ(fingerprint(text_of(record(load_profile("leo").backward, {2, 0, Direction::kBackward}, 20'000))),
             15611169539660863760U);

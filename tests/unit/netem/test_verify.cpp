@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/runtime/resources.h"
-#include "netem/core/bounds.h"
+#include "netem/verify/bounds.h"
 
 namespace telekerf::netem {
 namespace {
@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
               "[[event]]\nevery_s = 2\nduration_ms = 120\nloss = 0.5", "touched outside"}));
 
 TEST(Bounds, ChainMemoryIsTheSecondEigenvalue) {
-  LossLaw law;
+  LossParameters law;
   law.model = LossModel::kGilbertElliott;
   law.ge_p = 0.02;
   law.ge_r = 0.1;
@@ -148,7 +148,7 @@ TEST(Bounds, ChainMemoryIsTheSecondEigenvalue) {
 }
 
 TEST(Bounds, BurstVarianceOfIndependentBurstsIsTheirRenewalVariance) {
-  LossLaw law;
+  LossParameters law;
   law.model = LossModel::kGilbertElliott;
   law.ge_r = 0.125;
   law.ge_p = 0.0138888888888888;

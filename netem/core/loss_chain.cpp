@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/core/loss.h"
+#include "netem/core/loss_chain.h"
 
 namespace telekerf::netem {
 
-LossChain loss_chain(const LossLaw& law) {
+LossChain loss_chain(const LossParameters& law) {
   LossChain chain;
   chain.to[0][0] = 1.0;
-  chain.share[0] = 1.0;
+  chain.stationary[0] = 1.0;
   switch (law.model) {
     case LossModel::kNone:
     case LossModel::kTrace:
@@ -20,7 +20,7 @@ LossChain loss_chain(const LossLaw& law) {
       chain.to[1] = {law.ge_r, 1.0 - law.ge_r};
       chain.lost = {1.0 - law.ge_k, 1.0 - law.ge_h};
       const double bad = law.ge_p > 0 ? law.ge_p / (law.ge_p + law.ge_r) : 0.0;
-      chain.share = {1.0 - bad, bad};
+      chain.stationary = {1.0 - bad, bad};
       break;
     }
     case LossModel::kFourState: {
@@ -34,7 +34,7 @@ LossChain loss_chain(const LossLaw& law) {
       const double burst = law.p13 > 0 ? law.p13 / law.p31 : 0.0;
       const double pause = burst > 0 && law.p32 > 0 ? burst * law.p32 / law.p23 : 0.0;
       const double sum = 1.0 + burst + pause + law.p14;
-      chain.share = {1.0 / sum, pause / sum, burst / sum, law.p14 / sum};
+      chain.stationary = {1.0 / sum, pause / sum, burst / sum, law.p14 / sum};
       break;
     }
   }
@@ -43,7 +43,7 @@ LossChain loss_chain(const LossLaw& law) {
 
 double mean_loss(const LossChain& chain) {
   double loss = 0.0;
-  for (int i = 0; i < chain.states; ++i) loss += chain.share[i] * chain.lost[i];
+  for (int i = 0; i < chain.states; ++i) loss += chain.stationary[i] * chain.lost[i];
   return loss;
 }
 
@@ -51,7 +51,7 @@ double mean_burst(const LossChain& chain) {
   double begins = 0.0;
   for (int i = 0; i < chain.states; ++i) {
     for (int j = 0; j < chain.states; ++j) {
-      begins += chain.share[i] * (1.0 - chain.lost[i]) * chain.to[i][j] * chain.lost[j];
+      begins += chain.stationary[i] * (1.0 - chain.lost[i]) * chain.to[i][j] * chain.lost[j];
     }
   }
   return begins > 0 ? mean_loss(chain) / begins : 0.0;

@@ -6,7 +6,7 @@
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/send_event.h"
-#include "netem/commands.h"
+#include "netem/commands/commands.h"
 #include "netem/core/profile.h"
 #include "netem/drivers/netem_flags.h"
 

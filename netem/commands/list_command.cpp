@@ -5,25 +5,13 @@
 #include <string>
 
 #include "common/runtime/resources.h"
-#include "netem/commands.h"
-#include "netem/core/law.h"
-#include "netem/core/loss.h"
+#include "netem/commands/commands.h"
+#include "netem/core/delay_distribution.h"
+#include "netem/core/loss_chain.h"
 #include "netem/core/profile.h"
 
 namespace telekerf::netem {
 namespace {
-
-std::string text_of(Order order) {
-  switch (order) {
-    case Order::kFifo:
-      return "fifo";
-    case Order::kFree:
-      return "free";
-    case Order::kReorder:
-      return "reorder";
-  }
-  return "";
-}
 
 int print_list() {
   fmt::print("{:<16} {:>15} {:>15} {:>13} {:<8} {}\n", "profile", "forward ms", "backward ms", "loss",
@@ -42,7 +30,7 @@ int print_list() {
     if (chain.states > 1) loss += fmt::format(" by {:.2g}", burst);
     // fmt counts "±" as one column.
     fmt::print("{:<16} {:>15} {:>15} {:>13} {:<8} {}{}\n", name, delay(profile.forward),
-               delay(profile.backward), loss, forward.tcp_like ? "tcp" : text_of(forward.order),
+               delay(profile.backward), loss, forward.tcp_like ? "tcp" : kOrders.word(forward.order),
                profile.description, profile.forward.events.empty() ? "" : "; with events");
   }
   fmt::print(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Delay laws: quantiles and moments against closed forms, cut at zero, and tables that follow them.
-#include "netem/core/law.h"
+#include "netem/core/delay_distribution.h"
+#include "netem/core/delay_table.h"
 
 #include <gtest/gtest.h>
 
@@ -10,46 +11,48 @@
 namespace telekerf::netem {
 namespace {
 
-DelayLaw law(Law kind, double delay_s, double jitter_s, double shape = 0.0) {
-  DelayLaw law;
-  law.law = kind;
+DelayParameters law(DelayDistribution kind, double delay_s, double jitter_s, double shape = 0.0) {
+  DelayParameters law;
+  law.distribution = kind;
   law.delay_s = delay_s;
   law.jitter_s = jitter_s;
   law.shape = shape;
   return law;
 }
 
-double quantile(const DelayLaw& l, double p) { return delay_quantile(l, p, 1.0 - p); }
+double quantile(const DelayParameters& l, double p) { return delay_quantile(l, p, 1.0 - p); }
 
-TEST(Law, JitterIsTheStandardDeviationOfEveryLaw) {
-  for (const DelayLaw& l :
-       {law(Law::kUniform, 0.1, 0.01), law(Law::kNormal, 0.1, 0.01), law(Law::kLaplace, 0.3, 0.01),
-        law(Law::kGamma, 0.1, 0.01, 2.0), law(Law::kGamma, 0.1, 0.01, 0.3),
-        law(Law::kLognormal, 0.1, 0.01, 0.8), law(Law::kPareto, 0.1, 0.01, 9.0)}) {
-    EXPECT_NEAR(delay_moments(l, 9.0).sd_s, 0.01, 2e-5) << static_cast<int>(l.law);
+TEST(DelayDistribution, JitterIsTheStandardDeviationOfEveryLaw) {
+  for (const DelayParameters& l :
+       {law(DelayDistribution::kUniform, 0.1, 0.01), law(DelayDistribution::kNormal, 0.1, 0.01),
+        law(DelayDistribution::kLaplace, 0.3, 0.01), law(DelayDistribution::kGamma, 0.1, 0.01, 2.0),
+        law(DelayDistribution::kGamma, 0.1, 0.01, 0.3), law(DelayDistribution::kLognormal, 0.1, 0.01, 0.8),
+        law(DelayDistribution::kPareto, 0.1, 0.01, 9.0)}) {
+    EXPECT_NEAR(delay_moments(l, 9.0).sd_s, 0.01, 2e-5) << static_cast<int>(l.distribution);
   }
 }
 
-TEST(Law, ClosedForms) {
+TEST(DelayDistribution, ClosedForms) {
   // Gamma(2, 5 ms): mean 10 ms; the median of Gamma(2, 1) is 1.678347.
-  const DelayLaw gamma = law(Law::kGamma, 0.05, std::sqrt(2.0) * 0.005, 2.0);
+  const DelayParameters gamma = law(DelayDistribution::kGamma, 0.05, std::sqrt(2.0) * 0.005, 2.0);
   EXPECT_NEAR(delay_moments(gamma).mean_s, 0.060, 1e-6);
   EXPECT_NEAR(quantile(gamma, 0.5), 0.05 + 0.005 * 1.678346990, 1e-9);
   // Exponential: -log(1 - p).
-  EXPECT_NEAR(quantile(law(Law::kGamma, 0.0, 0.01, 1.0), 0.9), 0.01 * std::log(10.0), 1e-9);
+  EXPECT_NEAR(quantile(law(DelayDistribution::kGamma, 0.0, 0.01, 1.0), 0.9), 0.01 * std::log(10.0), 1e-9);
   // Normal, Laplace, uniform about 100 ms.
-  EXPECT_NEAR(quantile(law(Law::kNormal, 0.1, 0.01), 0.975), 0.1 + 0.01 * 1.959963985, 1e-9);
-  EXPECT_NEAR(quantile(law(Law::kLaplace, 0.1, 0.01), 0.75), 0.1 + 0.01 * std::log(2.0) / std::numbers::sqrt2,
-              1e-8);
-  EXPECT_NEAR(quantile(law(Law::kUniform, 0.1, 0.01), 1.0), 0.1 + 0.01 * std::numbers::sqrt3, 1e-9);
+  EXPECT_NEAR(quantile(law(DelayDistribution::kNormal, 0.1, 0.01), 0.975), 0.1 + 0.01 * 1.959963985, 1e-9);
+  EXPECT_NEAR(quantile(law(DelayDistribution::kLaplace, 0.1, 0.01), 0.75),
+              0.1 + 0.01 * std::log(2.0) / std::numbers::sqrt2, 1e-8);
+  EXPECT_NEAR(quantile(law(DelayDistribution::kUniform, 0.1, 0.01), 1.0), 0.1 + 0.01 * std::numbers::sqrt3,
+              1e-9);
   // Lomax with tail index 3: lambda = jitter / sqrt(3/4), median lambda (2^(1/3) - 1).
-  EXPECT_NEAR(quantile(law(Law::kPareto, 0.0, 0.01, 3.0), 0.5),
+  EXPECT_NEAR(quantile(law(DelayDistribution::kPareto, 0.0, 0.01, 3.0), 0.5),
               0.01 / std::sqrt(0.75) * (std::cbrt(2.0) - 1.0), 1e-9);
 }
 
-TEST(Law, ParetoKeepsItsTail) {
+TEST(DelayDistribution, ParetoKeepsItsTail) {
   // Halving the tail probability multiplies a far quantile by 2^(1/alpha), however far out.
-  const DelayLaw pareto = law(Law::kPareto, 0.0, 0.01, 2.5);
+  const DelayParameters pareto = law(DelayDistribution::kPareto, 0.0, 0.01, 2.5);
   for (double upper = 1e-6; upper > 1e-17; upper /= 10) {
     const double ratio = delay_quantile(pareto, 1.0, upper / 2) / delay_quantile(pareto, 1.0, upper);
     EXPECT_NEAR(ratio, std::pow(2.0, 1 / 2.5), 2e-3) << upper;
@@ -58,13 +61,14 @@ TEST(Law, ParetoKeepsItsTail) {
             DelayTable(pareto).at(4.0) * 100);  // far beyond 4 standard deviations
 }
 
-TEST(Law, TheLawCutAtZeroIsTheConditionalOne) {
+TEST(DelayDistribution, TheLawCutAtZeroIsTheConditionalOne) {
   // Normal about 0: the half-normal law.
-  const DelayLaw half = law(Law::kNormal, 0.0, 0.01);
+  const DelayParameters half = law(DelayDistribution::kNormal, 0.0, 0.01);
   EXPECT_NEAR(quantile(half, 0.5), 0.01 * 0.674489750, 1e-9);
   EXPECT_NEAR(delay_moments(half).mean_s, 0.01 * std::sqrt(2 / std::numbers::pi), 1e-7);
-  for (const Law kind : {Law::kUniform, Law::kNormal, Law::kLaplace}) {
-    const DelayLaw cut = law(kind, 0.005, 0.01);
+  for (const DelayDistribution kind :
+       {DelayDistribution::kUniform, DelayDistribution::kNormal, DelayDistribution::kLaplace}) {
+    const DelayParameters cut = law(kind, 0.005, 0.01);
     EXPECT_NEAR(quantile(cut, 0.0), 0.0, 1e-9);
     const double below = quantile(law(kind, 1.0, 0.01), 0.9) - 0.995;  // the same law without the cut
     const double share_cut = [&] {
@@ -79,9 +83,9 @@ TEST(Law, TheLawCutAtZeroIsTheConditionalOne) {
   }
 }
 
-TEST(Law, TablesFollowTheirQuantiles) {
-  DelayLaw table;
-  table.law = Law::kTable;
+TEST(DelayDistribution, TablesFollowTheirQuantiles) {
+  DelayParameters table;
+  table.distribution = DelayDistribution::kTable;
   table.delay_s = 0.010;
   table.table_p = {0.0, 0.5, 1.0};
   table.table_s = {0.0, 0.002, 0.010};
@@ -90,10 +94,10 @@ TEST(Law, TablesFollowTheirQuantiles) {
   EXPECT_NEAR(delay_moments(table).mean_s, 0.010 + 0.5 * 0.001 + 0.5 * 0.006, 1e-6);
 }
 
-TEST(Law, ATablesStepsStaySharp) {
+TEST(DelayDistribution, ATablesStepsStaySharp) {
   // 70 % near 10 ms, the rest near 50 ms, next to nothing between: no interpolation may put packets there.
-  DelayLaw table;
-  table.law = Law::kTable;
+  DelayParameters table;
+  table.distribution = DelayDistribution::kTable;
   table.table_p = {0.0, 0.7, 0.7001, 1.0};
   table.table_s = {0.010, 0.012, 0.050, 0.060};
   const DelayTable delays(table);
@@ -116,10 +120,12 @@ TEST(Law, ATablesStepsStaySharp) {
   EXPECT_NEAR(between, kScores * 1e-4 / 0.348 / 7.0, 2.0);
 }
 
-TEST(Law, DelayTableInterpolatesWithinAMicrosecond) {
-  for (const DelayLaw& l : {law(Law::kUniform, 0.1, 0.01), law(Law::kNormal, 0.01, 0.01),
-                            law(Law::kLaplace, 0.1, 0.01), law(Law::kGamma, 0.1, 0.01, 2.0),
-                            law(Law::kLognormal, 0.1, 0.01, 0.8), law(Law::kPareto, 0.1, 0.01, 3.0)}) {
+TEST(DelayDistribution, DelayTableInterpolatesWithinAMicrosecond) {
+  for (const DelayParameters& l :
+       {law(DelayDistribution::kUniform, 0.1, 0.01), law(DelayDistribution::kNormal, 0.01, 0.01),
+        law(DelayDistribution::kLaplace, 0.1, 0.01), law(DelayDistribution::kGamma, 0.1, 0.01, 2.0),
+        law(DelayDistribution::kLognormal, 0.1, 0.01, 0.8),
+        law(DelayDistribution::kPareto, 0.1, 0.01, 3.0)}) {
     const DelayTable table(l);
     for (double z = -5; z < 5; z += 0.0137) {
       const double exact_s = delay_at_normal(l, z);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "netem/core/bounds.h"
+#include "netem/verify/bounds.h"
 
 #include <algorithm>
 #include <array>
@@ -20,25 +20,25 @@ double chain_memory(const LossChain& chain) {
   if (chain.states == 2) return std::max(0.0, 1.0 - chain.to[0][1] - chain.to[1][0]);
   // Power iteration on (P + 1) / 2, whose eigenvalues are not negative, with the stationary part taken out.
   // States that are never entered have no share and take no part.
-  std::array<double, kMostLossStates> x{1.0, -0.3, 0.7, -0.9};
+  std::array<double, kMaxLossStates> x{1.0, -0.3, 0.7, -0.9};
   double growth = 0.0;
   for (int step = 0; step < 20'000; ++step) {
     double mean = 0.0;
-    for (int i = 0; i < chain.states; ++i) mean += chain.share[i] * x[i];
-    std::array<double, kMostLossStates> next{};
+    for (int i = 0; i < chain.states; ++i) mean += chain.stationary[i] * x[i];
+    std::array<double, kMaxLossStates> next{};
     double before = 0.0;
     double after = 0.0;
     for (int i = 0; i < chain.states; ++i) x[i] -= mean;
     for (int i = 0; i < chain.states; ++i) {
       for (int j = 0; j < chain.states; ++j) next[i] += 0.5 * chain.to[i][j] * x[j];
       next[i] += 0.5 * x[i];
-      before += chain.share[i] * x[i] * x[i];
-      after += chain.share[i] * next[i] * next[i];
+      before += chain.stationary[i] * x[i] * x[i];
+      after += chain.stationary[i] * next[i] * next[i];
     }
     if (before <= 0) return 0.0;
     growth = std::sqrt(after / before);
     for (int i = 0; i < chain.states; ++i) {
-      x[i] = after > 0 && chain.share[i] > 0 ? next[i] / std::sqrt(after) : 0.0;
+      x[i] = after > 0 && chain.stationary[i] > 0 ? next[i] / std::sqrt(after) : 0.0;
     }
   }
   return std::clamp(2.0 * growth - 1.0, 0.0, 0.9999);
@@ -60,7 +60,7 @@ double burst_variance(const LossChain& chain) {
   std::vector<double> leaving(n, 0.0);   // E[f(X0, X1) | X0 = node]
   double variance = 0.0;
   for (int i = 0; i < n; ++i) {
-    const double share = chain.share[i / 2] * emits(i);
+    const double share = chain.stationary[i / 2] * emits(i);
     for (int j = 0; j < n; ++j) {
       const double f = value(i, j);
       variance += share * step(i, j) * f * f;
@@ -85,15 +85,15 @@ double burst_variance(const LossChain& chain) {
     // The function's mean is zero, so only rounding feeds the stationary part.
     double sum = 0.0;
     for (const double x : next) sum += x;
-    for (int i = 0; i < n; ++i) next[i] -= sum * chain.share[i / 2] * emits(i);
+    for (int i = 0; i < n; ++i) next[i] -= sum * chain.stationary[i / 2] * emits(i);
     arriving = next;
   }
   return std::max(variance, 0.0);
 }
 
-double overtaking_probability(const DelayLaw& law, double interval_s) {
-  if (law.law == Law::kConstant) return 0.0;
-  const int steps = law.law == Law::kTable ? 40'000 : 4'000;  // a table may have steps
+double overtaking_probability(const DelayParameters& law, double interval_s) {
+  if (law.distribution == DelayDistribution::kConstant) return 0.0;
+  const int steps = law.distribution == DelayDistribution::kTable ? 40'000 : 4'000;  // a table may have steps
   constexpr double kLimit = 8.0;
   // Delays on a grid of normal scores; the score at which the law reaches a given delay by interpolation.
   std::vector<double> delay(steps + 1);

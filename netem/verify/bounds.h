@@ -2,8 +2,8 @@
 // Confidence bounds for averages over packets that depend on one another.
 #pragma once
 
-#include "netem/core/law.h"
-#include "netem/core/loss.h"
+#include "netem/core/delay_distribution.h"
+#include "netem/core/loss_chain.h"
 
 namespace telekerf::netem {
 
@@ -26,6 +26,6 @@ double chain_memory(const LossChain& chain);
 double burst_variance(const LossChain& chain);
 
 /// Probability that packets sent `interval_s` apart in free order overtake their direct predecessor.
-double overtaking_probability(const DelayLaw& law, double interval_s);
+double overtaking_probability(const DelayParameters& law, double interval_s);
 
 }  // namespace telekerf::netem

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/results.h"
-#include "netem/commands.h"
+#include "netem/commands/commands.h"
 #include "netem/verify/verify.h"
 
 namespace telekerf::netem {
@@ -18,8 +18,6 @@ struct Options {
   bool json = false;
 };
 
-const char* text_of(Direction direction) { return direction == Direction::kForward ? "forward" : "backward"; }
-
 nlohmann::json to_json(const StageReport& report) {
   nlohmann::json checks = nlohmann::json::array();
   for (const Check& check : report.checks) {
@@ -30,14 +28,14 @@ nlohmann::json to_json(const StageReport& report) {
     }
     checks.push_back(entry);
   }
-  return {{"direction", text_of(report.direction)},
+  return {{"direction", kDirections.word(report.direction)},
           {"from_s", report.from_s},
           {"good", report.good()},
           {"checks", checks}};
 }
 
 void print_table(const StageReport& report) {
-  fmt::print("{}, from {:g} s\n", text_of(report.direction), report.from_s);
+  fmt::print("{}, from {:g} s\n", kDirections.word(report.direction), report.from_s);
   fmt::print("  {:<34} {:>12} {:>12}   {:<29}\n", "", "measured", "nominal", "bounds");
   for (const Check& check : report.checks) {
     if (!check.judged) {

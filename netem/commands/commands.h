@@ -3,15 +3,8 @@
 #pragma once
 
 #include "common/runtime/program.h"
-#include "netem/core/random.h"
 
 namespace telekerf::netem {
-
-inline constexpr EnumRow<Direction> kDirectionRows[] = {
-    {"forward", Direction::kForward, "operator to slave"},
-    {"backward", Direction::kBackward, "slave to operator"},
-};
-inline constexpr EnumTable<Direction> kDirections(kDirectionRows);
 
 void add_link_command(Program& program);
 void add_tc_command(Program& program);

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include "common/runtime/startup_error.h"
-#include "netem/commands.h"
+#include "netem/commands/commands.h"
+#include "netem/core/random.h"
 #include "netem/drivers/tc.h"
 
 namespace telekerf::netem {

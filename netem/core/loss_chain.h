@@ -9,17 +9,17 @@
 
 namespace telekerf::netem {
 
-inline constexpr int kMostLossStates = 4;
+inline constexpr int kMaxLossStates = 4;
 
 struct LossChain {
   int states = 1;
-  std::array<std::array<double, kMostLossStates>, kMostLossStates> to{};  ///< to[i][j]: from i to j
-  std::array<double, kMostLossStates> lost{};                             ///< loss probability in a state
-  std::array<double, kMostLossStates> share{};                            ///< stationary distribution
+  std::array<std::array<double, kMaxLossStates>, kMaxLossStates> to{};  ///< to[i][j]: from i to j
+  std::array<double, kMaxLossStates> lost{};                            ///< loss probability in a state
+  std::array<double, kMaxLossStates> stationary{};                      ///< stationary distribution
 };
 
 /// kNone and kTrace give a chain that loses nothing.
-LossChain loss_chain(const LossLaw& law);
+LossChain loss_chain(const LossParameters& law);
 
 double mean_loss(const LossChain& chain);
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Delay laws by inversion: a standard normal number z goes through the law's quantile function, z ->
-// Q(Phi(z)). Correlated normals therefore give correlated delays whose marginal law is exact (Gaussian
-// copula).
+// What the packet path draws delays with: tables, so that the same draw is the same delay on every machine.
 #pragma once
 
 #include <cstdint>
@@ -32,27 +30,12 @@ class NormalTable {
   std::vector<Cell> cells_;  // (octave of the tail probability) x kParts
 };
 
-/// The delay that a share `lower` of all packets stays below (nominal law, cut at zero included). `upper` = 1
-/// - lower is given as well because a far tail cannot be told from 1 otherwise. Seconds.
-double delay_quantile(const DelayLaw& law, double lower, double upper);
-
-/// The same over the standard normal: delay_quantile(Phi(z), 1 - Phi(z)).
-double delay_at_normal(const DelayLaw& law, double z);
-
-struct Moments {
-  double mean_s = 0.0;
-  double sd_s = 0.0;
-  double fourth_s4 = 0.0;  ///< fourth central moment
-};
-/// Of the nominal law, between its quantiles at normal scores -z_limit and z_limit (values outside count as
-/// the limits themselves: winsorised).
-Moments delay_moments(const DelayLaw& law, double z_limit = 8.0);
-
 /// z -> delay in whole nanoseconds, linear between 64 nodes per unit of z. A table may have steps that such
-/// nodes would round off: there they hold the share Phi(z), and the delay is looked up in the table itself.
+/// nodes would round off: there the probabilities Phi(z) are kept, and the delay is looked up in the table
+/// itself.
 class DelayTable {
  public:
-  explicit DelayTable(const DelayLaw& law);
+  explicit DelayTable(const DelayParameters& law);
   std::int64_t at(double z) const noexcept;
   /// The inverse, for statistics: the normal score of a delay (its lower end where the law is flat).
   double normal_score(std::int64_t delay_ns) const;
@@ -61,7 +44,7 @@ class DelayTable {
   std::int64_t in_table(std::size_t node, double part) const noexcept;
 
   std::vector<std::int64_t> nodes_ns_;
-  std::vector<double> shares_;  ///< at the nodes; empty unless the law is a table
+  std::vector<double> probabilities_;  ///< at the nodes; empty unless the law is a table
   std::vector<double> table_p_;
   std::vector<std::int64_t> table_ns_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-netem trace and replay: the fate of every packet as CSV, written and played back.
+// telekerf-netem trace and replay: the outcome of every packet as CSV, written and played back.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -7,7 +7,8 @@
 #include <memory>
 
 #include "common/runtime/startup_error.h"
-#include "netem/commands.h"
+#include "netem/commands/commands.h"
+#include "netem/commands/link_command.h"
 #include "netem/core/emulator.h"
 #include "netem/core/trace.h"
 #include "netem/drivers/tun_link.h"
@@ -25,12 +26,14 @@ struct TraceOptions {
 };
 
 /// Sends one packet and takes everything that is due, so that the emulator never fills up.
-RecordedFate send(Emulator& emulator, std::int64_t now_ns, std::uint32_t bytes, std::uint64_t index) {
+RecordedOutcome send(Emulator& emulator, std::int64_t now_ns, std::uint32_t bytes, std::uint64_t index) {
   while (emulator.pop(now_ns)) {
   }
-  const PacketOutcome fate = emulator.push(now_ns, bytes, index);
-  if (fate.overflowed) throw StartupError("more packets under way than this program holds; lower --rate-hz");
-  return {now_ns, fate.lost() ? 0 : fate.due_ns - now_ns, fate.lost(), fate.duplicated, fate.corrupted};
+  const PacketOutcome outcome = emulator.push(now_ns, bytes, index);
+  if (outcome.overflowed)
+    throw StartupError("more packets under way than this program holds; lower --rate-hz");
+  return {now_ns, outcome.lost() ? 0 : outcome.due_ns - now_ns, outcome.lost(), outcome.duplicated,
+          outcome.corrupted};
 }
 
 Capacity roomy() {

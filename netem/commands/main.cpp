@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-netem: the network between the two machines, emulated, exported, measured and recorded.
-#include "netem/commands.h"
+#include "netem/commands/commands.h"
 
 int main(int argc, char** argv) {
   telekerf::Program program("telekerf-netem",
