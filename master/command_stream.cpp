@@ -147,7 +147,7 @@ void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) 
   if (settings_.law == Law::kLocal) {
     if (master.engaged && !engaged_) observer_.begin(index, source);
     engaged_ = master.engaged;
-    anchor_ = rounded(Anchor{source.position_m, source.velocity_m_per_s});
+    anchor_ = to_wire_precision(Anchor{source.position_m, source.velocity_m_per_s});
     return;
   }
   if (engaged_ && unheeded_ * period_s_ > kUnheededS) {
@@ -175,7 +175,7 @@ void CommandStream::begin_block(std::int64_t index, const MasterMotion& master) 
   engaged_ = follow;
   model_.position_m += observer_.take_correction();
   const KinematicState carried = settings_.law == Law::kAnchored ? model_ : observer_.prediction(model_);
-  anchor_ = rounded(Anchor{carried.position_m, carried.velocity_m_per_s});
+  anchor_ = to_wire_precision(Anchor{carried.position_m, carried.velocity_m_per_s});
   if (settings_.law == Law::kAnchored) {
     model_.position_m = anchor_.position_m;
     model_.velocity_m_per_s = anchor_.velocity_m_per_s;
@@ -241,7 +241,7 @@ std::optional<CommandBlock> CommandStream::finish_block(std::int64_t now_ns,
   block.sample_period_ns = settings_.codec.sample_period_ns;
   block.ticks_per_sample = static_cast<std::uint16_t>(settings_.ticks_per_sample);
   block.contour_id = master.contour_id;
-  block.beta = rounded(beta_);
+  block.beta = to_wire_precision(beta_);
   block.law = settings_.law;
   block.engaged = engaged_ && master.engaged;
   block.engaged_before = engaged_before_;

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "common/bus/receive_filter.h"
-#include "common/protocol/messages.h"
+#include "common/protocol/contract_version.h"
+#include "common/protocol/presence.h"
 #include "common/protocol/site.h"
-#include "common/runtime/version.h"
 
 namespace telekerf {
 

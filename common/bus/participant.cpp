@@ -11,6 +11,7 @@
 #include "common/bus/qos.h"
 #include "common/bus/wire.h"
 #include "common/runtime/startup_error.h"
+#include "common/runtime/version.h"
 
 namespace telekerf {
 namespace {

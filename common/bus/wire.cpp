@@ -193,8 +193,8 @@ bool append(std::span<const wire::Point> wire, std::vector<Vec2>& points_m) {
 bool to_wire(const ContourMessage& value, std::uint16_t contract, wire::Contour& wire) {
   std::size_t further = 0;
   for (const ContourLine& line : value.further) further += line.points_m.size();
-  if (value.further.size() > kMostContourLines || further > kMostContourPoints ||
-      value.points_m.size() > kMostContourPoints || value.source.size() > kLongText ||
+  if (value.further.size() > kMaxContourLines || further > kMaxContourPoints ||
+      value.points_m.size() > kMaxContourPoints || value.source.size() > kLongText ||
       value.mode.size() > kShortText)
     return false;
   wire.contract(contract);
@@ -219,8 +219,8 @@ bool to_wire(const ContourMessage& value, std::uint16_t contract, wire::Contour&
 
 Verdict from_wire(const wire::Contour& wire, std::uint16_t contract, ContourMessage& value) {
   if (wire.contract() != contract) return Verdict::kForeignContract;
-  if (wire.points().size() > kMostContourPoints || wire.further().size() > kMostContourLines ||
-      wire.further_points().size() > kMostContourPoints)
+  if (wire.points().size() > kMaxContourPoints || wire.further().size() > kMaxContourLines ||
+      wire.further_points().size() > kMaxContourPoints)
     return Verdict::kDamaged;
   if (!std::isfinite(wire.metres_per_pixel()) || !std::isfinite(wire.deviation_m())) return Verdict::kDamaged;
   value.id = wire.id();

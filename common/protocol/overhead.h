@@ -2,13 +2,15 @@
 // What a block costs on the wire, every head counted.
 #pragma once
 
-#include "common/protocol/messages.h"
+#include "common/protocol/blocks.h"
 
 namespace telekerf {
 
 /// Around each sample: Ethernet 18 bytes, IP 20, UDP 8, RTPS 43.
 inline constexpr std::uint32_t kDatagramBytes = 89;
-/// Of the blocks' other fields (plain CDR).
+/// Of a block's anchor: position and velocity, float32, three axes.
+inline constexpr std::uint32_t kAnchorBytes = 24;
+/// Of a block's fields but its payload, the anchor included (plain CDR).
 inline constexpr std::uint32_t kCommandFieldBytes = 76;
 inline constexpr std::uint32_t kStateFieldBytes = 136;
 

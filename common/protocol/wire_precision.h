@@ -3,23 +3,23 @@
 // itself, so that its codec and its model hold exactly what the receiver will see.
 #pragma once
 
-#include "common/protocol/messages.h"
+#include "common/protocol/blocks.h"
 
 namespace telekerf {
 
 /// Through memory: g++ 12.2 at -O2 vectorizes double -> float -> double and forgets the rounding of some
 /// elements.
-inline double rounded(double value) noexcept {
+inline double to_wire_precision(double value) noexcept {
   const volatile float single = static_cast<float>(value);
   return static_cast<double>(single);
 }
 
 /// The anchor as the receiver sees it. Number by number: g++ 12 at -O2 loses the rounding of chained Eigen
 /// casts.
-inline Anchor rounded(Anchor anchor) noexcept {
+inline Anchor to_wire_precision(Anchor anchor) noexcept {
   for (int i = 0; i < 3; ++i) {
-    anchor.position_m[i] = rounded(anchor.position_m[i]);
-    anchor.velocity_m_per_s[i] = rounded(anchor.velocity_m_per_s[i]);
+    anchor.position_m[i] = to_wire_precision(anchor.position_m[i]);
+    anchor.velocity_m_per_s[i] = to_wire_precision(anchor.velocity_m_per_s[i]);
   }
   return anchor;
 }

@@ -42,7 +42,7 @@ std::optional<StateBlock> StateStream::step(std::int64_t now_ns, Tick tick,
   if (filled_ == 0) {
     take_up_changes();
     first_tick_ = tick;
-    anchor_ = rounded({sample.tool_m, sample.velocity_m_per_s});
+    anchor_ = to_wire_precision({sample.tool_m, sample.velocity_m_per_s});
     laser_mask_ = 0;
   }
   if (sample.laser_on) laser_mask_ |= std::uint64_t{1} << filled_;

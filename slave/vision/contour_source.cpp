@@ -71,7 +71,7 @@ tl::expected<ContourMessage, std::string> message_of(const vision::LoadedContour
     const geometry::Polyline& other = loaded.contours[i];
     points += other.size();
     // Largest first: what does not fit is dust.
-    if (points > kMostContourPoints || message.further.size() == kMostContourLines) break;
+    if (points > kMaxContourPoints || message.further.size() == kMaxContourLines) break;
     message.further.push_back({other.closed, other.points_m});
   }
   message.id = digest_of(message);

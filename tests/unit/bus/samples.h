@@ -18,7 +18,7 @@ inline Anchor anchor(Random& random) {
     anchor.position_m[i] = number(random);
     anchor.velocity_m_per_s[i] = number(random);
   }
-  return rounded(anchor);
+  return to_wire_precision(anchor);
 }
 inline void fill(Random& random, Payload& payload, std::size_t size) {
   payload.size = static_cast<std::uint16_t>(size);
@@ -33,7 +33,7 @@ inline CommandBlock command(Random& random, std::size_t payload_bytes) {
   block.sample_period_ns = static_cast<std::uint32_t>(random());
   block.ticks_per_sample = static_cast<std::uint16_t>(random());
   block.contour_id = static_cast<std::uint32_t>(random());
-  block.beta = rounded(0.3 + number(random));
+  block.beta = to_wire_precision(0.3 + number(random));
   block.law = static_cast<Law>(random() % 3);
   block.engaged = random() % 2 == 0;
   block.engaged_before = static_cast<std::uint8_t>(random() % 128);
@@ -52,7 +52,7 @@ inline StateBlock state(Random& random, std::size_t payload_bytes) {
   block.sample_period_ns = static_cast<std::uint32_t>(random());
   block.ticks_per_sample = static_cast<std::uint16_t>(random());
   block.contour_id = static_cast<std::uint32_t>(random());
-  block.beta = rounded(0.3 + number(random));
+  block.beta = to_wire_precision(0.3 + number(random));
   block.anchor = anchor(random);
   block.interlock = static_cast<Interlock>(random() % 8);
   block.laser_on = random() % 2 == 0;

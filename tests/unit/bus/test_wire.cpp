@@ -45,8 +45,8 @@ TEST(Wire, RoundedIsWhatTheReceiverSees) {
   CommandBlock back;
   ASSERT_EQ((sent<wire::CommandBlock>(block, back)), Verdict::kGood);
   EXPECT_FALSE(samples::same(block.anchor, back.anchor));
-  EXPECT_TRUE(samples::same(rounded(block.anchor), back.anchor));
-  EXPECT_EQ(back.beta, rounded(0.3));
+  EXPECT_TRUE(samples::same(to_wire_precision(block.anchor), back.anchor));
+  EXPECT_EQ(back.beta, to_wire_precision(0.3));
 }
 
 TEST(Wire, SlowMessagesComeBackAsTheyWere) {

@@ -257,7 +257,7 @@ TEST_P(CodecAndPrediction, TheCodecAddsNothingToThePredictionError) {
       slave = advanced(slave, kH);
     }
     if (GetParam() == Law::kAnchored) {
-      const Anchor next = rounded(Anchor{slave.position_m, slave.velocity_m_per_s});
+      const Anchor next = to_wire_precision(Anchor{slave.position_m, slave.velocity_m_per_s});
       slave.position_m = next.position_m;
       slave.velocity_m_per_s = next.velocity_m_per_s;
     }

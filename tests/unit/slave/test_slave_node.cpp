@@ -43,7 +43,7 @@ class SlaveNodeTest : public testing::Test {
     block.engaged_before = engaged_ ? 0x7F : 0;
     const double t0 = static_cast<double>(tick_) * 1e-3;
     const double h = 1e-6;
-    block.anchor = rounded(Anchor{place(t0), (place(t0 + h) - place(t0)) / h});
+    block.anchor = to_wire_precision(Anchor{place(t0), (place(t0 + h) - place(t0)) / h});
     std::vector<Vec3> samples;
     samples.reserve(16);
     for (int n = 0; n < 16; ++n) samples.push_back(place(t0 + n * period_s));

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// The two streams between the sites: blocks of samples, commands one way and measured states the other.
+// Positions are metres in the workpiece frame (x right, y up in the picture, z along the beam).
+#pragma once
+
+#include <cstdint>
+
+#include "common/protocol/payload.h"
+#include "common/runtime/vectors.h"
+
+namespace telekerf {
+
+/// Count of control steps of the side that made it. An overrun delays ticks and is counted; none is skipped.
+using Tick = std::uint64_t;
+
+/// Who computes the slave's acceleration: `local` streams the master's scaled position, the other two stream
+/// accelerations.
+enum class Law : std::uint8_t { kLocal, kAnchored, kRemoteAcceleration };
+
+/// Absolute state at a block's first tick, so that no loss leaves an offset. Workpiece frame of the slave.
+/// Single precision on the wire, as beta is: see wire_precision.h.
+struct Anchor {
+  Vec3 position_m = Vec3::Zero();
+  Vec3 velocity_m_per_s = Vec3::Zero();
+};
+
+/// Operator -> slave, best effort, one a block of N stream samples.
+struct CommandBlock {
+  std::uint32_t sequence = 0;
+  std::uint32_t epoch = 0;  ///< of the master process: a restarted master is a new one
+  Tick first_tick = 0;      ///< master tick of the newest block's first sample
+  std::uint32_t sample_period_ns = 0;
+  std::uint16_t ticks_per_sample = 1;  ///< control steps between stream samples
+  std::uint32_t contour_id = 0;
+  double beta = 1.0;  ///< slave motion = beta x master motion
+  Law law = Law::kLocal;
+  bool engaged = false;             ///< false: the slave holds its pose, laser off
+  std::uint8_t engaged_before = 0;  ///< bit n: of the block n + 1 before it, whose copy rides along; 0 too
+                                    ///< where that had another beta
+  std::uint64_t button = 0;         ///< bit n: laser button at sample n of the newest block
+  Anchor anchor;                    ///< state at first_tick
+  std::int64_t sent_ns = 0;         ///< sender's monotonic clock, when handed to the bus
+  Payload payload;
+};
+
+/// Laser interlock: the first reason that forbids the beam; kReady means the button decides.
+enum class Interlock : std::uint8_t {
+  kReady,
+  kNoContour,
+  kNotEngaged,
+  kStale,
+  kOutsideWorkspace,
+  kOutsideCorridor,
+  kTracking,  ///< tool too far from its reference
+  kStopped,   ///< latched emergency stop
+};
+
+/// Slave -> operator, best effort, one a block of N stream samples of the measured tool position and of the
+/// force on the tool.
+struct StateBlock {
+  std::uint32_t sequence = 0;
+  std::uint32_t epoch = 0;         ///< of the slave process
+  std::uint32_t master_epoch = 0;  ///< whose commands it follows
+  Tick first_tick = 0;             ///< slave tick of the newest block's first sample
+  std::uint32_t sample_period_ns = 0;
+  std::uint16_t ticks_per_sample = 1;  ///< control steps between stream samples
+  std::uint32_t contour_id = 0;
+  double beta = 1.0;
+  Anchor anchor;  ///< measured state at first_tick
+  Interlock interlock = Interlock::kNoContour;
+  bool laser_on = false;
+  // Echo of the commands: what was applied at the block's last sample.
+  Tick applied_tick = 0;                ///< newest master tick applied
+  std::uint32_t applied_age_ticks = 0;  ///< slave ticks since it was applied (0: just now)
+  std::uint64_t applied_bitmap = 0;     ///< bit n: master tick applied_tick - n was really applied
+  std::int32_t playout_ticks = 0;       ///< depth of the play-out buffer, in stream samples
+  // Clock stamps of the newest command received: sent (master's clock), received and answered (slave's
+  // clock).
+  std::uint32_t echo_sequence = 0;
+  std::int64_t echo_sent_ns = 0;
+  std::int64_t echo_received_ns = 0;
+  std::int64_t sent_ns = 0;
+  Payload payload;
+  Payload force;  ///< the same samples: estimated force of the world on the tool, N; empty: not sent
+};
+
+}  // namespace telekerf
