@@ -46,7 +46,10 @@ void MasterNode::choose_mode(std::int64_t now_ns, const MasterInputs& inputs, co
   const MasterMode before = mode_;
   heed(inputs.events);
   if (mode_ != before) hold_m_ = tool.position_m;
-  if (mode_ == MasterMode::kStopped) return;
+  if (mode_ == MasterMode::kStopped) {
+    guide_ = inputs.guide;  // the one before may be gone by the next step
+    return;
+  }
   if (inputs.guide != guide_ || (mode_ == MasterMode::kIdle && inputs.guide != nullptr)) {
     guide_ = inputs.guide;
     constraint_.enter();

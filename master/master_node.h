@@ -33,7 +33,7 @@ struct MasterInputs {
   robot::JointReading joints;
   std::span<const Received<StateBlock>> states;  ///< since the last step, in order of arrival
   std::span<const EventMessage> events;
-  const GuidePath* guide = nullptr;    ///< null: no contour yet; must outlive its use
+  const GuidePath* guide = nullptr;    ///< null: no contour yet; outlives the step after which it is another
   bool button = false;                 ///< the pen's laser button
   bool engage = false;                 ///< the operator wants the slave to follow
   std::optional<ConstraintMode> form;  ///< guidance or corridor from now on; none: as it is

@@ -12,16 +12,15 @@
 #include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "common/bus/endpoints.h"
+#include "common/bus/handover.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
 
-/// `Prepared` is what a node needs of a contour (a guide, a corridor). Everything prepared lives as long as
-/// the watch, so the loop may keep using an old one. A contour that does not fit ends the watch with the
-/// StartupError's sentence.
+/// `Prepared` is what a node needs of a contour (a guide, a corridor). A contour that does not fit ends the
+/// subscription with the StartupError's sentence.
 template <class Prepared>
 class ContourSubscriber {
  public:
@@ -32,8 +31,9 @@ class ContourSubscriber {
         prepare_(std::move(prepare)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-  /// The newest prepared contour, null before the first. For the control loop: wait-free.
-  Prepared* current() const noexcept { return current_.load(std::memory_order_acquire); }
+  /// The newest prepared contour, null before the first. For one thread, the control loop's, once a step:
+  /// wait-free. What an earlier step got may be freed after the step that got another one (Handover).
+  Prepared* current() noexcept { return prepared_.current(); }
   /// True once a contour was refused; `refusal()` says why.
   bool refused() const noexcept { return refused_.load(std::memory_order_acquire); }
   std::string refusal() const {
@@ -43,7 +43,7 @@ class ContourSubscriber {
   /// Prepares the newest contour once more, for what has changed in its preparation. Wait-free. If it is
   /// refused now, what was in force stays, and the refusal's sentence goes to stderr.
   void request_rebuild() noexcept { rebuild_.store(true, std::memory_order_release); }
-  /// The message behind current().
+  /// The message that was prepared last: the one behind current(), or behind what current() will give next.
   ContourMessage message() const {
     const std::lock_guard lock(mutex_);
     return message_;
@@ -51,41 +51,42 @@ class ContourSubscriber {
 
  private:
   void run(const std::stop_token& stop) {
+    bool any = false;
     while (!stop.stop_requested()) {
-      while (const auto received = reader_.take()) {
+      while (auto received = reader_.take()) {
         try {
-          take_over(received->value);
+          auto prepared = prepare_(received->value);
+          {
+            const std::lock_guard lock(mutex_);
+            message_ = std::move(received->value);
+          }
+          prepared_.offer(std::move(prepared));
+          any = true;
         } catch (const StartupError& refusal) {
           const std::lock_guard lock(mutex_);
           refusal_ = refusal.what();
           refused_.store(true, std::memory_order_release);
         }
       }
-      if (rebuild_.exchange(false, std::memory_order_acq_rel) && current() != nullptr) {
-        try {
-          take_over(message_);
-        } catch (const StartupError& refusal) {
-          fmt::print(stderr, "{}: stays as it is: {}\n", message_.source, refusal.what());
-        }
-      }
+      if (rebuild_.exchange(false, std::memory_order_acq_rel) && any) rebuild();
+      prepared_.collect();
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
-  void take_over(const ContourMessage& message) {
-    auto prepared = prepare_(message);
-    const std::lock_guard lock(mutex_);
-    if (&message != &message_) message_ = message;
-    all_.push_back(std::move(prepared));
-    current_.store(all_.back().get(), std::memory_order_release);
+  void rebuild() {
+    try {
+      prepared_.offer(prepare_(message_));  // only this thread writes it
+    } catch (const StartupError& refusal) {
+      fmt::print(stderr, "{}: stays as it is: {}\n", message_.source, refusal.what());
+    }
   }
 
   Reader<ContourMessage> reader_;
   Prepare prepare_;
+  Handover<Prepared> prepared_;
   mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<Prepared>> all_;
   ContourMessage message_;
   std::string refusal_;
-  std::atomic<Prepared*> current_{nullptr};
   std::atomic<bool> refused_{false};
   std::atomic<bool> rebuild_{false};
   std::jthread thread_;  ///< last: starts when everything else is there, ends first

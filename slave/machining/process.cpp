@@ -119,7 +119,7 @@ class Herald {
 };
 
 /// The job, or null if a stop came first. Throws StartupError.
-const Job* awaited(const ContourSubscriber<Job>& contour, const BusSettings& bus, double wait_s) {
+const Job* awaited(ContourSubscriber<Job>& contour, const BusSettings& bus, double wait_s) {
   const auto since = std::chrono::steady_clock::now();
   bool told = false;
   while (contour.current() == nullptr && !stop_requested() && !contour.refused()) {

@@ -104,6 +104,20 @@ TEST_F(MasterStation, EmergencyStopHoldsUntilCleared) {
   EXPECT_EQ(out_.mode, MasterMode::kEngaged);
 }
 
+TEST_F(MasterStation, AContourThatComesDuringAStopReplacesTheOneBefore) {
+  task_ = station_.prepare(circle(0.01));
+  run(4.0, true, true);
+  EventMessage event;
+  event.kind = EventMessage::Kind::kStop;
+  run(0.1, true, true, {event});
+  ContourMessage another = circle(0.01);
+  another.id = 5;
+  task_ = station_.prepare(another);  // nothing of the one before is left
+  run(0.1, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kStopped);
+  EXPECT_EQ(last_.contour_id, 5u);
+}
+
 TEST_F(MasterStation, BlocksFollowEachOtherWithoutGap) {
   task_ = station_.prepare(circle(0.01));
   run(0.016, true, true);
