@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hands prepared things from a thread that may allocate to a control loop that may not, and takes them back to be
-// freed where they were made.
+// Hands prepared things from a thread that may allocate to a control loop that may not, and takes them back
+// to be freed where they were made.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 
 namespace telekerf {
 
-/// One giver, one loop. At most four of them live: offered, in use, the one used before, and one on its way back.
-/// What is offered before the loop has taken the offer before it replaces that.
+/// One giver, one loop. At most four of them live: offered, in use, the one used before, and one on its way
+/// back. What is offered before the loop has taken the offer before it replaces that.
 template <class T>
 class Handover {
  public:
@@ -31,8 +31,8 @@ class Handover {
   /// Giver only: frees what the loop has returned.
   void collect() { delete returned_.exchange(nullptr, std::memory_order_acquire); }
 
-  /// Loop only, once a step; wait-free, no allocation. The newest that was offered, null before the first. It stays
-  /// valid through the step in which another one takes its place, so that a step may compare the two.
+  /// Loop only, once a step; wait-free, no allocation. The newest that was offered, null before the first. It
+  /// stays valid through the step in which another one takes its place, so that a step may compare the two.
   T* current() noexcept {
     if (before_) give_back();
     if (!before_ && offered_.load(std::memory_order_relaxed) != nullptr) {
@@ -43,8 +43,8 @@ class Handover {
   }
 
  private:
-  /// The giver may not have collected the last one yet; then a later step tries again, and nothing new is taken
-  /// until then.
+  /// The giver may not have collected the last one yet; then a later step tries again, and nothing new is
+  /// taken until then.
   void give_back() noexcept {
     T* none = nullptr;
     if (returned_.compare_exchange_strong(none, before_.get(), std::memory_order_release,

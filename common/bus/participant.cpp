@@ -8,8 +8,8 @@
 
 #include <algorithm>
 
-#include "common/bus/qos.h"
-#include "common/bus/wire.h"
+#include "common/bus/participant_qos.h"
+#include "common/bus/wire_messages.h"
 #include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
 
@@ -63,7 +63,7 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
   participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
   if (participant_ == nullptr) {
-    throw StartupError(
+    throw environment_error(
         fmt::format("no DDS participant in domain {}: is the network up, and are UDP ports from {} free?",
                     settings_.domain, 7400 + 250 * settings_.domain));
   }
@@ -97,7 +97,7 @@ void Bus::Participant::wait_for_objections() {
   // end.
   changed_.wait_until(lock, end, [&] { return (reason = objection(true)).has_value(); });
   if (!reason) reason = objection(false);
-  if (reason) throw StartupError(*reason);
+  if (reason) throw environment_error(*reason);
   self_.presence.joined = true;
 }
 
@@ -106,7 +106,7 @@ void Bus::Participant::join() {
   dds::DomainParticipantQos qos = participant_->get_qos();
   qos.user_data().data_vec(bus::presence_bytes(self_.presence));
   if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-    throw StartupError("the middleware did not take the announcement");
+    throw environment_error("the middleware did not take the announcement");
   }
 }
 
@@ -157,18 +157,5 @@ dds::Topic* Bus::Participant::topic(const char* name, const dds::TypeSupport& ty
   type.register_type(participant_);
   return participant_->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
 }
-
-Bus::Bus(BusSettings settings) : participant_(std::make_shared<Participant>(std::move(settings))) {
-  participant_->join();
-}
-Bus::~Bus() = default;
-
-const BusSettings& Bus::settings() const { return participant_->settings(); }
-std::vector<PresenceMessage> Bus::others() const { return participant_->others(); }
-bool Bus::wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const {
-  return participant_->wait_for_role(role, timeout);
-}
-const std::vector<std::string>& Bus::notes() const { return participant_->notes(); }
-BusCounters Bus::counters() const { return participant_->counters(); }
 
 }  // namespace telekerf

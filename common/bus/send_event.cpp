@@ -15,7 +15,7 @@ std::size_t tell(Bus& bus, const EventMessage& event) {
   constexpr std::chrono::seconds kPatience{5};
   const std::size_t others = bus.others().size();
   if (others == 0 || !writer.wait_for_reader(kPatience)) {
-    throw StartupError(
+    throw environment_error(
         fmt::format("nobody listens in cell '{}' of domain {}: start its processes first, or give "
                     "their --cell and --domain",
                     bus.settings().cell, bus.settings().domain));
@@ -25,9 +25,9 @@ std::size_t tell(Bus& bus, const EventMessage& event) {
   bool sent = writer.write(event);
   (void)writer.wait_for_reader(kPatience, static_cast<int>(others));
   if (writer.readers() > first) sent = writer.write(event) && sent;
-  if (!sent) throw StartupError("the event could not be sent");
+  if (!sent) throw environment_error("the event could not be sent");
   if (!writer.wait_until_received(kPatience))
-    throw StartupError(
+    throw environment_error(
         fmt::format("not everyone in cell '{}' has confirmed it within {} s: see to it at the machine",
                     bus.settings().cell, kPatience.count()));
   return others;

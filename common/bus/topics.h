@@ -25,59 +25,43 @@ enum class Intent {
 /// writers: only what is overtaken by as many blocks is lost.
 inline constexpr int kStreamLanes = 8;
 
-/// kEntity: id of the first of the kLanes writers that a process may have of the topic (streams only, see
-/// site.h; the middleware counts otherwise).
+/// What follows from the intent alone.
+template <class WireType, Intent kHow>
+struct TopicOf {
+  using Type = WireType;
+  static constexpr Intent kIntent = kHow;
+  static constexpr int kLanes = kHow == Intent::kStream ? kStreamLanes : 1;
+  /// Samples that wait to be taken.
+  static constexpr std::size_t kRing = kHow == Intent::kLatched ? 8 : 256;
+  /// Of the first of the kLanes writers that a process may have of the topic (streams only, see site.h; the
+  /// middleware counts otherwise).
+  static constexpr int kEntity = 0;
+};
+
 template <class T>
 struct Topic;
 
 template <>
-struct Topic<CommandBlock> {
-  using Type = wire::CommandBlockPubSubType;
+struct Topic<CommandBlock> : TopicOf<wire::CommandBlockPubSubType, Intent::kStream> {
   static constexpr const char* kName = "telekerf/command";
-  static constexpr Intent kIntent = Intent::kStream;
   static constexpr int kEntity = kStreamEntity << 8 | 0x10;
-  static constexpr int kLanes = kStreamLanes;
-  static constexpr std::size_t kRing = 256;  ///< samples that wait to be taken
 };
-
 template <>
-struct Topic<StateBlock> {
-  using Type = wire::StateBlockPubSubType;
+struct Topic<StateBlock> : TopicOf<wire::StateBlockPubSubType, Intent::kStream> {
   static constexpr const char* kName = "telekerf/state";
-  static constexpr Intent kIntent = Intent::kStream;
   static constexpr int kEntity = kStreamEntity << 8 | 0x20;
-  static constexpr int kLanes = kStreamLanes;
-  static constexpr std::size_t kRing = 256;
 };
-
 template <>
-struct Topic<ContourMessage> {
-  using Type = wire::ContourPubSubType;
+struct Topic<ContourMessage> : TopicOf<wire::ContourPubSubType, Intent::kLatched> {
   static constexpr const char* kName = "telekerf/contour";
-  static constexpr Intent kIntent = Intent::kLatched;
-  static constexpr int kEntity = 0;
-  static constexpr int kLanes = 1;
-  static constexpr std::size_t kRing = 8;
 };
-
 template <>
-struct Topic<EventMessage> {
-  using Type = wire::EventPubSubType;
+struct Topic<EventMessage> : TopicOf<wire::EventPubSubType, Intent::kEvent> {
   static constexpr const char* kName = "telekerf/event";
-  static constexpr Intent kIntent = Intent::kEvent;
-  static constexpr int kEntity = 0;
-  static constexpr int kLanes = 1;
-  static constexpr std::size_t kRing = 256;
 };
-
 template <>
-struct Topic<TelemetryMessage> {
-  using Type = wire::TelemetryPubSubType;
+struct Topic<TelemetryMessage> : TopicOf<wire::TelemetryPubSubType, Intent::kSlow> {
   static constexpr const char* kName = "telekerf/telemetry";
-  static constexpr Intent kIntent = Intent::kSlow;
-  static constexpr int kEntity = 0;
-  static constexpr int kLanes = 1;
-  static constexpr std::size_t kRing = 256;
 };
 
 }  // namespace telekerf::bus

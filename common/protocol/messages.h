@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that the processes say to each other, as domain types: the nodes and the simulation in virtual time
-// know these only.
+// Everything that the processes say to each other, as domain types: the nodes and the simulation in virtual
+// time know these only.
 #pragma once
 
 #include "common/protocol/blocks.h"

@@ -9,8 +9,8 @@
 
 namespace telekerf {
 
-/// As the codec wrote them. Only the first `size` octets count, and a copy moves no others: blocks go from hand
-/// to hand several times a tick, and most of a payload's room stays empty.
+/// As the codec wrote them. Only the first `size` octets count, and a copy moves no others: blocks go from
+/// hand to hand several times a tick, and most of a payload's room stays empty.
 struct Payload {
   static constexpr std::size_t kCapacity = 2048;
   std::array<std::uint8_t, kCapacity> bytes;
@@ -18,7 +18,9 @@ struct Payload {
 
   Payload() noexcept {}  // NOLINT(modernize-use-equals-default): `bytes` stay as they are
   ~Payload() = default;
-  Payload(const Payload& other) noexcept : size(other.size) { copy(other); }  // NOLINT: `bytes` as far as they count
+  Payload(const Payload& other) noexcept : size(other.size) {
+    copy(other);
+  }  // NOLINT: `bytes` as far as they count
   Payload& operator=(const Payload& other) noexcept {
     if (this == &other) return *this;
     size = other.size;
@@ -31,7 +33,9 @@ struct Payload {
 
  private:
   std::size_t filled() const noexcept { return std::min<std::size_t>(size, kCapacity); }
-  void copy(const Payload& other) noexcept { std::copy_n(other.bytes.begin(), other.filled(), bytes.begin()); }
+  void copy(const Payload& other) noexcept {
+    std::copy_n(other.bytes.begin(), other.filled(), bytes.begin());
+  }
 };
 
 }  // namespace telekerf

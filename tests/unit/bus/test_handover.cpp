@@ -95,7 +95,9 @@ TEST(Handover, ThousandsGoFromThreadToThreadAndFewLive) {
   while (newest < kOffers) {
     const bool end = done;
     const Counted* const now = handover.current();
-    if (last != nullptr) ASSERT_NE(last->number(), Counted::kGone);
+    if (last != nullptr) {
+      ASSERT_NE(last->number(), Counted::kGone);
+    }
     if (now != nullptr) {
       ASSERT_GE(now->number(), newest);
       newest = now->number();

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/bus.h"
+
+#include <utility>
+
+#include "common/bus/participant.h"
+
+namespace telekerf {
+
+Bus::Bus(BusSettings settings) : participant_(std::make_shared<Participant>(std::move(settings))) {
+  participant_->join();
+}
+Bus::~Bus() = default;
+
+const BusSettings& Bus::settings() const { return participant_->settings(); }
+std::vector<PresenceMessage> Bus::others() const { return participant_->others(); }
+bool Bus::wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const {
+  return participant_->wait_for_role(role, timeout);
+}
+const std::vector<std::string>& Bus::notes() const { return participant_->notes(); }
+BusCounters Bus::counters() const { return participant_->counters(); }
+
+}  // namespace telekerf

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/participant_qos.h"
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/attributes/LibrarySettingsAttributes.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <fastdds/dds/log/Log.hpp>
+
+#include <cstdlib>
+#include <mutex>
+#include <random>
+
+#include "common/runtime/startup_error.h"
+
+namespace telekerf::bus {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+using eprosima::fastdds::rtps::TransportDescriptorInterface;
+using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
+using eprosima::fastrtps::Duration_t;
+
+constexpr const char* kDiscoveryMulticast = "239.255.0.1";  // RTPS default
+constexpr std::uint32_t kParticipantsPerPeer = 16;          // ports tried at a peer that names none
+
+Duration_t milliseconds(double value) { return {static_cast<long double>(value * 1e-3)}; }
+
+std::string resolved(const std::string& host) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  addrinfo* list = nullptr;
+  if (getaddrinfo(host.c_str(), nullptr, &hints, &list) != 0 || list == nullptr) {
+    throw environment_error(
+        fmt::format("peer '{}' has no IPv4 address; check its name or give the address", host));
+  }
+  char text[NI_MAXHOST] = {};
+  getnameinfo(list->ai_addr, list->ai_addrlen, text, sizeof text, nullptr, 0, NI_NUMERICHOST);
+  freeaddrinfo(list);
+  return text;
+}
+
+/// The vendor's two bytes, the site, and nine of chance: unique without asking anybody.
+rtps::GuidPrefix_t random_prefix(Site site) {
+  std::random_device random;
+  rtps::GuidPrefix_t prefix;
+  for (auto& byte : prefix.value) byte = static_cast<rtps::octet>(random());
+  prefix.value[0] = rtps::c_VendorId_eProsima[0];
+  prefix.value[1] = rtps::c_VendorId_eProsima[1];
+  prefix.value[kSiteByte] = static_cast<rtps::octet>(site);
+  return prefix;
+}
+
+}  // namespace
+
+void settle_library() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    setenv("SKIP_DEFAULT_XML", "1", 1);
+    unsetenv("ROS_DISCOVERY_SERVER");
+    dds::Log::SetVerbosity(dds::Log::Error);
+    eprosima::fastrtps::LibrarySettingsAttributes library;
+    library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+  });
+}
+
+std::shared_ptr<TransportDescriptorInterface> udp_transport() {
+  auto udp = std::make_shared<UDPv4TransportDescriptor>();
+  udp->sendBufferSize = kSocketBufferBytes;
+  udp->receiveBufferSize = kSocketBufferBytes;
+  udp->non_blocking_send = true;
+  udp->maxInitialPeersRange = kParticipantsPerPeer;
+  return udp;
+}
+
+dds::DomainParticipantQos participant_qos(const BusSettings& settings,
+                                          std::shared_ptr<TransportDescriptorInterface> transport,
+                                          const std::vector<std::uint8_t>& user_data) {
+  dds::DomainParticipantQos qos;
+  qos.name(settings.name);
+  qos.user_data().data_vec(user_data);
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports = {std::move(transport)};
+  qos.transport().send_socket_buffer_size = kSocketBufferBytes;
+  qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
+  qos.wire_protocol().prefix = random_prefix(settings.site);
+
+  auto& builtin = qos.wire_protocol().builtin;
+  builtin.discovery_config.leaseDuration = milliseconds(5000);
+  builtin.discovery_config.leaseDuration_announcementperiod = milliseconds(500);
+  builtin.discovery_config.initial_announcements = {20, milliseconds(100)};
+  if (!settings.peers.empty()) {  // naming peers replaces multicast unless it is named too
+    rtps::Locator_t locator;
+    rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, kDiscoveryMulticast, 0, locator);
+    builtin.initialPeersList.push_back(locator);
+  }
+  for (const std::string& peer : settings.peers) {
+    const auto colon = peer.find(':');
+    std::uint32_t port = 0;  // every port that a participant of this domain would use
+    if (colon != std::string::npos) {
+      try {
+        port = static_cast<std::uint32_t>(std::stoul(peer.substr(colon + 1)));
+      } catch (const std::exception&) {
+        port = 1u << 16;
+      }
+      if (port == 0 || port > 65535)
+        throw StartupError(fmt::format("peer '{}' is not HOST or HOST:PORT", peer));
+    }
+    rtps::Locator_t locator;
+    rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, resolved(peer.substr(0, colon)), port, locator);
+    builtin.initialPeersList.push_back(locator);
+  }
+  return qos;
+}
+
+std::string socket_buffer_note() {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  if (fd < 0) return {};
+  std::string note;
+  const auto granted = [fd](int option) {
+    int bytes = static_cast<int>(kSocketBufferBytes);
+    socklen_t size = sizeof bytes;
+    setsockopt(fd, SOL_SOCKET, option, &bytes, sizeof bytes);
+    getsockopt(fd, SOL_SOCKET, option, &bytes, &size);
+    return static_cast<std::uint32_t>(bytes) / 2;  // the kernel counts its bookkeeping in
+  };
+  const std::uint32_t smaller = std::min(granted(SO_RCVBUF), granted(SO_SNDBUF));
+  close(fd);
+  if (smaller < kSocketBufferBytes) {
+    note = fmt::format(
+        "the kernel grants {} kB of socket buffer instead of {} kB, so large contours take several attempts; "
+        "remedy: "
+        "sysctl -w net.core.rmem_max={} net.core.wmem_max={}",
+        smaller >> 10, kSocketBufferBytes >> 10, kSocketBufferBytes, kSocketBufferBytes);
+  }
+  return note;
+}
+
+}  // namespace telekerf::bus

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/reader.h"
+
+#include <atomic>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+
+#include "common/bus/qos.h"
+#include "common/bus/ring.h"
+#include "common/bus/topic.h"
+#include "common/bus/wire.h"
+#include "common/runtime/clock.h"
+
+namespace telekerf {
+namespace dds = eprosima::fastdds::dds;
+using eprosima::fastrtps::types::ReturnCode_t;
+
+template <class T>
+struct Reader<T>::Impl : dds::DataReaderListener {
+  Impl(Bus& bus, std::size_t capacity)
+      : participant(bus.participant()), ring(capacity == 0 ? bus::Topic<T>::kRing : capacity) {
+    reader = participant->subscriber()->create_datareader(
+        bus::topic_of<T>(*participant), bus::reader_qos(bus::Topic<T>::kIntent), this,
+        dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
+    if (reader == nullptr)
+      throw environment_error(std::string("the middleware refused a reader of ") + bus::Topic<T>::kName);
+  }
+  ~Impl() override {
+    reader->set_listener(nullptr);
+    participant->subscriber()->delete_datareader(reader);
+  }
+
+  void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
+    matched.fetch_add(status.current_count_change, std::memory_order_relaxed);
+  }
+
+  /// In a thread of the middleware: take, judge, stamp, hand over. Several of its threads may come, each with
+  /// locks of the middleware that taking needs as well, so nobody waits here: whoever comes second leaves the
+  /// work to the first, who goes round once more. So the ring has one producer at a time.
+  void on_data_available(dds::DataReader* source) override {
+    if (calls.fetch_add(1, std::memory_order_acq_rel) != 0) return;
+    unsigned answered = 0;
+    do {
+      answered = calls.load(std::memory_order_acquire);
+      drain(source);
+    } while (calls.fetch_sub(answered, std::memory_order_acq_rel) != answered);
+  }
+
+  void drain(dds::DataReader* source) {
+    const std::int64_t now_ns = monotonic_ns();
+    dds::SampleInfo info;
+    while (true) {
+      bus::undecodable = false;
+      const bool taken = source->take_next_sample(&wire, &info) == ReturnCode_t::RETCODE_OK;
+      if (bus::undecodable) {
+        damaged.fetch_add(1, std::memory_order_relaxed);
+        if (!taken) continue;
+      } else if (!taken) {
+        return;
+      } else if (info.valid_data && !participant->is_own(info.sample_identity.writer_guid())) {
+        accept(now_ns);
+      }
+    }
+  }
+
+  void accept(std::int64_t now_ns) {
+    Received<T> sample;
+    sample.received_ns = now_ns;
+    switch (bus::from_wire(wire, participant->settings().contract, sample.value)) {
+      case bus::Verdict::kGood:
+        received.fetch_add(1, std::memory_order_relaxed);
+        ring.push(std::move(sample));
+        return;
+      case bus::Verdict::kDamaged:
+        damaged.fetch_add(1, std::memory_order_relaxed);
+        return;
+      case bus::Verdict::kForeignContract:
+        foreign.fetch_add(1, std::memory_order_relaxed);
+        return;
+    }
+  }
+
+  std::shared_ptr<Bus::Participant> participant;
+  dds::DataReader* reader = nullptr;
+  std::atomic<unsigned> calls{0};
+  typename bus::Topic<T>::Type::type wire;
+  Ring<Received<T>> ring;
+  std::atomic<int> matched{0};
+  std::atomic<std::uint64_t> received{0};
+  std::atomic<std::uint64_t> damaged{0};
+  std::atomic<std::uint64_t> foreign{0};
+};
+
+template <class T>
+Reader<T>::Reader(Bus& bus, std::size_t capacity) : impl_(std::make_unique<Impl>(bus, capacity)) {}
+template <class T>
+Reader<T>::~Reader() = default;
+template <class T>
+Reader<T>::Reader(Reader&&) noexcept = default;
+template <class T>
+Reader<T>& Reader<T>::operator=(Reader&&) noexcept = default;
+
+template <class T>
+std::optional<Received<T>> Reader<T>::take() noexcept {
+  return impl_->ring.take();
+}
+
+template <class T>
+ReaderCounters Reader<T>::counters() const noexcept {
+  return {.received = impl_->received.load(std::memory_order_relaxed),
+          .damaged = impl_->damaged.load(std::memory_order_relaxed),
+          .foreign_contract = impl_->foreign.load(std::memory_order_relaxed),
+          .dropped = impl_->ring.dropped()};
+}
+
+template <class T>
+int Reader<T>::writers() const noexcept {
+  return impl_->matched.load(std::memory_order_relaxed) / bus::Topic<T>::kLanes;
+}
+
+template class Reader<CommandBlock>;
+template class Reader<StateBlock>;
+template class Reader<ContourMessage>;
+template class Reader<EventMessage>;
+template class Reader<TelemetryMessage>;
+
+}  // namespace telekerf
