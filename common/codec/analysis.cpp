@@ -5,7 +5,8 @@
 #include <bit>
 #include <numbers>
 
-#include "common/codec/baselines/time_domain_codecs.h"
+#include "common/codec/raw_samples.h"
+#include "common/codec/run_length.h"
 
 namespace telekerf::codec {
 namespace {
@@ -21,19 +22,9 @@ constexpr int kMaxFits = 5;
 double squared(double x) { return x * x; }
 
 /// Nearest integer for |x| < 2^51, ties to even, without a call.
-double rounded(double x) {
+double nearest(double x) {
   constexpr double kMagic = 0x1.8p52;
   return (x + kMagic) - kMagic;
-}
-
-/// The smallest offset at which the largest value stays an integer that can be sent.
-int first_offset(std::span<const double> residual, const Grid& grid) noexcept {
-  double largest = 0.0;
-  for (const double c : residual) largest = std::max(largest, std::abs(c));
-  int offset = 0;
-  while (largest >= 0.5 * static_cast<double>(kMaxValue) * grid.step(offset) && offset < kMaxStepOffset)
-    ++offset;
-  return offset;
 }
 
 }  // namespace
@@ -107,7 +98,7 @@ void Analyser::residual(std::span<const double> coefficients, const AxisCode& co
 
 void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int keep,
                          const AxisContext& context, const Grid& grid, Choice& best) const noexcept {
-  if (first_offset(residual, grid) > 0) return;  // only an adaptive stream tells another step
+  if (min_step_offset(residual, grid) > 0) return;  // only an adaptive stream tells another step
   code.step_offset = 0;
   code.set = 0;
   const double step = grid.step(code.step_offset);
@@ -121,7 +112,7 @@ void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int k
     const double c = residual[k];
     code.values[k] = 0;
     if ((kept >> k & 1) != 0 && std::abs(context.truncated ? c : counted[k]) >= kDeadZone * step) {
-      const auto value = static_cast<std::int64_t>(rounded(c * per_step));
+      const auto value = static_cast<std::int64_t>(nearest(c * per_step));
       code.values[k] = value;
       code.set |= IndexSet{1} << k;
       energy += squared(weight_[k] * (c - static_cast<double>(value) * step));
@@ -139,7 +130,7 @@ void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int k
 Analyser::Trial Analyser::try_adaptive(std::span<const double> residual, AxisCode& code, int offset,
                                        double max_rms, bool prefix, const AxisContext& context,
                                        const Grid& grid, Choice& best) const noexcept {
-  code.step_offset = std::min(first_offset(residual, grid) + offset, kMaxStepOffset);
+  code.step_offset = std::min(min_step_offset(residual, grid) + offset, kMaxStepOffset);
   code.set = 0;
   const double step = grid.step(code.step_offset);
   const double per_step = 1.0 / step;
@@ -150,7 +141,7 @@ Analyser::Trial Analyser::try_adaptive(std::span<const double> residual, AxisCod
   int count = 0;
   double energy = 0.0;
   for (std::size_t k = 0; k < residual.size(); ++k) {
-    const auto value = static_cast<std::int64_t>(rounded(residual[k] * per_step));
+    const auto value = static_cast<std::int64_t>(nearest(residual[k] * per_step));
     const double error = squared(residual[k] - static_cast<double>(value) * step);
     energy += error;
     code.values[k] = value;
@@ -178,38 +169,38 @@ Analyser::Trial Analyser::try_adaptive(std::span<const double> residual, AxisCod
   return Trial::kTaken;
 }
 
-void Analyser::try_stairs(std::span<const double> samples, const CodingTarget& aim,
-                          const AxisContext& context, const Grid& grid, Choice& best) const noexcept {
+void Analyser::try_run_length(std::span<const double> samples, const CodingTarget& target,
+                              const AxisContext& context, const Grid& grid, Choice& best) const noexcept {
   AxisCode code;
   code.mode = Mode::kRunLength;
-  code.step_offset = first_offset(samples, grid);
-  if (code.step_offset > 0 && aim.max_rms == 0.0) return;
+  code.step_offset = min_step_offset(samples, grid);
+  if (code.step_offset > 0 && target.max_rms == 0.0) return;
   const double step = grid.step(code.step_offset);
-  // A smooth motion moves on at nearly every sample: seen at once, and nothing for stairs.
-  const double move = aim.max_rms == 0.0 ? step : 2.0 * aim.max_rms;
-  const int most = aim.max_rms == 0.0 ? aim.keep : block_ / 2;
+  // A smooth motion moves on at nearly every sample: seen at once, and nothing for run lengths.
+  const double move = target.max_rms == 0.0 ? step : 2.0 * target.max_rms;
+  const int most = target.max_rms == 0.0 ? target.keep : block_ / 2;
   int moves = 0;
   for (std::size_t n = 1; n < samples.size(); ++n) {
     if (std::abs(samples[n] - samples[n - 1]) > move && ++moves > most) return;
   }
-  if (aim.max_rms == 0.0) {
-    const double energy = hold_within(samples, 0.5 * step, step, code);
-    if (std::popcount(code.set) > aim.keep) return;
+  if (target.max_rms == 0.0) {
+    const double energy = hold_within(samples, {.absolute = 0.5 * step}, step, code);
+    if (std::popcount(code.set) > target.keep) return;
     const double cost =
         energy / squared(grid.level) + kEnergyPerBit * newest_axis_bits(code, context, grid, block_);
     if (!best.found || cost < best.cost) best = {code, cost, true};
     return;
   }
-  const double allowed = squared(aim.max_rms) * block_ * (1.0 - 1e-9);
+  const double allowed = squared(target.max_rms) * block_ * (1.0 - 1e-9);
   for (const double band : {2.0, 1.4, 1.0}) {
-    if (hold_within(samples, band * aim.max_rms, step, code) > allowed) continue;
+    if (hold_within(samples, {.absolute = band * target.max_rms}, step, code) > allowed) continue;
     const double bits = newest_axis_bits(code, context, grid, block_);
     if (!best.found || bits < best.cost) best = {code, bits, true};
     return;
   }
 }
 
-AxisCode Analyser::analyse(std::span<const double> samples, const CodingTarget& aim,
+AxisCode Analyser::analyse(std::span<const double> samples, const CodingTarget& target,
                            const AxisContext& context, const Grid& grid) const noexcept {
   Coefficients shifted;
   Coefficients transformed;
@@ -222,18 +213,18 @@ AxisCode Analyser::analyse(std::span<const double> samples, const CodingTarget& 
   const double level_coefficient = level * std::sqrt(block_);
 
   std::array<Fit, kMaxFits> found;
-  const int from = aim.max_rms > 0.0 ? 2 : std::min(aim.keep / 2 + 1, block_ - 2);
+  const int from = target.max_rms > 0.0 ? 2 : std::min(target.keep / 2 + 1, block_ - 2);
   const int count = fits(coefficients, from, context, grid, found);
   Coefficients room;
   const auto part = std::span<const double>(room).first(size);
   Choice best;
   AxisCode code;
   code.level = context.trend_level;
-  const bool adaptive = aim.max_rms > 0.0;
+  const bool adaptive = target.max_rms > 0.0;
   const auto adapt = [&](int offset, bool prefix) {
-    return try_adaptive(part, code, offset, aim.max_rms, prefix, context, grid, best);
+    return try_adaptive(part, code, offset, target.max_rms, prefix, context, grid, best);
   };
-  const int usual = std::min(context.habits.step_offset, kCoarsestOffset);
+  const int usual = std::min(context.model.step_offset, kCoarsestOffset);
   for (int i = 0; i < count; ++i) {
     const auto& fit = found[static_cast<std::size_t>(i)];
     code.mode = fit.mode;
@@ -241,7 +232,7 @@ AxisCode Analyser::analyse(std::span<const double> samples, const CodingTarget& 
     code.bend = fit.bend;
     residual(coefficients, code, level_coefficient, grid, room);
     if (!adaptive) {
-      try_fixed(part, code, aim.keep, context, grid, best);
+      try_fixed(part, code, target.keep, context, grid, best);
     } else {
       for (const bool prefix : {false, true}) {
         if (prefix ? fit.mode != Mode::kIntra : context.truncated) continue;
@@ -254,7 +245,7 @@ AxisCode Analyser::analyse(std::span<const double> samples, const CodingTarget& 
     // Coarser or finer steps for the best prediction, as long as that pays.
     code = best.code;
     residual(coefficients, code, level_coefficient, grid, room);
-    const int middle = best.code.step_offset - first_offset(part, grid);
+    const int middle = best.code.step_offset - min_step_offset(part, grid);
     for (const int direction : {1, -1}) {
       for (int offset = middle + direction; offset >= 0 && offset <= kCoarsestOffset; offset += direction) {
         bool better = !context.truncated && adapt(offset, false) == Trial::kTaken;
@@ -263,15 +254,11 @@ AxisCode Analyser::analyse(std::span<const double> samples, const CodingTarget& 
       }
     }
   }
-  if (!context.truncated && !(integrated_ && !adaptive)) try_stairs(samples, aim, context, grid, best);
-  constexpr double kFloatBits = 32;
+  if (!context.truncated && !(integrated_ && !adaptive)) try_run_length(samples, target, context, grid, best);
   const double bits =
       !best.found ? 0 : (adaptive ? best.cost : newest_axis_bits(best.code, context, grid, block_));
-  if (best.found && bits <= kFloatBits * block_) return best.code;
-  AxisCode raw;
-  raw.mode = Mode::kRaw;
-  for (std::size_t n = 0; n < size; ++n) raw.raw[n] = static_cast<float>(samples[n]);
-  return raw;
+  if (best.found && bits <= kRawSampleBits * block_) return best.code;
+  return raw_code(samples);
 }
 
 }  // namespace telekerf::codec

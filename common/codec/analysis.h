@@ -21,10 +21,10 @@ class Analyser {
   /// `integrated`: coefficients count by what they do to the samples' second integral.
   Analyser(int block, bool integrated);
 
-  /// The cheapest code that keeps `aim.max_rms` (bits decide), or the best with `aim.keep` coefficients
+  /// The cheapest code that keeps `target.max_rms` (bits decide), or the best with `target.keep` coefficients
   /// (error energy decides, bits break near-ties). Samples are finite and within kMaxMagnitude. With
   /// `context.truncated` it is the predecessor: no prediction, the lowest coefficients.
-  AxisCode analyse(std::span<const double> samples, const CodingTarget& aim, const AxisContext& context,
+  AxisCode analyse(std::span<const double> samples, const CodingTarget& target, const AxisContext& context,
                    const Grid& grid) const noexcept;
 
  private:
@@ -51,8 +51,8 @@ class Analyser {
                  const Grid& grid, Choice& best) const noexcept;
   Trial try_adaptive(std::span<const double> residual, AxisCode& code, int offset, double max_rms,
                      bool prefix, const AxisContext& context, const Grid& grid, Choice& best) const noexcept;
-  void try_stairs(std::span<const double> samples, const CodingTarget& aim, const AxisContext& context,
-                  const Grid& grid, Choice& best) const noexcept;
+  void try_run_length(std::span<const double> samples, const CodingTarget& target, const AxisContext& context,
+                      const Grid& grid, Choice& best) const noexcept;
 
   int block_;
   const Dct* dct_;

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "common/codec/baselines/time_domain_codecs.h"
+#include "common/codec/raw_samples.h"
+#include "common/codec/run_length.h"
 
 namespace telekerf::codec {
 namespace {
@@ -40,10 +41,6 @@ bool carries_level(const AxisCode& code, const AxisContext& context) noexcept {
   return !(context.anchored && code.has_level());
 }
 
-IndexSet first_indices(int count) noexcept {
-  return count >= kMaxBlock ? ~IndexSet{0} : (IndexSet{1} << count) - 1;
-}
-
 /// How the index set is told: by name (enumerative), or as the prefix 0..count-1, where values may be zero.
 struct Telling {
   bool prefix = true;
@@ -54,14 +51,14 @@ struct Telling {
 template <typename Sink>
 void write_values(Sink& out, const AxisCode& code, const AxisContext& context,
                   const Telling& telling) noexcept {
-  int order = context.habits.value_order;
+  int order = context.model.value_order;
   for (auto set = telling.told; set != 0; set &= set - 1) {
     const auto k = static_cast<std::size_t>(std::countr_zero(set));
     const bool level = k == 0 && carries_level(code, context);
     if (level && !context.newest) continue;  // told last
     const std::uint64_t symbol =
         zigzag(code.values[k]) - (telling.prefix ? 0 : 1);  // a named one is never zero
-    out.golomb(symbol, level ? context.habits.level_order : order);
+    out.golomb(symbol, level ? context.model.level_order : order);
     if (!level) order = next_order(code.values[k]);
   }
 }
@@ -72,11 +69,11 @@ Telling cheapest_telling(const AxisCode& code, const AxisContext& context, int b
   if (context.truncated) return prefix;
   const Telling named{false, std::popcount(code.set), code.set};
   BitCounter named_bits;
-  named_bits.signed_golomb(named.count - context.habits.count, kCountOrder);
+  named_bits.signed_golomb(named.count - context.model.count, kCountOrder);
   named_bits.bits(0, index_set_bits(block, named.count));
   write_values(named_bits, code, context, named);
   BitCounter prefix_bits;
-  prefix_bits.signed_golomb(prefix.count - context.habits.count, kCountOrder);
+  prefix_bits.signed_golomb(prefix.count - context.model.count, kCountOrder);
   write_values(prefix_bits, code, context, prefix);
   return prefix_bits.count() <= named_bits.count() ? prefix : named;
 }
@@ -99,22 +96,22 @@ int slope_order(const AxisContext& context) noexcept {
   return context.anchored ? (context.newest ? 0 : kCorrectionOrder) : kSlopeOrder;
 }
 
-/// Where a block of stairs begins: at its trend, or so that it ends where its successor begins.
-std::int64_t stairs_guess(const AxisCode& code, const AxisContext& context, const Grid& grid,
-                          int block) noexcept {
+/// Where a block of held values begins: at its trend, or so that it ends where its successor begins.
+std::int64_t run_guess(const AxisCode& code, const AxisContext& context, const Grid& grid,
+                       int block) noexcept {
   const double step = grid.step(code.step_offset);
   if (context.newest) return on_grid(grid.level * static_cast<double>(context.trend_level), step);
   const auto rise = code.values[static_cast<std::size_t>(block - 1)] - code.values[0];
   return on_grid(context.next.first, step) - rise;
 }
-int stairs_order(const AxisContext& context) noexcept {
-  return context.newest && !context.anchored ? context.habits.level_order : kCorrectionOrder;
+int run_order(const AxisContext& context) noexcept {
+  return context.newest && !context.anchored ? context.model.level_order : kCorrectionOrder;
 }
 
-bool read_stairs(BitReader& in, AxisCode& code, const AxisContext& context, const Grid& grid,
-                 int block) noexcept {
+bool read_run_lengths(BitReader& in, AxisCode& code, const AxisContext& context, const Grid& grid,
+                      int block) noexcept {
   if (!read_runs(in, code, block)) return false;
-  const auto first = stairs_guess(code, context, grid, block) + in.signed_golomb(stairs_order(context));
+  const auto first = run_guess(code, context, grid, block) + in.signed_golomb(run_order(context));
   for (auto& value : std::span(code.values).first(static_cast<std::size_t>(block))) {
     value += first;
     if (std::abs(value) > kMaxParameter) return false;
@@ -158,18 +155,14 @@ void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const Axi
                const Grid& grid, int block) noexcept {
   const Telling telling = code.is_transformed() ? cheapest_telling(code, context, block) : Telling{};
   write_mode(out, code.mode, telling.prefix, context);
-  if (code.mode == Mode::kRaw) {
-    for (int n = 0; n < block; ++n)
-      out.bits(std::bit_cast<std::uint32_t>(code.raw[static_cast<std::size_t>(n)]), 32);
-    return;
-  }
-  if (context.adaptive) out.signed_golomb(code.step_offset - context.habits.step_offset, 0);
+  if (code.mode == Mode::kRaw) return write_raw_samples(out, code, block);
+  if (context.adaptive) out.signed_golomb(code.step_offset - context.model.step_offset, 0);
   if (code.mode == Mode::kRunLength) {
     write_runs(out, code);
-    out.signed_golomb(code.values[0] - stairs_guess(code, context, grid, block), stairs_order(context));
+    out.signed_golomb(code.values[0] - run_guess(code, context, grid, block), run_order(context));
     return;
   }
-  out.signed_golomb(telling.count - context.habits.count, kCountOrder);
+  out.signed_golomb(telling.count - context.model.count, kCountOrder);
   if (!telling.prefix) out.bits(rank_of(code.set), index_set_bits(block, telling.count));
   write_values(out, code, context, telling);
   if (code.has_bend()) out.signed_golomb(code.bend, kBendOrder);
@@ -186,14 +179,14 @@ void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const Axi
 
 /// Reads the values of the told coefficients, coefficient 0 only where write_values() writes it.
 bool read_values(BitReader& in, AxisCode& code, const AxisContext& context, const Telling& telling) noexcept {
-  int order = context.habits.value_order;
+  int order = context.model.value_order;
   code.set = 0;
   for (auto set = telling.told; set != 0; set &= set - 1) {
     const auto k = static_cast<std::size_t>(std::countr_zero(set));
     const bool level = k == 0 && carries_level(code, context);
     if (level && !context.newest) continue;
     code.values[k] =
-        unzigzag(in.golomb(level ? context.habits.level_order : order) + (telling.prefix ? 0 : 1));
+        unzigzag(in.golomb(level ? context.model.level_order : order) + (telling.prefix ? 0 : 1));
     if (in.failed() || std::abs(code.values[k]) > kMaxValue) return false;
     if (!level) order = next_order(code.values[k]);
     if (code.values[k] != 0) code.set |= IndexSet{1} << k;
@@ -202,7 +195,7 @@ bool read_values(BitReader& in, AxisCode& code, const AxisContext& context, cons
 }
 
 bool read_telling(BitReader& in, Telling& telling, const AxisContext& context, int block) noexcept {
-  const auto count = in.signed_golomb(kCountOrder) + context.habits.count;
+  const auto count = in.signed_golomb(kCountOrder) + context.model.count;
   if (in.failed() || count < 0 || count > block) return false;
   telling.count = static_cast<int>(count);
   telling.told = first_indices(telling.count);
@@ -211,15 +204,6 @@ bool read_telling(BitReader& in, Telling& telling, const AxisContext& context, i
   if (in.failed() || rank >= choose(block, telling.count)) return false;
   telling.told = set_of_rank(rank, block, telling.count);
   return true;
-}
-
-bool read_raw(BitReader& in, AxisCode& code, std::span<double> samples) noexcept {
-  for (std::size_t n = 0; n < samples.size(); ++n) {
-    code.raw[n] = std::bit_cast<float>(static_cast<std::uint32_t>(in.bits(32)));
-    if (!(std::abs(code.raw[n]) <= static_cast<float>(kMaxMagnitude))) return false;  // NaN too
-    samples[n] = static_cast<double>(code.raw[n]);
-  }
-  return !in.failed();
 }
 
 }  // namespace
@@ -240,14 +224,14 @@ bool read_axis(BitReader& in, AxisCode& code, const AxisContext& context, const 
   const int block = dct.size();
   Telling telling;
   code.mode = read_mode(in, telling.prefix, context);
-  if (code.mode == Mode::kRaw) return read_raw(in, code, samples);
+  if (code.mode == Mode::kRaw) return read_raw_samples(in, samples);
   if (code.mode == Mode::kHold && !context.anchored) return false;
 
-  const auto offset = context.adaptive ? context.habits.step_offset + in.signed_golomb(0) : 0;
+  const auto offset = context.adaptive ? context.model.step_offset + in.signed_golomb(0) : 0;
   if (in.failed() || offset < 0 || offset > kMaxStepOffset) return false;
   code.step_offset = static_cast<int>(offset);
   if (code.mode == Mode::kRunLength) {
-    if (!read_stairs(in, code, context, grid, block)) return false;
+    if (!read_run_lengths(in, code, context, grid, block)) return false;
     reconstruct(code, grid, {}, samples);
     return true;
   }
@@ -278,36 +262,6 @@ bool read_axis(BitReader& in, AxisCode& code, const AxisContext& context, const 
     if (!(std::abs(sample) <= 2.0 * kMaxMagnitude)) return false;
   }
   return true;
-}
-
-void write_button(BitWriter& out, std::uint64_t button, int block) noexcept {
-  // Two bits say "constant"; one press or release inside the block is its place; anything else is told bit by
-  // bit.
-  const std::uint64_t all = first_indices(block);
-  button &= all;
-  const bool start = (button & 1) != 0;
-  const std::uint64_t differs = start ? ~button & all : button;
-  if (differs == 0) {
-    out.bits(start ? 1 : 0, 2);
-    return;
-  }
-  const int change = std::countr_zero(differs);
-  if (differs == (all & ~first_indices(change))) {
-    out.bits(start ? 5 : 4, 3);
-    out.bits(static_cast<std::uint64_t>(change), 6);
-    return;
-  }
-  out.bits(3, 2);
-  out.bits(button, block);
-}
-
-std::uint64_t read_button(BitReader& in, int block) noexcept {
-  const std::uint64_t all = first_indices(block);
-  if (!in.bit()) return in.bit() ? all : 0;
-  if (in.bit()) return in.bits(block);
-  const bool start = in.bit();
-  const auto before = first_indices(static_cast<int>(in.bits(6))) & all;
-  return start ? before : all & ~before;
 }
 
 }  // namespace telekerf::codec

@@ -4,16 +4,9 @@
 
 #include "common/codec/axis_code.h"
 #include "common/codec/bits.h"
+#include "common/codec/context_model.h"
 
 namespace telekerf::codec {
-
-/// What the stream has lately been like, announced in each packet's head so that the usual costs one bit.
-struct ContextModel {
-  int count = 4;        ///< coefficients an axis
-  int step_offset = 0;  ///< half octaves above the finest step
-  int level_order = 8;  ///< Exp-Golomb order of a level told whole
-  int value_order = 4;  ///< ... of an axis' first coefficient
-};
 
 /// What both ends know before an axis is coded.
 struct AxisContext {
@@ -21,7 +14,7 @@ struct AxisContext {
   bool newest = true;
   bool adaptive = false;   ///< the step may differ from the stream's finest
   bool truncated = false;  ///< the predecessor: prefixes only, nothing predicted
-  ContextModel habits;
+  ContextModel model;
   std::int64_t trend_level = 0;  ///< newest and anchored: the trend on the grid
   std::int64_t trend_slope = 0;
   Successor next;  ///< not newest: the block that follows
@@ -48,9 +41,5 @@ int newest_axis_bits(const AxisCode& code, const AxisContext& context, const Gri
 /// Reads an axis and its samples. False when the bits are none that an encoder writes.
 bool read_axis(BitReader& in, AxisCode& code, const AxisContext& context, const Grid& grid, const Dct& dct,
                std::span<double> samples) noexcept;
-
-/// The laser button, a bit a sample: constant, one change, or as it is.
-void write_button(BitWriter& out, std::uint64_t button, int block) noexcept;
-std::uint64_t read_button(BitReader& in, int block) noexcept;
 
 }  // namespace telekerf::codec

@@ -35,6 +35,15 @@ std::int64_t on_grid(double value, double grid) noexcept {
   return static_cast<std::int64_t>(std::clamp(std::nearbyint(value / grid), -kLimit, kLimit));
 }
 
+int min_step_offset(std::span<const double> values, const Grid& grid) noexcept {
+  double largest = 0.0;
+  for (const double x : values) largest = std::max(largest, std::abs(x));
+  int offset = 0;
+  while (largest >= 0.5 * static_cast<double>(kMaxValue) * grid.step(offset) && offset < kMaxStepOffset)
+    ++offset;
+  return offset;
+}
+
 void shape_of(const AxisCode& code, const Grid& grid, const Dct& dct, std::span<double> shape) noexcept {
   if (!code.is_transformed()) {
     std::fill(shape.begin(), shape.end(), 0.0);

@@ -49,13 +49,17 @@ inline constexpr double kMaxMagnitude = 1e30;
 /// finite.
 std::int64_t on_grid(double value, double grid) noexcept;
 
+/// The smallest step, in half octaves above the finest, at which the largest of `values` stays an integer
+/// that can be sent.
+int min_step_offset(std::span<const double> values, const Grid& grid) noexcept;
+
 struct AxisCode {
   Mode mode = Mode::kIntra;
   std::int64_t level = 0;
   std::int64_t slope = 0;
   std::int64_t bend = 0;
   int step_offset = 0;
-  IndexSet set = 0;  ///< coefficients with a non-zero value; stairs: samples at which the value changes
+  IndexSet set = 0;  ///< coefficients with a non-zero value; run length: samples at which the value changes
   std::array<std::int64_t, kMaxBlock> values{};
   std::array<float, kMaxBlock> raw{};
 

@@ -2,11 +2,10 @@
 #include "common/codec/decoder.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
-#include "common/codec/axis_bits.h"
-#include "common/codec/baselines/time_domain_codecs.h"
+#include "common/codec/button_bits.h"
+#include "common/codec/codec_table.h"
 
 namespace telekerf::codec {
 namespace {
@@ -44,23 +43,6 @@ class ReplayWindow {
 
 using Samples = std::array<Vec3, kMaxBlock>;
 
-bool read_raw_axis(BitReader& in, std::span<double> samples) noexcept {
-  for (auto& sample : samples) {
-    const auto value = std::bit_cast<float>(static_cast<std::uint32_t>(in.bits(32)));
-    if (!(std::abs(value) <= static_cast<float>(kMaxMagnitude))) return false;
-    sample = static_cast<double>(value);
-  }
-  return !in.failed();
-}
-
-bool read_lattice_axis(BitReader& in, const LatticeKind& kind, const Grid& grid,
-                       std::span<double> samples) noexcept {
-  AxisCode code;
-  if (!read_lattice(in, kind, code, static_cast<int>(samples.size()))) return false;
-  reconstruct_lattice(code, grid, samples);
-  return true;
-}
-
 }  // namespace
 
 struct BlockDecoder::State {
@@ -76,31 +58,25 @@ struct BlockDecoder::State {
   Vec3 last_slope = Vec3::Zero();
   bool has_last = false;
 
-  bool read_transform_axis(BitReader& in, const PacketHead& head, const Grid& grid, int age, int axis,
-                           const Trend& trend, std::span<double> room) noexcept;
+  AxisContext context(const PacketHead& head, const Grid& grid, int age, int axis,
+                      const Trend& trend) const noexcept;
   bool read_block(BitReader& in, const PacketHead& head, int age, const Trend& trend) noexcept;
   void remember_end() noexcept;
 };
 
-bool BlockDecoder::State::read_transform_axis(BitReader& in, const PacketHead& head, const Grid& grid,
-                                              int age, int axis, const Trend& trend,
-                                              std::span<double> room) noexcept {
+AxisContext BlockDecoder::State::context(const PacketHead& head, const Grid& grid, int age, int axis,
+                                         const Trend& trend) const noexcept {
   AxisContext known;
   known.anchored = head.anchored;
   known.adaptive = head.adaptive;
-  known.truncated = head.kind == CodecKind::kTruncatedDct;
-  known.habits = head.habits;
+  known.model = head.model;
   known.newest = age == 0;
-  auto& successor = next[static_cast<std::size_t>(axis)];
-  known.next = successor;
+  known.next = next[static_cast<std::size_t>(axis)];
   if (known.newest && head.anchored) {
     known.trend_level = on_grid(trend.value[axis], grid.level);
     known.trend_slope = on_grid(trend.slope_per_sample[axis], grid.slope);
   }
-  AxisCode code;
-  if (!read_axis(in, code, known, grid, Dct::of_size(head.block), room)) return false;
-  successor = successor_of(code, grid, room);
-  return true;
+  return known;
 }
 
 bool BlockDecoder::State::read_block(BitReader& in, const PacketHead& head, int age,
@@ -112,26 +88,13 @@ bool BlockDecoder::State::read_block(BitReader& in, const PacketHead& head, int 
   out.samples = room;
   for (auto& sample : room) sample.setZero();
 
+  const AxisCodec& codec = *find_codec(head.kind);  // read_head() has seen to it that there is one
   const Grid grid(head.block, head.quantum_exponent);
   std::array<double, kMaxBlock> axis_room;
   const auto axis_samples = std::span(axis_room).first(room.size());
   for (int a = 0; a < head.axes; ++a) {
-    bool good = false;
-    switch (head.kind) {
-      case CodecKind::kRaw:
-        good = read_raw_axis(in, axis_samples);
-        break;
-      case CodecKind::kSdct:
-      case CodecKind::kTruncatedDct:
-        good = read_transform_axis(in, head, grid, age, a, trend, axis_samples);
-        break;
-      case CodecKind::kDeadband:
-      case CodecKind::kWeber:
-      case CodecKind::kDpcm:
-        good = read_lattice_axis(in, {head.kind, head.adaptive}, grid, axis_samples);
-        break;
-    }
-    if (!good) return false;
+    auto& start = next[static_cast<std::size_t>(a)];
+    if (!codec.read(in, context(head, grid, age, a, trend), grid, start, axis_samples)) return false;
     for (std::size_t n = 0; n < room.size(); ++n) room[n][a] = axis_samples[n];
   }
   return true;

@@ -3,37 +3,25 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
-#include "common/codec/analysis.h"
-#include "common/codec/baselines/time_domain_codecs.h"
+#include "common/codec/button_bits.h"
+#include "common/codec/codec_table.h"
+#include "common/codec/context_model.h"
 
 namespace telekerf::codec {
 namespace {
 
-bool is_transform(CodecKind kind) { return kind == CodecKind::kSdct || kind == CodecKind::kTruncatedDct; }
-
-/// Adaptive streams derive their finest step from the promise: a transform's rounding is at most half a step
-/// in each coefficient, so 2 epsilon always keeps it; a lattice tries up to four half octaves above its
-/// finest, sqrt(12) epsilon.
-int quantum_exponent_of(const StreamSettings& settings) {
-  double finest = settings.quantum;
-  if (settings.max_rms > 0.0)
-    finest = (is_transform(settings.kind) ? 2.0 : 0.5 * std::sqrt(3.0)) * settings.max_rms;
+/// Adaptive streams derive their finest step from the promise.
+int quantum_exponent_of(const StreamSettings& settings, const AxisCodec& codec) {
+  const double finest = settings.max_rms > 0.0 ? codec.step_per_rms * settings.max_rms : settings.quantum;
   return std::clamp(static_cast<int>(std::floor(4.0 * std::log2(finest))), -kMaxQuantumExponent,
                     kMaxQuantumExponent);
 }
 
-struct Axis {
-  AxisCode code;
-  ShapeEnds ends;
-  Successor start;
-};
-
 /// A block that is kept for the packets to come.
 struct Block {
-  std::array<Axis, kAxes> axes;
+  std::array<CodedAxis, kAxes> axes;
   std::uint64_t button = 0;
   std::array<Vec3, kMaxBlock> decoded;
 };
@@ -43,12 +31,14 @@ struct Block {
 struct BlockEncoder::State {
   explicit State(const StreamSettings& wanted)
       : settings(wanted.validated()),
-        exponent(quantum_exponent_of(settings)),
+        codec(find_codec(settings.kind)),
+        exponent(quantum_exponent_of(settings, *codec)),
         grid(settings.block, exponent),
         analyser(std::max(settings.block, kMinTransform), settings.integrated),
-        habits(first_habits()) {}
+        model(first_model()) {}
 
   StreamSettings settings;
+  const AxisCodec* codec;  // never null
   int exponent;
   Grid grid;
   Analyser analyser;
@@ -56,11 +46,11 @@ struct BlockEncoder::State {
   std::size_t newest = 0;
   int held = 0;  // blocks in the ring, the newest included
   std::uint16_t sequence = 0;
-  ContextModel habits;
+  ContextModel model;
   std::size_t newest_bits = 0;
   CodecCounters counters;
 
-  ContextModel first_habits() const noexcept {
+  ContextModel first_model() const noexcept {
     ContextModel first;
     if (settings.max_rms == 0.0) first.count = std::min(settings.keep, kMaxBlock - 1);
     return first;
@@ -73,8 +63,7 @@ struct BlockEncoder::State {
     AxisContext context;
     context.anchored = settings.anchored;
     context.adaptive = settings.max_rms > 0.0;
-    context.truncated = settings.kind == CodecKind::kTruncatedDct;
-    context.habits = habits;
+    context.model = model;
     return context;
   }
   AxisContext newest_context(const Trend& trend, int axis) const noexcept {
@@ -85,41 +74,21 @@ struct BlockEncoder::State {
     }
     return result;
   }
-  void analyse(std::span<const Vec3> samples, const Trend& trend, Block& block) const noexcept;
+  void code(std::span<const Vec3> samples, const Trend& trend, Block& block) const noexcept;
   void write_block(BitWriter& out, int age, const Trend& trend) noexcept;
-  void learn_habits(const Block& block) noexcept;
+  void learn(const Block& block) noexcept;
 };
 
-void BlockEncoder::State::analyse(std::span<const Vec3> samples, const Trend& trend,
-                                  Block& block) const noexcept {
-  std::array<double, kMaxBlock> values;
-  std::array<double, kMaxBlock> shape_room;
-  const auto count = samples.size();
-  for (std::size_t n = 0; n < count; ++n) block.decoded[n].setZero();
+void BlockEncoder::State::code(std::span<const Vec3> samples, const Trend& trend,
+                               Block& block) const noexcept {
+  std::array<double, kMaxBlock> room;
+  const auto values = std::span(room).first(samples.size());
+  for (std::size_t n = 0; n < values.size(); ++n) block.decoded[n].setZero();
   for (int a = 0; a < settings.axes; ++a) {
-    auto& axis = block.axes[static_cast<std::size_t>(a)];
-    for (std::size_t n = 0; n < count; ++n) values[n] = samples[n][a];
-    const auto part = std::span(values).first(count);
-    if (settings.kind == CodecKind::kRaw) {
-      for (std::size_t n = 0; n < count; ++n) {
-        axis.code.raw[n] = static_cast<float>(values[n]);
-        block.decoded[n][a] = static_cast<double>(axis.code.raw[n]);
-      }
-      continue;
-    }
-    if (!is_transform(settings.kind)) {
-      axis.code = analyse_lattice(part, settings, grid);
-      reconstruct_lattice(axis.code, grid, part);
-      for (std::size_t n = 0; n < count; ++n) block.decoded[n][a] = values[n];
-      continue;
-    }
-    axis.code = analyser.analyse(part, {settings.keep, settings.max_rms}, newest_context(trend, a), grid);
-    const auto shape = std::span(shape_room).first(count);
-    shape_of(axis.code, grid, Dct::of_size(settings.block), shape);
-    axis.ends = ends_of(shape);
-    reconstruct(axis.code, grid, shape, part);
-    axis.start = successor_of(axis.code, grid, part);
-    for (std::size_t n = 0; n < count; ++n) block.decoded[n][a] = values[n];
+    for (std::size_t n = 0; n < values.size(); ++n) values[n] = samples[n][a];
+    block.axes[static_cast<std::size_t>(a)] =
+        codec->encode(values, {settings, grid, analyser}, newest_context(trend, a));
+    for (std::size_t n = 0; n < values.size(); ++n) block.decoded[n][a] = values[n];
   }
 }
 
@@ -128,51 +97,21 @@ void BlockEncoder::State::write_block(BitWriter& out, int age, const Trend& tren
   write_button(out, block.button, settings.block);
   for (int a = 0; a < settings.axes; ++a) {
     const auto at = static_cast<std::size_t>(a);
-    if (settings.kind == CodecKind::kRaw) {
-      for (int n = 0; n < settings.block; ++n) {
-        out.bits(std::bit_cast<std::uint32_t>(block.axes[at].code.raw[static_cast<std::size_t>(n)]), 32);
-      }
-      continue;
-    }
-    if (!is_transform(settings.kind)) {
-      write_lattice(out, {settings.kind, settings.max_rms > 0.0}, block.axes[at].code, settings.block);
-      continue;
-    }
     auto known = age == 0 ? newest_context(trend, a) : context();
     if (age > 0) {
       known.newest = false;
       known.next = back(age - 1).axes[at].start;
     }
-    write_axis(out, block.axes[at].code, block.axes[at].ends, known, grid, settings.block);
+    codec->write(out, block.axes[at], known, grid, settings.block);
   }
 }
 
-void BlockEncoder::State::learn_habits(const Block& block) noexcept {
-  if (!is_transform(settings.kind)) return;
-  int count = 0;
-  int offset = 0;
-  int level_order = 0;
-  int value_order = 0;
-  int used = 0;
-  for (int a = 0; a < settings.axes; ++a) {
-    const auto& code = block.axes[static_cast<std::size_t>(a)].code;
-    const auto width = [&](std::size_t k) {
-      return static_cast<int>(std::bit_width(zigzag(code.values[k])));
-    };
-    if (code.mode == Mode::kRunLength) level_order = std::max(level_order, width(0) - 2);
-    if (!code.is_transformed()) continue;
-    count += std::popcount(code.set);
-    offset += code.step_offset;
-    ++used;
-    level_order = std::max(level_order, width(0) - 2);
-    const auto upper = code.set & ~IndexSet{settings.anchored && code.has_level() ? 0u : 1u};
-    if (upper != 0) value_order += width(static_cast<std::size_t>(std::countr_zero(upper))) - 1;
-  }
-  habits.level_order = std::clamp(level_order, 0, 31);
-  if (used == 0) return;
-  habits.count = std::min((count + used / 2) / used, 63);
-  habits.step_offset = std::clamp((offset + used / 2) / used, 0, 31);
-  habits.value_order = std::clamp(value_order / used, 0, 15);
+void BlockEncoder::State::learn(const Block& block) noexcept {
+  if (!codec->transforms) return;
+  std::array<const AxisCode*, kAxes> codes{};
+  const auto axes = static_cast<std::size_t>(settings.axes);
+  for (std::size_t a = 0; a < axes; ++a) codes[a] = &block.axes[a].code;
+  model = learnt(model, std::span(codes).first(axes), settings.anchored);
 }
 
 BlockEncoder::BlockEncoder(const StreamSettings& settings) : state_(std::make_unique<State>(settings)) {}
@@ -199,7 +138,7 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
   s.held = std::min(s.held + 1, s.settings.redundancy + 1);
   auto& block = s.back(0);
   block.button = button;
-  s.analyse(samples, trend, block);
+  s.code(samples, trend, block);
 
   BitWriter writer(out);
   PacketHead head;
@@ -212,7 +151,7 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
   head.quantum_exponent = s.exponent;
   head.sequence = s.sequence;
   head.axes = s.settings.axes;
-  head.habits = s.habits;
+  head.model = s.model;
   head.sample_period_ns = s.settings.sample_period_ns;
   write_head(writer, head);
   const auto begin = writer.position();
@@ -229,7 +168,7 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
     }
   }
   patch_blocks(out, written);
-  s.learn_habits(block);
+  s.learn(block);
   ++s.sequence;
   ++s.counters.good;
   return writer.bytes();
@@ -245,10 +184,11 @@ const CodecCounters& BlockEncoder::counters() const noexcept { return state_->co
 void BlockEncoder::change(const StreamSettings& settings) {
   State& s = *state_;
   s.settings = settings.validated();
-  s.exponent = quantum_exponent_of(s.settings);
+  s.codec = find_codec(s.settings.kind);
+  s.exponent = quantum_exponent_of(s.settings, *s.codec);
   s.grid = Grid(s.settings.block, s.exponent);
   s.analyser = Analyser(std::max(s.settings.block, kMinTransform), s.settings.integrated);
-  s.habits = s.first_habits();
+  s.model = s.first_model();
   s.held = 0;
 }
 void BlockEncoder::restart() noexcept { state_->held = 0; }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/codec/packet.h"
 
-#include "common/codec/dct.h"
+#include "common/codec/codec_table.h"
 
 namespace telekerf::codec {
 namespace {
@@ -23,10 +23,10 @@ void write_head(BitWriter& out, const PacketHead& head) noexcept {
   out.bits(static_cast<std::uint64_t>(biased_exponent), 9);
   out.bits(static_cast<std::uint64_t>(head.axes), 2);
   out.bits(head.sequence, 16);
-  out.bits(static_cast<std::uint64_t>(head.habits.count), 6);
-  out.bits(static_cast<std::uint64_t>(head.habits.step_offset), 5);
-  out.bits(static_cast<std::uint64_t>(head.habits.level_order), 5);
-  out.bits(static_cast<std::uint64_t>(head.habits.value_order), 4);
+  out.bits(static_cast<std::uint64_t>(head.model.count), 6);
+  out.bits(static_cast<std::uint64_t>(head.model.step_offset), 5);
+  out.bits(static_cast<std::uint64_t>(head.model.level_order), 5);
+  out.bits(static_cast<std::uint64_t>(head.model.value_order), 4);
   out.golomb(head.sample_period_ns, kPeriodOrder);
 }
 
@@ -39,9 +39,10 @@ tl::expected<PacketHead, CodecError> read_head(BitReader& in) noexcept {
   const auto kind = in.bits(4);
   if (in.truncated()) return tl::unexpected(CodecError::kTruncated);
   if (version != kPacketVersion) return tl::unexpected(CodecError::kWrongVersion);
-  if (kind >= kCodecKinds) return tl::unexpected(CodecError::kMalformed);
+  const AxisCodec* const codec = find_codec(static_cast<CodecKind>(kind));
+  if (codec == nullptr) return tl::unexpected(CodecError::kMalformed);
   PacketHead head;
-  head.kind = static_cast<CodecKind>(kind);
+  head.kind = codec->kind;
   head.blocks = static_cast<int>(in.bits(3)) + 1;
   head.redundancy = static_cast<int>(in.bits(3));
   head.anchored = in.bit();
@@ -50,13 +51,13 @@ tl::expected<PacketHead, CodecError> read_head(BitReader& in) noexcept {
   head.quantum_exponent = static_cast<int>(in.bits(9)) - kExponentBias;
   head.axes = static_cast<int>(in.bits(2));
   head.sequence = static_cast<std::uint16_t>(in.bits(16));
-  head.habits.count = static_cast<int>(in.bits(6));
-  head.habits.step_offset = static_cast<int>(in.bits(5));
-  head.habits.level_order = static_cast<int>(in.bits(5));
-  head.habits.value_order = static_cast<int>(in.bits(4));
+  head.model.count = static_cast<int>(in.bits(6));
+  head.model.step_offset = static_cast<int>(in.bits(5));
+  head.model.level_order = static_cast<int>(in.bits(5));
+  head.model.value_order = static_cast<int>(in.bits(4));
   const auto period = in.golomb(kPeriodOrder);
   if (in.truncated()) return tl::unexpected(CodecError::kTruncated);
-  const bool sized = head.block >= smallest_block(head.kind) && head.axes >= 1;
+  const bool sized = head.block >= codec->min_block && head.axes >= 1;
   if (in.malformed() || !sized || head.blocks > head.redundancy + 1 || period == 0 ||
       period > 1'000'000'000) {
     return tl::unexpected(CodecError::kMalformed);

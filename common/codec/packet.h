@@ -27,7 +27,7 @@ struct Trend {
 };
 
 struct PacketHead {
-  CodecKind kind = CodecKind::kSdct;
+  CodecKind kind = kSdct;
   int blocks = 1;      ///< in this packet
   int redundancy = 0;  ///< previous blocks that the sender repeats once it has them
   bool anchored = false;
@@ -36,7 +36,7 @@ struct PacketHead {
   int axes = 3;
   int quantum_exponent = 0;  ///< finest step = 2^(this / 4)
   std::uint16_t sequence = 0;
-  ContextModel habits;
+  ContextModel model;
   std::uint32_t sample_period_ns = 0;
 };
 

@@ -11,6 +11,11 @@ namespace telekerf::codec {
 /// Bit k set: coefficient k is kept.
 using IndexSet = std::uint64_t;
 
+/// {0..count-1}, of at most 64.
+constexpr IndexSet first_indices(int count) noexcept {
+  return count >= 64 ? ~IndexSet{0} : (IndexSet{1} << count) - 1;
+}
+
 /// The m coefficients of largest |c|: by Parseval no other m leave less error. Ties go to the lower index, so
 /// that the choice is the same everywhere. At most 64 coefficients.
 IndexSet strongest(std::span<const double> coefficients, int m) noexcept;

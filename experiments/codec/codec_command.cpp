@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/codec/baselines/deadband.h"
 #include "common/codec/baselines/measure.h"
 #include "common/protocol/overhead.h"
 #include "common/reporting/plot.h"
@@ -61,9 +62,9 @@ codec::StreamSettings settings_for(const Contender& contender, int block, double
   s = codec::with_codec(s, contender.codec);
   if (contender.promised) {
     s.max_rms = error;
-  } else if (s.kind == codec::CodecKind::kDeadband || s.kind == codec::CodecKind::kWeber) {
+  } else if (s.kind == codec::kDeadband || s.kind == codec::kWeber) {
     // A held sample is off by up to the band, about band / sqrt(3) rms; the lattice adds little to that.
-    s.threshold = s.kind == codec::CodecKind::kWeber ? 2 * error / scale : 2 * error;
+    s.threshold = s.kind == codec::kWeber ? 2 * error / scale : 2 * error;
     s.quantum = error;
   } else {
     s.quantum = std::sqrt(12.0) * error;
@@ -226,7 +227,7 @@ Json wire_row(const SeededTrace& seeded, const char* name, int block, int redund
   s = codec::with_codec(s, name);
   const auto figures = codec::measure(seeded.trace, s, {.loss = loss, .burst = burst, .seed = seed});
   const bool sample_by_sample = s.block == 1;
-  const double around = codec::kOverheadBytes + (sample_by_sample ? 0.0 : kCommandFieldBytes);
+  const double around = kDatagramBytes + (sample_by_sample ? 0.0 : kCommandFieldBytes);
   const double payload =
       sample_by_sample ? 12.0 : figures.packet_bytes;  // one packet of bare floats a sample
   const double wire = figures.packets_per_s * (around + payload);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/codec/baselines/measure.h"
+#include "common/protocol/overhead.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "tools/inspect/commands.h"
@@ -21,7 +22,7 @@ struct Options {
   codec::StreamSettings stream{.redundancy = 0, .anchored = false};
   std::optional<int> keep;
   std::optional<double> max_rms;
-  codec::LossModel link;
+  codec::PacketLoss link;
   double rate_hz = 1000.0;
 };
 
@@ -52,7 +53,7 @@ int run(const Options& options) {
   report["loss"] = options.link.loss;
   report["bits_per_sample"] = figures.bits_per_sample;
   report["packet_bytes"] = figures.packet_bytes;
-  report["overhead_bytes"] = codec::kOverheadBytes;
+  report["overhead_bytes"] = static_cast<double>(kDatagramBytes);
   report["packets_per_s"] = figures.packets_per_s;
   report["wire_bytes_per_s"] = figures.wire_bytes_per_s;
   report["raw_wire_bytes_per_s"] = figures.raw_wire_bytes_per_s;

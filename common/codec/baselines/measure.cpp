@@ -8,8 +8,10 @@
 #include <cmath>
 #include <random>
 
+#include "common/codec/baselines/deadband.h"
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
+#include "common/protocol/overhead.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::codec {
@@ -38,7 +40,7 @@ class Run {
     samples_.resize(block_);
   }
 
-  void operator()(const LossModel& link, CodingResult& figures, std::vector<double>& encode_ns,
+  void operator()(const PacketLoss& link, CodingResult& figures, std::vector<double>& encode_ns,
                   std::vector<double>& decode_ns) {
     const auto blocks = trace_.size() / block_;
     const auto lost = lose(blocks, link);
@@ -161,7 +163,7 @@ struct ErrorSums {
 /// it.
 void measure_events(const Trace& trace, const StreamSettings& settings, Trace& decoded,
                     CodingResult& figures) {
-  const bool weber = settings.kind == CodecKind::kWeber;
+  const bool weber = settings.kind == kWeber;
   const auto streams = (trace.values.size() + kGroup - 1) / kGroup;
   for (std::size_t g = 0; g < streams; ++g) {
     const auto end = std::min(trace.values.size(), (g + 1) * kGroup);
@@ -188,7 +190,7 @@ void measure_events(const Trace& trace, const StreamSettings& settings, Trace& d
 
 }  // namespace
 
-std::vector<bool> lose(std::size_t packets, const LossModel& link) {
+std::vector<bool> lose(std::size_t packets, const PacketLoss& link) {
   if (!(link.loss >= 0 && link.loss <= 0.9)) {
     throw StartupError(fmt::format("loss = {}: must lie within [0, 0.9]", link.loss));
   }
@@ -208,7 +210,7 @@ std::vector<bool> lose(std::size_t packets, const LossModel& link) {
   return lost;
 }
 
-CodingResult measure(const Trace& trace, StreamSettings settings, const LossModel& link, Trace* decoded) {
+CodingResult measure(const Trace& trace, StreamSettings settings, const PacketLoss& link, Trace* decoded) {
   settings.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / trace.rate_hz));
   settings = settings.validated();
   Trace received = trace;
@@ -222,8 +224,7 @@ CodingResult measure(const Trace& trace, StreamSettings settings, const LossMode
     throw StartupError(
         fmt::format("{}: {} samples do not fill one block of {}", trace.name, trace.size(), block));
   }
-  const bool events =
-      block == 1 && (settings.kind == CodecKind::kDeadband || settings.kind == CodecKind::kWeber);
+  const bool events = block == 1 && (settings.kind == kDeadband || settings.kind == kWeber);
   if (events) {
     (void)lose(0, link);
     if (link.loss > 0) throw StartupError("loss: a dead-band stream with block = 1 has no blocks to lose");
@@ -251,12 +252,12 @@ CodingResult measure(const Trace& trace, StreamSettings settings, const LossMode
   const auto streams = std::ceil(columns / kGroup);
   const double seconds = static_cast<double>(figures.samples) / trace.rate_hz;
   const auto packets = static_cast<double>(figures.packets);
-  const double per_packet = kOverheadBytes + (settings.anchored && !events ? kAnchorBytes : 0.0);
+  const double per_packet = kDatagramBytes + (settings.anchored && !events ? kAnchorBytes : 0.0);
   figures.bits_per_sample /= static_cast<double>(figures.samples) * columns;
   figures.wire_bytes_per_s = (figures.packet_bytes + packets * per_packet) / seconds;
   figures.packet_bytes /= std::max(packets, 1.0);
   figures.packets_per_s = packets / seconds;
-  figures.raw_wire_bytes_per_s = trace.rate_hz * (streams * kOverheadBytes + 4 * columns);
+  figures.raw_wire_bytes_per_s = trace.rate_hz * (streams * kDatagramBytes + 4 * columns);
   figures.latency_ms = 1e3 * (settings.block - 1) / trace.rate_hz;
   figures.recovery_latency_ms = 1e3 * settings.block * settings.redundancy / trace.rate_hz;
   figures.encode_ns = median(encode_ns);

@@ -10,15 +10,9 @@
 
 namespace telekerf::codec {
 
-/// Bytes around each packet's payload: Ethernet frame 18, preamble and gap 20 left out, IPv4 20, UDP 8, RTPS
-/// header 20 and its data submessage 23.
-inline constexpr double kOverheadBytes = 89.0;
-/// Position and velocity, float32, three axes.
-inline constexpr double kAnchorBytes = 24.0;
-
 /// Gilbert-Elliott: every packet of a burst is lost, none between bursts.
-struct LossModel {
-  double loss = 0.0;   ///< share of packets lost in the long run, [0, 0.9]
+struct PacketLoss {
+  double loss = 0.0;   ///< fraction of packets lost in the long run, [0, 0.9]
   double burst = 1.0;  ///< mean length of a burst, packets, at least 1
   std::uint64_t seed = 1;
 };
@@ -32,7 +26,7 @@ struct CodingResult {
   double bits_per_sample = 0;         ///< the coded blocks alone: no head, no copies, no anchor
   double packet_bytes = 0;            ///< mean payload: head, newest block and copies
   double packets_per_s = 0;
-  double wire_bytes_per_s = 0;      ///< with kOverheadBytes, and the anchor where there is one
+  double wire_bytes_per_s = 0;      ///< with kDatagramBytes, and the anchor where there is one
   double raw_wire_bytes_per_s = 0;  ///< one packet of float32 a sample, same overhead
   double rmse = 0;                  ///< over everything that was not refused, concealed samples included
   double max_error = 0;
@@ -47,10 +41,10 @@ struct CodingResult {
 /// With settings.anchored the trend is what a sender knows at the block's first sample: its value and the
 /// slope of the last samples. Dead-band codecs with a block of 1 send packets only when a sample leaves the
 /// band. Throws StartupError.
-CodingResult measure(const Trace& trace, StreamSettings settings, const LossModel& link = {},
+CodingResult measure(const Trace& trace, StreamSettings settings, const PacketLoss& link = {},
                      Trace* decoded = nullptr);
 
 /// Which of `packets` are lost.
-std::vector<bool> lose(std::size_t packets, const LossModel& link);
+std::vector<bool> lose(std::size_t packets, const PacketLoss& link);
 
 }  // namespace telekerf::codec

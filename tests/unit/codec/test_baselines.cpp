@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// SDCT against its rivals at equal RMS error and delay, on the seeded traces.
+// SDCT against the baselines at equal RMS error and delay, on the seeded traces.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "common/codec/baselines/deadband.h"
 #include "common/codec/baselines/measure.h"
 #include "experiments/codec/codec_traces.h"
 
@@ -18,7 +19,7 @@ struct Point {
 Point at_step(const Trace& trace, const char* codec, int block, double step) {
   StreamSettings settings{.block = block, .keep = block, .redundancy = 0, .quantum = step, .anchored = false};
   settings = with_codec(settings, codec);
-  if (settings.kind == CodecKind::kDeadband) {
+  if (settings.kind == kDeadband) {
     settings.threshold = step / std::sqrt(3.0);
     settings.quantum = step / std::sqrt(12.0);
   }
@@ -41,7 +42,7 @@ double bits_at(const Trace& trace, const char* codec, int block, double rmse) {
   return std::nan("");
 }
 
-TEST(Rivals, TruncationIsNeverMuchCheaperAndADeadBandTwiceAsDearOnForces) {
+TEST(Baselines, TruncationIsNeverMuchCheaperAndADeadBandTwiceAsDearOnForces) {
   for (const auto& seeded : experiments::seeded_traces(5.0, 1000.0, 1)) {
     for (const int block : {16, 32}) {
       for (const double factor : {1.0, 4.0}) {

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "common/codec/baselines/measure.h"
+#include "common/protocol/overhead.h"
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
 #include "common/runtime/startup_error.h"
@@ -49,7 +50,7 @@ TEST(Loss, WithAsManyCopiesAsABurstIsLongNothingChanges) {
         auto settings = with_codec({.redundancy = redundancy, .threshold = 1e-5, .anchored = anchored}, name);
         Trace clean, lossy;
         measure(trace, settings, {}, &clean);
-        LossModel link{.loss = 0.1, .burst = 1.0 + 0.2 * redundancy, .seed = 1};
+        PacketLoss link{.loss = 0.1, .burst = 1.0 + 0.2 * redundancy, .seed = 1};
         // A seed whose bursts are short enough, the first and last packets among those received.
         auto lost = lose(400, link);
         while (static_cast<int>(longest_burst(lost)) > redundancy || lost.front() || lost.back()) {
@@ -120,9 +121,9 @@ TEST(Measure, CountsEveryByteAndAnyNumberOfColumns) {
   EXPECT_EQ(figures.samples, 1600u);
   EXPECT_EQ(figures.packets, 200u);  // four columns are two streams
   EXPECT_NEAR(figures.bits_per_sample, 32.0, 0.2);
-  EXPECT_NEAR(figures.wire_bytes_per_s, figures.packets_per_s * (kOverheadBytes + figures.packet_bytes),
+  EXPECT_NEAR(figures.wire_bytes_per_s, figures.packets_per_s * (kDatagramBytes + figures.packet_bytes),
               1e-6);
-  EXPECT_DOUBLE_EQ(figures.raw_wire_bytes_per_s, 1000.0 * (2 * kOverheadBytes + 16));
+  EXPECT_DOUBLE_EQ(figures.raw_wire_bytes_per_s, 1000.0 * (2 * kDatagramBytes + 16));
   EXPECT_DOUBLE_EQ(figures.latency_ms, 15.0);
   EXPECT_LT(figures.rmse, 1e-9);
 }

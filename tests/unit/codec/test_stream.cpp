@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "common/codec/baselines/raw.h"
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
 #include "common/runtime/startup_error.h"
@@ -86,7 +87,7 @@ std::vector<StreamSettings> many_settings() {
     all.push_back({.block = 16, .integrated = true, .anchored = anchored});
     all.push_back({.block = 16, .axes = 1, .anchored = anchored});
     all.push_back({.block = 16, .axes = 2, .anchored = anchored});
-    all.push_back({.kind = CodecKind::kRaw, .block = 1, .redundancy = 0, .anchored = anchored});
+    all.push_back({.kind = kRaw, .block = 1, .redundancy = 0, .anchored = anchored});
   }
   return all;
 }
