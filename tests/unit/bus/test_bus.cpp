@@ -7,6 +7,7 @@
 
 #include "common/runtime/clock.h"
 #include "common/runtime/startup_error.h"
+#include "common/runtime/version.h"
 #include "tests/unit/bus/cell.h"
 #include "tests/unit/bus/samples.h"
 
