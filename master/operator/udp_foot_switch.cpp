@@ -36,7 +36,7 @@ OperatorSample UdpFootSwitch::sample(std::int64_t now_ns) noexcept {
       hear(told, from, now_ns);
     }
   }
-  return {.trigger = held_ && let_go_ && now_ns - heard_ns_ < kSilence_ns};
+  return {.trigger = held_ && let_go_ && now_ns - heard_ns_ < kSilence_ns, .force_n = {}};
 }
 
 void UdpFootSwitch::hear(const UdpButton& told, const udp::endpoint& from, std::int64_t now_ns) noexcept {
