@@ -28,7 +28,7 @@ inline constexpr EnumRow<CodecChoice> kCodecRows[] = {
     {"weber", {&kWeberCodec}, "the same by a fraction of the last one sent"},
     {"dpcm", {&kDpcmCodec}, "differences of neighbouring samples"},
 };
-inline constexpr EnumTable<CodecChoice> kCodecs(kCodecRows);
+inline constexpr EnumTable<CodecChoice> kCodecs{kCodecRows};
 
 /// The codec of that number on the wire; null: there is none.
 inline const AxisCodec* find_codec(CodecKind kind) noexcept {

@@ -27,7 +27,7 @@ inline constexpr EnumRow<DelayDistribution> kDelayDistributionRows[] = {
     {"pareto", DelayDistribution::kPareto, "a floor and a power-law tail"},
     {"table", DelayDistribution::kTable, "quantiles of a measurement"},
 };
-inline constexpr EnumTable<DelayDistribution> kDelayDistributions(kDelayDistributionRows);
+inline constexpr EnumTable<DelayDistribution> kDelayDistributions{kDelayDistributionRows};
 
 struct DelayParameters {
   DelayDistribution distribution = DelayDistribution::kConstant;
@@ -49,7 +49,7 @@ inline constexpr EnumRow<LossModel> kLossModelRows[] = {
     {"four-state", LossModel::kFourState, "bursts with pauses, and single losses"},
     {"trace", LossModel::kTrace, "as recorded"},
 };
-inline constexpr EnumTable<LossModel> kLossModels(kLossModelRows);
+inline constexpr EnumTable<LossModel> kLossModels{kLossModelRows};
 
 struct LossParameters {
   LossModel model = LossModel::kNone;
@@ -67,7 +67,7 @@ enum class Order { kFifo, kFree, kReorder };
 inline constexpr EnumRow<Order> kOrderRows[] = {{"fifo", Order::kFifo, "nothing overtakes"},
                                                 {"free", Order::kFree, "jitter alone decides"},
                                                 {"reorder", Order::kReorder, "chosen packets overtake"}};
-inline constexpr EnumTable<Order> kOrders(kOrderRows);
+inline constexpr EnumTable<Order> kOrders{kOrderRows};
 
 /// Packets leave only at slot starts (n * period + uniform in [0, jitter]); 0 packets or bytes: no limit.
 struct Slots {

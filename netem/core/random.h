@@ -15,7 +15,7 @@ enum class Direction : std::uint8_t { kForward = 0, kBackward = 1 };
 inline constexpr EnumRow<Direction> kDirectionRows[] = {
     {"forward", Direction::kForward, "operator to slave"},
     {"backward", Direction::kBackward, "slave to operator"}};
-inline constexpr EnumTable<Direction> kDirections(kDirectionRows);
+inline constexpr EnumTable<Direction> kDirections{kDirectionRows};
 
 /// Names one flow of packets in one direction. Flows never influence one another.
 struct StreamKey {
