@@ -94,10 +94,6 @@ int run(const Flags& flags) {
   return 0;
 }
 
-std::string complaint_about_camera(const std::string& camera) {
-  return camera == "none" ? "" : validate_camera(camera);
-}
-
 void add_parameters(Flags& flags, Settings& settings) {
   settings.add("image", flags.image, kPicture,
                "a shipped picture's name, a picture, SVG or DXF file, a folder of them, or a video");
