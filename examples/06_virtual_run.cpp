@@ -17,7 +17,9 @@ int main() {
   settings.duration_s = 10.0;
   settings.seed = 7;
   const double stop_s = 6.0;
-  settings.events.push_back({stop_s, {.kind = EventMessage::Kind::kStop}});
+  EventMessage stop;
+  stop.kind = EventMessage::Kind::kStop;
+  settings.events.push_back({stop_s, stop});
 
   const RunRecord record = simulation::simulate(settings);
   const auto report = reporting::make_report(record);

@@ -2,8 +2,9 @@
 // The estimators on an exact double integrator behind a constant delay: what theory can be held against.
 #pragma once
 
-#include <string>
 #include <vector>
+
+#include "master/observer/estimators.h"
 
 namespace telekerf::experiments {
 

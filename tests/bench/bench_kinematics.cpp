@@ -27,6 +27,7 @@
 
 namespace {
 
+using telekerf::Vec3;
 using namespace telekerf::robot;
 
 constexpr int kPoses = 4096;

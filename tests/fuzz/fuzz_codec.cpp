@@ -10,6 +10,8 @@
 
 namespace {
 
+using telekerf::Vec3;
+
 void require(bool holds) {
   if (!holds) std::abort();
 }

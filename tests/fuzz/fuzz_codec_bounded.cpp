@@ -13,6 +13,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace {
 
+using telekerf::Vec3;
+
 using Bytes = std::vector<std::uint8_t>;
 using Random = std::mt19937_64;
 

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "common/control/bumpless_transfer.h"
+#include "common/runtime/vectors.h"
 
 namespace telekerf::control {
 namespace {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <initializer_list>
 #include <numeric>
 
 namespace telekerf {
@@ -16,12 +18,12 @@ Payload counted(std::uint16_t size) {
 }
 
 TEST(Payload, ACopyHoldsTheSameOctets) {
-  for (const std::uint16_t size : {0, 1, 60, 2048}) {
+  for (const std::uint16_t size : std::initializer_list<std::uint16_t>{0, 1, 60, 2048}) {
     const Payload original = counted(size);
     const Payload constructed(original);
     Payload assigned = counted(7);
     assigned = original;
-    for (const Payload* copy : {&constructed, &assigned}) {
+    for (const Payload* copy : std::initializer_list<const Payload*>{&constructed, &assigned}) {
       EXPECT_EQ(copy->size, size);
       EXPECT_TRUE(std::equal(copy->view().begin(), copy->view().end(), original.view().begin(),
                              original.view().end()));

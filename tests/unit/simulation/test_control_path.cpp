@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/robot/drivers/simulated_robot.h"
 #include "common/robot/drivers/udp_robot.h"
 #include "experiments/simulation/simulation.h"
 #include "tests/unit/allocations.h"
