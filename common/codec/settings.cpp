@@ -37,15 +37,6 @@ StreamSettings StreamSettings::validated() const {
   return settings;
 }
 
-StreamSettings with_codec(StreamSettings settings, const CodecChoice& choice) {
-  settings.kind = choice.codec->kind;
-  if (choice.sample_by_sample) {
-    settings.block = 1;
-    settings.redundancy = 0;
-  }
-  return settings;
-}
-
 StreamSettings with_codec(StreamSettings settings, const std::string& name) {
   const auto choice = kCodecs.find(name);
   if (!choice)

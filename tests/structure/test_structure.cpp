@@ -2,7 +2,7 @@
 // The repository keeps the rules of the house (rules.h); rooms.txt says who may include whom.
 #include <gtest/gtest.h>
 
-#include "tests/structure/known.h"
+#include "tests/structure/breaches.h"
 #include "tests/structure/rules.h"
 
 namespace telekerf::structure {
@@ -18,7 +18,6 @@ const Rooms& rooms() {
   return kRooms;
 }
 
-void expect_none(const Breaches& breaches) { expect_none(repository(), breaches); }
 
 TEST(House, ThereIsMuchToLookAt) {
   ASSERT_TRUE(repository().holds("common/runtime/clock.h"));
