@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -124,12 +125,14 @@ int Program::dispatch(std::vector<std::string> words) {
 }
 
 int Program::run(int argc, char** argv) {
+  // Another process may have begun a line: its bar is wiped.
+  const char* const wipe = isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "";
   try {
     return dispatch({argv + 1, argv + argc});
   } catch (const StartupError& error) {
-    fmt::print(stderr, "{}: {}\n", name_, error.what());
+    fmt::print(stderr, "{}{}: {}\n", wipe, name_, error.what());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: unexpected: {}\n", name_, error.what());
+    fmt::print(stderr, "{}{}: unexpected: {}\n", wipe, name_, error.what());
   }
   return kCannot;
 }

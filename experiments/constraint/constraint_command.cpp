@@ -11,6 +11,7 @@
 #include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
+#include "experiments/acceptance.h"
 #include "experiments/commands.h"
 #include "experiments/constraint/constraint_acceptance.h"
 #include "experiments/simulation/simulation.h"
@@ -28,14 +29,6 @@ struct Options {
   double duration_s = 20.0;
 };
 
-struct Bar {
-  std::string name;
-  double value;
-  double bar;
-  double unit;  ///< factor to the printed unit
-  const char* unit_name;
-};
-
 std::vector<ContourMessage> contours() {
   std::vector<ContourMessage> out{rounded_outline(1e-3, 20e-3)};
   for (const char* picture : {"gear", "letter-e", "figure-8"}) {
@@ -48,7 +41,7 @@ std::vector<ContourMessage> contours() {
 }
 
 void measure_tracking(const std::vector<ContourMessage>& contours, const Options& options,
-                      std::vector<Bar>& bars, nlohmann::ordered_json& rows) {
+                      std::vector<Acceptance>& bars, nlohmann::ordered_json& rows) {
   for (const auto& contour : contours) {
     TrialSettings settings;
     settings.station.seed = options.seed;
@@ -148,7 +141,7 @@ int run(const Options& options) {
   make_folder("--out", options.out);
   const std::vector<ContourMessage> all = contours();
   nlohmann::ordered_json results{{"experiment", "constraint"}, {"seed", options.seed}};
-  std::vector<Bar> bars;
+  std::vector<Acceptance> bars;
   results["tracking"] = nlohmann::ordered_json::array();
   measure_tracking(all, options, bars, results["tracking"]);
 
@@ -199,11 +192,10 @@ int run(const Options& options) {
 
   bool good = true;
   for (const auto& bar : bars) {
-    const bool within = bar.value <= bar.bar;
-    good = good && within;
-    results["bars"].push_back({{"name", bar.name}, {"value", bar.value}, {"bar", bar.bar}, {"good", within}});
-    fmt::print("  {:<22}{:>10.3f} {:<5} bar {:g} {}  {}\n", bar.name, bar.unit * bar.value, bar.unit_name,
-               bar.unit * bar.bar, bar.unit_name, within ? "good" : "MISSED");
+    good = good && bar.met();
+    results["bars"].push_back(
+        {{"name", bar.name}, {"value", bar.value}, {"bar", bar.bar}, {"good", bar.met()}});
+    bar.print();
   }
   results["good"] = good;
   // Costs are the machine's, not the experiment's: beside the results.

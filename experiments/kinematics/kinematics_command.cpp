@@ -10,6 +10,7 @@
 #include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
+#include "experiments/acceptance.h"
 #include "experiments/commands.h"
 #include "experiments/kinematics/kinematics_validation.h"
 
@@ -71,14 +72,6 @@ Figure figure(const KinematicsValidation& run, const std::string& robot, double 
   return figure;
 }
 
-struct Row {
-  const char* name;
-  double value;
-  double bar;
-  double unit;  ///< factor to the printed unit
-  const char* unit_name;
-};
-
 int run(const Options& options) {
   const robot::RobotModel model = robot::load_robot(options.robot);
   const KinematicsValidation steps = validate_kinematics(model, options.step_m);
@@ -88,7 +81,7 @@ int run(const Options& options) {
   make_folder("--out", out);
   draw_figure(figure(steps, model.name, options.step_m), out / "kinematics.png");
 
-  const std::array<Row, 5> rows{{
+  const std::array<Acceptance, 5> rows{{
       {"forward_kinematics_m", steps.worst_forward_m, kPositionBar_m, 1e6, "um"},
       {"inverse_kinematics_m", steps.worst_inverse_m, kPositionBar_m, 1e6, "um"},
       {"jacobian_velocity_share", steps.worst_velocity, kVelocityBar, 1e2, "%"},
@@ -101,12 +94,10 @@ int run(const Options& options) {
   fmt::print("{}, largest difference to MuJoCo (its own rod error of {:.3g} um subtracted)\n", model.name,
              1e6 * steps.worst_violation_m);
   for (const auto& row : rows) {
-    const bool within = row.value <= row.bar;
-    good = good && within;
+    good = good && row.met();
     results["worst"][row.name] = row.value;
     results["bar"][row.name] = row.bar;
-    fmt::print("  {:<26}{:>12.3g} {:<3} bar {:g} {}  {}\n", row.name, row.unit * row.value, row.unit_name,
-               row.unit * row.bar, row.unit_name, within ? "good" : "MISSED");
+    row.print();
   }
   results["engine"] = {{"rod_error_m", steps.worst_violation_m}, {"tool_tilt_rad", steps.worst_tilt_rad}};
   results["travelled_m"] = {{"free_fall", fall.travelled_m}, {"forced_motion", forced.travelled_m}};
