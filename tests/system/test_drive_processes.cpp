@@ -91,8 +91,7 @@ TEST(DriveProcesses, TheSlaveFollowsWithItAndStopsSafelyWithoutIt) {
   Program slave("telekerf-slave",
                 cell({"--record", out, "--drive", robot.drive(), "--drive-stale-s", "0.5"}));
   Program master("telekerf-master", cell({"--record", out, "--engage"}));
-  EXPECT_TRUE(
-      slave.says(robot.drive() + " is not simulated: what is recorded is the measured tool", seconds(20)))
+  EXPECT_TRUE(slave.says(robot.drive() + " is not simulated: the measured tool is recorded", seconds(20)))
       << slave.output();
   ASSERT_TRUE(slave.says("following", seconds(30))) << slave.output() << master.output();
   std::this_thread::sleep_for(seconds(5));
