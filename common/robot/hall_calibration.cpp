@@ -19,6 +19,16 @@ using std::numbers::pi;
 
 double wrapped(double angle) noexcept { return std::remainder(angle, 2 * pi); }
 
+/// Of a symmetric positive definite matrix. Two rows are tridiagonal as they are, so that Eigen's reduction
+/// to that form, which takes most of this file's time to compile, is not needed.
+Eigen::Matrix2d square_root(const Eigen::Matrix2d& m) {
+  const double scale = m.cwiseAbs().maxCoeff();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeFromTridiagonal(m.diagonal() / scale, m.diagonal<-1>() / scale);
+  const Eigen::Matrix2d& v = axes.eigenvectors();
+  return v * (scale * axes.eigenvalues()).cwiseSqrt().asDiagonal() * v.transpose();
+}
+
 /// Centre and symmetric map that turn the points' ellipse x' Q x + l' x = 1 into the unit circle.
 struct Circle {
   Vector2d centre;
@@ -47,8 +57,7 @@ std::optional<Circle> circle_through(const std::vector<Vector2d>& points) {
   Circle circle;
   circle.centre = -0.5 * q.inverse() * Vector2d(c[3], c[4]);
   const double level = 1 + circle.centre.dot(q * circle.centre);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(q / level);
-  circle.map = axes.operatorSqrt();
+  circle.map = square_root(q / level);
   return circle;
 }
 
