@@ -82,9 +82,8 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
         station.node.constraint.min_radius_m = 0.0;
         station.node.constraint.window_bend_rad = 4.0;
         station.node.constraint.half_window = k;
-        auto settings = station.node.constraint;
-        settings.curve = kind;
-        const master::GuidePath guide = master::make_guide(contour, station.beta, settings);
+        station.node.constraint.curve = kind;
+        const master::GuidePath guide = master::make_guide(contour, station.beta, station.node.constraint);
         geometry::Polyline truth;
         truth.closed = contour.closed;
         for (const auto& p : contour.points_m) truth.points_m.push_back(p / station.beta);
