@@ -71,7 +71,8 @@ TEST_P(NetemSites, CutAcrossTheEmulatedLink) {
               report["cut"]["coverage"].get<double>(), report["tracking"]["rms_um"].get<double>());
   EXPECT_GE(p50, 100.0);  // nothing arrives early ...
   EXPECT_LE(p50, 120.0);  // ... and what comes on top is the machine's scheduling
-  EXPECT_GT(report["cut"]["coverage"].get<double>(), 0.2);
+  EXPECT_GT(report["cut"]["coverage"].get<double>(), 0.5) << "8 s of hand motion: 0.64";
+  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 15.0);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
   link.interrupt();
   EXPECT_EQ(link.wait(seconds(10)), 0) << link.output();

@@ -3,6 +3,8 @@
 // a refusal leaves nothing behind.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/system/robot_process.h"
 
 namespace telekerf::integration {
@@ -53,7 +55,11 @@ TEST_F(Script, CutsAPictureThatLiesWhereTheUserStands) {
   EXPECT_EQ(demo.err, "");
   for (const std::string file : {"report.json", "cut.png", "trace.csv", "master.csv", "slave.csv"})
     EXPECT_TRUE(fs::exists(here_ / "aus gabe/1" / file)) << file;
-  EXPECT_NE(text_of("aus gabe/1/report.json").find("\"netem\": \"mein netz\""), std::string::npos);
+  const auto report = nlohmann::json::parse(text_of("aus gabe/1/report.json"));
+  EXPECT_EQ(report.at("netem").get<std::string>(), "mein netz");
+  EXPECT_LE(report.at("tracking").at("rms_um").get<double>(), 15.0) << demo.out;
+  EXPECT_GE(report.at("cut").at("coverage").get<double>(), 0.1) << "3 s of hand motion";
+  EXPECT_EQ(report.at("cut").at("energy_outside_corridor_j").get<double>(), 0.0);
   for (const auto& entry : fs::directory_iterator(here_ / "aus gabe/1"))
     EXPECT_FALSE(entry.is_directory()) << entry.path();
 }
@@ -109,6 +115,9 @@ TEST_F(Script, MachinesWithARobotOfTheUsersOwn) {
           own_domain());
   EXPECT_EQ(cut.code, 0) << cut.out << cut.err;
   EXPECT_TRUE(fs::exists(here_ / "cut/mark.png"));
+  const auto result = nlohmann::json::parse(text_of("cut/result.json"));
+  EXPECT_LE(result.at("contour_error_um").at("rms").get<double>(), 3.0) << cut.out;
+  EXPECT_NEAR(result.at("tangential_speed").at("mean_mm_s").get<double>(), 50.0, 0.5);
 }
 
 /// In place of the programs: each writes down the words that it is started with, one a line, and ends.
