@@ -31,6 +31,7 @@ struct Flags {
   std::string record;
   double duration_s = 0.0;
   double wait_s = 20.0;
+  void validate() const { (void)station.validated(); }
 };
 
 const char* text_of(MasterMode mode) {

@@ -20,6 +20,7 @@ struct Flags {
   netem::NetemFlags netem;
   StationSettings station;
   std::string record;
+  void validate() const { (void)station.validated(); }
 };
 
 const char* text_of(SlaveMode mode) {

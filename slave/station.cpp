@@ -50,6 +50,7 @@ StationSettings StationSettings::validated() const {
     throw configuration_error(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",
                                           node.control_hz, node.stream_hz));
   }
+  beam.validate(node.laser_w);
   settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   settings.node.feedback = codec::with_codec(settings.node.feedback, codec).validated();
   codec::StreamSettings& force = settings.node.force;

@@ -29,6 +29,10 @@ struct BusSettings {
   std::uint16_t contract = kContractVersion;  ///< another value only to test refusals
 };
 
+/// What is wrong with the name of a cell, and with one of `peers`; empty: nothing.
+std::string complaint_about_cell(const std::string& cell);
+std::string complaint_about_peer(const std::string& peer);
+
 struct BusCounters {
   std::uint64_t incompatible = 0;  ///< processes that came after us and did not fit
 };

@@ -5,12 +5,33 @@
 #include <sstream>
 
 namespace telekerf {
+namespace {
+
+std::vector<std::string> hosts_of(const std::string& peers) {
+  std::vector<std::string> hosts;
+  std::istringstream words(peers);
+  for (std::string host; std::getline(words, host, ',');) {
+    if (!host.empty()) hosts.push_back(host);
+  }
+  return hosts;
+}
+
+std::string complaint_about_peers(const std::string& peers) {
+  const std::vector<std::string> hosts = hosts_of(peers);
+  if (!peers.empty() && hosts.empty()) return "names no host";
+  for (const std::string& host : hosts) {
+    if (const std::string wrong = complaint_about_peer(host); !wrong.empty()) return wrong;
+  }
+  return "";
+}
+
+}  // namespace
 
 void BusFlags::add_parameters(Settings& settings) {
   settings.add("domain", domain, {.min = 0, .max = 232}, "DDS domain");
-  settings.add("cell", cell, kName, "name of the work cell; cells do not see each other");
+  settings.add("cell", cell, TextForm{.form = "NAME", .complaint = complaint_about_cell}, "name of the work cell; cells do not see each other");
   settings.add("name", name, kName, "name of this process, unique in the cell");
-  settings.add("peers", peers, TextForm{"HOST,HOST..."},
+  settings.add("peers", peers, TextForm{.form = "HOST,HOST...", .complaint = complaint_about_peers},
                "hosts to look for beyond the reach of multicast, separated by commas");
 }
 
@@ -22,10 +43,7 @@ BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {
   settings.role = role;
   settings.name = name;
   settings.epoch = static_cast<std::uint32_t>(std::time(nullptr));
-  std::istringstream hosts(peers);
-  for (std::string host; std::getline(hosts, host, ',');) {
-    if (!host.empty()) settings.peers.push_back(host);
-  }
+  settings.peers = hosts_of(peers);
   return settings;
 }
 

@@ -25,11 +25,8 @@ BusSettings validated(BusSettings settings) {
   if (settings.domain < 0 || settings.domain > kHighestDomain) {
     throw usage_error(fmt::format("domain {} is outside [0, {}]", settings.domain, kHighestDomain));
   }
-  if (settings.cell.empty()) throw usage_error("the cell has no name; give one with --cell");
-  // DDS takes a partition with one of these for a pattern: it would be every cell at once.
-  if (settings.cell.find_first_of("*?[]") != std::string::npos) {
-    throw usage_error(fmt::format("cell = '{}': a cell's name must hold none of * ? [ ]", settings.cell));
-  }
+  if (const std::string wrong = complaint_about_cell(settings.cell); !wrong.empty())
+    throw usage_error(fmt::format("cell = '{}': {}", settings.cell, wrong));
   if (settings.name.empty()) settings.name = settings.role;
   return settings;
 }
@@ -41,6 +38,13 @@ std::array<std::uint8_t, 12> key_of(const rtps::GUID_t& guid) {
 }
 
 }  // namespace
+
+std::string complaint_about_cell(const std::string& cell) {
+  if (cell.empty()) return "a cell needs a name";
+  // DDS takes a partition with one of these for a pattern: it would be every cell at once.
+  if (cell.find_first_of("*?[]") != std::string::npos) return "a cell's name must hold none of * ? [ ]";
+  return "";
+}
 
 Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::move(settings))) {
   bus::settle_library();

@@ -12,8 +12,10 @@
 #include <unistd.h>
 #include <fastdds/dds/log/Log.hpp>
 
+#include <charconv>
 #include <cstdlib>
 #include <mutex>
+#include <optional>
 #include <random>
 
 #include "common/runtime/startup_error.h"
@@ -46,6 +48,22 @@ std::string resolved(const std::string& host) {
   return text;
 }
 
+struct Peer {
+  std::string host;
+  std::uint32_t port = 0;  ///< 0: every port that a participant of this domain would use
+};
+
+std::optional<Peer> parsed_peer(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  Peer peer{text.substr(0, colon)};
+  if (peer.host.empty() || peer.host.find_first_of(" \t") != std::string::npos) return std::nullopt;
+  if (colon == std::string::npos) return peer;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data() + colon + 1, end, peer.port);
+  if (error != std::errc() || rest != end || peer.port == 0 || peer.port > 65535) return std::nullopt;
+  return peer;
+}
+
 /// The vendor's two bytes, the site, and nine of chance: unique without asking anybody.
 rtps::GuidPrefix_t random_prefix(Site site) {
   std::random_device random;
@@ -58,6 +76,17 @@ rtps::GuidPrefix_t random_prefix(Site site) {
 }
 
 }  // namespace
+}  // namespace telekerf::bus
+
+namespace telekerf {
+
+std::string complaint_about_peer(const std::string& peer) {
+  return bus::parsed_peer(peer) ? "" : "must be HOST or HOST:PORT with a port within [1, 65535]";
+}
+
+}  // namespace telekerf
+
+namespace telekerf::bus {
 
 void settle_library() {
   static std::once_flag once;
@@ -102,19 +131,10 @@ dds::DomainParticipantQos participant_qos(const BusSettings& settings,
     builtin.initialPeersList.push_back(locator);
   }
   for (const std::string& peer : settings.peers) {
-    const auto colon = peer.find(':');
-    std::uint32_t port = 0;  // every port that a participant of this domain would use
-    if (colon != std::string::npos) {
-      try {
-        port = static_cast<std::uint32_t>(std::stoul(peer.substr(colon + 1)));
-      } catch (const std::exception&) {
-        port = 1u << 16;
-      }
-      if (port == 0 || port > 65535)
-        throw usage_error(fmt::format("peer '{}' is not HOST or HOST:PORT", peer));
-    }
+    const auto named = parsed_peer(peer);
+    if (!named) throw usage_error(fmt::format("peers = '{}': {}", peer, complaint_about_peer(peer)));
     rtps::Locator_t locator;
-    rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, resolved(peer.substr(0, colon)), port, locator);
+    rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, resolved(named->host), named->port, locator);
     builtin.initialPeersList.push_back(locator);
   }
   return qos;

@@ -200,21 +200,6 @@ std::vector<double> ConfigFile::numbers(const std::string& key, std::size_t coun
   return values;
 }
 
-std::vector<std::string> ConfigFile::texts_or(const std::string& key,
-                                              const std::vector<std::string>& fallback) const {
-  const toml::node* node = document_->find(key);
-  if (node == nullptr) return fallback;
-  const toml::array* array = node->as_array();
-  if (array == nullptr) refuse(key, "must be a list of texts");
-  std::vector<std::string> values;
-  for (const auto& element : *array) {
-    const auto value = element.value<std::string>();
-    if (!value) refuse(key, "must hold texts only");
-    values.push_back(*value);
-  }
-  return values;
-}
-
 std::size_t ConfigFile::array_size(const std::string& key) const {
   const toml::node* node = document_->root.at_path(toml_path(key)).node();
   if (node == nullptr) return 0;

@@ -52,7 +52,6 @@ class ConfigFile {
   }
   /// Exactly `count` numbers (count 0: any number of them).
   std::vector<double> numbers(const std::string& key, std::size_t count, Bounds bounds = {}) const;
-  std::vector<std::string> texts_or(const std::string& key, const std::vector<std::string>& fallback) const;
   /// Length of an array of tables ("stage" for [[stage]]); its members are read as "stage.0.key".
   std::size_t array_size(const std::string& key) const;
 

@@ -116,6 +116,7 @@ int Program::dispatch(std::vector<std::string> words) {
   Settings settings;
   command->add_parameters(settings);
   settings.load(words);
+  command->validate();
   if (prints) {
     fmt::print("{}", settings.toml());
     return 0;

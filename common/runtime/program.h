@@ -19,6 +19,8 @@ struct Command {
   std::string name;
   std::string sentence;
   std::function<void(Settings&)> add_parameters;
+  /// Throws StartupError if the settings do not go together.
+  std::function<void()> validate;
   std::function<int()> run;
 };
 
@@ -26,7 +28,8 @@ class Program {
  public:
   Program(std::string name, std::string sentence) : name_(std::move(name)), sentence_(std::move(sentence)) {}
 
-  /// `add_parameters(options, settings)` declares, `action(options)` does it. `name`: as it stands on the
+  /// `add_parameters(options, settings)` declares, `action(options)` does it. Options may have a `validate()` that
+  /// throws StartupError: it is asked before anything is done, printing the settings included. `name`: as it stands on the
   /// command line; empty: the program has no other commands.
   template <typename Options, typename AddParameters, typename Action>
   void add(const std::string& name, const std::string& sentence, Options initial,
@@ -35,6 +38,9 @@ class Program {
     commands_.push_back(
         {name, sentence,
          [options, add_parameters](Settings& settings) { add_parameters(*options, settings); },
+         [options] {
+           if constexpr (requires { options->validate(); }) options->validate();
+         },
          [options, action] { return action(*options); }});
   }
 

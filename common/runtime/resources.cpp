@@ -28,13 +28,24 @@ std::vector<std::string> shipped_names(const std::string& kind, const std::strin
   return names;
 }
 
+std::string complaint_about_resource(const std::string& kind, const std::string& name,
+                                     const std::string& extension) {
+  std::error_code ignored;
+  if (fs::exists(name, ignored)) return "";
+  if (name.find('/') == std::string::npos &&
+      fs::is_regular_file(data_folder() / kind / (name + extension), ignored))
+    return "";
+  return fmt::format("is neither a file nor one of the shipped {}: {}", kind,
+                     fmt::join(shipped_names(kind, extension), ", "));
+}
+
 fs::path find_resource(const std::string& kind, const std::string& name, const std::string& extension) {
   std::error_code ignored;
   if (fs::is_regular_file(name, ignored)) return name;
   fs::path shipped = data_folder() / kind / (name + extension);
   if (name.find('/') == std::string::npos && fs::is_regular_file(shipped, ignored)) return shipped;
-  throw usage_error(fmt::format("'{}' is neither a file nor one of the shipped {}: {}", name, kind,
-                                fmt::join(shipped_names(kind, extension), ", ")));
+  const std::string wrong = complaint_about_resource(kind, name, extension);
+  throw input_error(fmt::format("'{}' {}", name, wrong.empty() ? "is no file" : wrong));
 }
 
 }  // namespace telekerf

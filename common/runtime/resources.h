@@ -16,6 +16,10 @@ std::filesystem::path data_folder();
 std::filesystem::path find_resource(const std::string& kind, const std::string& name,
                                     const std::string& extension);
 
+/// What is wrong with such a name, and what may be said instead; empty: a folder or file is there.
+std::string complaint_about_resource(const std::string& kind, const std::string& name,
+                                     const std::string& extension);
+
 /// Names (without extension) of everything shipped of one kind, sorted.
 std::vector<std::string> shipped_names(const std::string& kind, const std::string& extension);
 

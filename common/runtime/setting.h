@@ -19,7 +19,7 @@ struct TextForm {
   std::string form;            ///< as a user writes it: FILE, "simulated|udp:HOST:PORT"
   const char* shipped = "";    ///< kind of shipped data that may be named as well ("robots")
   const char* extension = "";  ///< of these
-  /// What a text must be, if it is not; empty: it is.
+  /// What a text must be, if it is not; empty: it is. Without it what is not shipped must be a path that exists.
   std::function<std::string(const std::string&)> complaint = {};
 };
 inline const TextForm kName{"NAME"};

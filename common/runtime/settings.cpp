@@ -11,6 +11,7 @@
 #include <sstream>
 #include <utility>
 
+#include "common/runtime/resources.h"
 #include "common/runtime/settings_text.h"
 #include "common/runtime/startup_error.h"
 
@@ -66,6 +67,11 @@ ConfigValue value_of(const Setting& setting, const std::vector<std::string>& wor
       break;
   }
   return words.front();
+}
+
+std::string complaint_about(const std::string& text, const TextForm& form) {
+  if (form.complaint) return form.complaint(text);
+  return *form.shipped ? complaint_about_resource(form.shipped, text, form.extension) : "";
 }
 
 bool quoted(Type type) { return type == Type::kText || type == Type::kChoice || type == Type::kTexts; }
@@ -159,8 +165,7 @@ std::string Settings::take(Entry& entry, const ConfigValue& value) {
       const auto* text = std::get_if<std::string>(&value);
       if (text == nullptr) return "must be a text in quotes";
       if (s.type == Type::kText) {
-        if (const std::string wrong = s.text.complaint ? s.text.complaint(*text) : ""; !wrong.empty())
-          return wrong;
+        if (const std::string wrong = complaint_about(*text, s.text); !wrong.empty()) return wrong;
         break;
       }
       std::vector<std::string> words;
@@ -243,7 +248,7 @@ std::vector<Settings::Given> Settings::sorted(std::span<const std::string> words
         if (several && given.words.size() == 1 && words[i].find(',') != word.npos) break;  // X,Y
       }
     }
-    if (given.words.empty())
+    if (given.words.empty() || (given.entry == nullptr && given.words.front().empty()))
       throw usage_error(fmt::format("{}: {} needs a value; see --help", kCommandLine, flag));
     all.push_back(std::move(given));
   }
@@ -262,7 +267,7 @@ void Settings::load(std::span<const std::string> words) {
     if (wrong.empty()) continue;
     const std::string shown = fmt::format("{}", fmt::join(given.words, " "));
     throw usage_error(fmt::format("{}: {} = {}: {}", kCommandLine, setting.name,
-                                  quoted(setting.type) ? fmt::format("'{}'", shown) : shown, wrong));
+                                  quoted(setting.type) || shown.empty() ? fmt::format("'{}'", shown) : shown, wrong));
   }
 }
 

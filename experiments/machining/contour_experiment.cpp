@@ -170,7 +170,9 @@ int run(const Options& options, const ContourExperiment& experiment) {
 }
 
 void add_parameters(Options& o, Settings& s) {
-  s.add("image", o.image, kPicture, "picture: a shipped name or a file; none: the thesis' set");
+  TextForm drawn_as_well = kPicture;  // outline-N is looked at where it is drawn
+  drawn_as_well.complaint = [](const std::string&) { return std::string(); };
+  s.add("image", o.image, drawn_as_well, "picture: a shipped name or a file; none: the thesis' set");
   s.add("robot", o.robot, kRobot, "that machines: a shipped name or a file");
   s.add("width_mm", o.width_mm, {.min = 0, .max = 1000, .unit = "mm"},
         "width of the whole picture, 0: fitted to the workspace");

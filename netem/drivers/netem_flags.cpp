@@ -3,10 +3,16 @@
 
 #include <filesystem>
 
+#include "common/runtime/resources.h"
+
 namespace telekerf::netem {
 
 void NetemFlags::add_parameters(Settings& settings) {
-  settings.add("netem", profile, kProfile,
+  TextForm profile_or_none = kProfile;
+  profile_or_none.complaint = [](const std::string& name) {
+    return name == "none" ? std::string() : complaint_about_resource(kProfile.shipped, name, kProfile.extension);
+  };
+  settings.add("netem", profile, profile_or_none,
                "emulated network between the sites: a profile's name or file, none: the real one");
   settings.add("netem_seed", seed, kSeeds, "of the emulated network");
 }

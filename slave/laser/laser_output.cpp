@@ -34,15 +34,18 @@ void LaserOutputSettings::add_parameters(Settings& settings) {
                "power that the laser is never asked to exceed");
 }
 
+void LaserOutputSettings::validate(double laser_w) const {
+  if (laser_w <= laser_max_w) return;
+  throw configuration_error(
+      fmt::format("laser_w = {:g} must be at most laser_max_w = {:g}; lower it, or raise "
+                  "laser_max_w if the laser can give more",
+                  laser_w, laser_max_w));
+}
+
 LaserOutput::LaserOutput(const LaserOutputSettings& settings, double laser_w, double control_hz,
                          std::unique_ptr<Laser> laser)
     : name_(settings.laser), max_w_(settings.laser_max_w), forgotten_a_step_(1.0 / (kMemory_s * control_hz)) {
-  if (laser_w > max_w_) {
-    throw configuration_error(
-        fmt::format("laser_w = {:g} must be at most laser_max_w = {:g}; lower it, or raise "
-                    "laser_max_w if the laser can give more",
-                    laser_w, max_w_));
-  }
+  settings.validate(laser_w);
   laser_ = laser ? std::move(laser) : kLasers.open(settings.laser, control_hz);
   off();
 }

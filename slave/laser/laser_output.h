@@ -19,6 +19,8 @@ struct LaserOutputSettings {
   std::string laser = "simulated";  ///< a row of the registry in laser_output.cpp
   double laser_max_w = 1000.0;      ///< more is never asked for
   void add_parameters(Settings& settings);
+  /// Throws StartupError if this laser is not to give `laser_w`.
+  void validate(double laser_w) const;
 };
 
 /// What is wrong with a `laser` as a user wrote it, and the remedy; empty: nothing.

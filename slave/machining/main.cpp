@@ -26,6 +26,7 @@ struct Flags {
   StationSettings station;
   std::string record;
   double wait_s = 20.0;  ///< for vision, then it gives up
+  void validate() const { station.beam.validate(station.laser_w); }
 };
 
 const char* text_of(JobPhase phase) {

@@ -79,6 +79,25 @@ TEST_F(Script, ARefusedDemoLeavesAnEarlierRunAlone) {
   EXPECT_EQ(std::distance(fs::directory_iterator(here_ / "run"), fs::directory_iterator()), 1);
 }
 
+TEST_F(Script, AProgramThatIsKilledIsNamedAndNothingOfAnEarlierRunStaysBeside) {
+  fs::create_directories(here_ / "run");
+  for (const std::string file : {"report.json", "result.json", "notes.txt"})
+    std::ofstream(here_ / "run" / file) << "earlier";
+  const std::string cell = "killed-" + std::to_string(::getpid());
+  std::jthread end_of_it([&] {
+    const auto ready = [&] { return text_of("out.txt").find("slave: ready") != std::string::npos; };
+    for (int n = 0; n < 600 && !ready(); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(std::system(("pkill -KILL -f 'telekerf-slave.*" + cell + "'").c_str()), 0);
+  });
+  const Ended demo = run("demo --out run --netem none --cell " + cell + " --domain " + own_domain());
+  EXPECT_EQ(demo.code, 2) << demo.out;
+  EXPECT_EQ(demo.err, "telekerf: telekerf-slave was ended by signal 9; what is recorded so far is in run\n");
+  EXPECT_TRUE(fs::exists(here_ / "run/notes.txt"));
+  EXPECT_TRUE(fs::exists(here_ / "run/master.json")) << "the master had time to write";
+  EXPECT_FALSE(fs::exists(here_ / "run/report.json"));
+  EXPECT_FALSE(fs::exists(here_ / "run/result.json"));
+}
+
 TEST_F(Script, WhatWasCutBeforeTheDriveDiedIsKept) {
   RobotProcess robot("slave-keops");
   ASSERT_NE(robot.drive(), "") << robot.output();
@@ -187,7 +206,8 @@ TEST_F(ScriptFlags, ThatNobodyKnowsAreRefusedBeforeAnythingStarts) {
   for (const std::string words :
        {"demo --speed 3", "demo --beta 99", "demo --width-mm wide", "demo --law none", "demo heart",
         "demo --beta", "demo --robot r", "demo --name n", "demo --record r", "demo --slave-beta 1",
-        "demo '--a]b' 1", "machine", "machine --seed 1", "machine heart --beta 1", "machine heart --config c",
+        "demo '--a]b' 1", "machine", "machine --seed 1", "machine heart --beta 1", "machine heart --image gear",
+        "help nothing", "demo --slave-laser-w 99 --slave-laser-max-w 5", "demo --netem mars", "machine heart --config c",
         "test_nothing", "bench nothing", "check nothing"}) {
     const Ended refused = run(words);
     EXPECT_EQ(refused.code, 2) << words;
