@@ -12,8 +12,8 @@ TEST_F(SlaveNodeTest, FollowsAndBurnsOnlyOnceItHasArrived) {
   EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
   EXPECT_TRUE(out_.settled);
   EXPECT_GT(out_.laser_w, 0.0);
-  EXPECT_LT((out_.tool_m - place(out_.applied_tick * 1e-3)).norm(), 60e-6);
-  EXPECT_LT(largest_step_, 3e-3) << "m/s a tick, the approach included";
+  EXPECT_LT((out_.tool_m - place(out_.applied_tick * 1e-3)).norm(), 10e-6);
+  EXPECT_LT(largest_step_, 1.2e-3) << "m/s a tick, the approach included";
 }
 
 TEST_F(SlaveNodeTest, DisengagedItHoldsAndTheLaserIsOff) {
@@ -22,7 +22,7 @@ TEST_F(SlaveNodeTest, DisengagedItHoldsAndTheLaserIsOff) {
   EXPECT_EQ(out_.mode, SlaveMode::kWaiting);
   EXPECT_EQ(out_.interlock, Interlock::kNotEngaged);
   EXPECT_EQ(laser_ticks_, 0);
-  EXPECT_LT(out_.tool_m.norm(), 50e-6);
+  EXPECT_LT(out_.tool_m.norm(), 1e-6);
 }
 
 TEST_F(SlaveNodeTest, SilenceStopsTheLaserAtOnceAndTheMotionSmoothly) {
@@ -34,7 +34,7 @@ TEST_F(SlaveNodeTest, SilenceStopsTheLaserAtOnceAndTheMotionSmoothly) {
   EXPECT_EQ(laser_ticks_, 0);
   EXPECT_EQ(out_.mode, SlaveMode::kHolding);
   EXPECT_EQ(out_.interlock, Interlock::kNotEngaged);
-  EXPECT_LT(out_.reference.velocity_m_per_s.norm(), 1e-6);
+  EXPECT_LT(out_.reference.velocity_m_per_s.norm(), 1e-9);
   EXPECT_LT(largest_step_, 3e-3);
   // The stream comes back: it goes on by itself and without a jump.
   tick_ += 960;
@@ -52,8 +52,9 @@ TEST_F(SlaveNodeTest, EmergencyStopLatchesUntilItIsCleared) {
   laser_ticks_ = 0;
   follow(0.5);
   EXPECT_EQ(out_.mode, SlaveMode::kStopped);
+  EXPECT_EQ(out_.interlock, Interlock::kStopped);
   EXPECT_EQ(laser_ticks_, 0);
-  EXPECT_LT(out_.reference.velocity_m_per_s.norm(), 1e-4);
+  EXPECT_LT(out_.reference.velocity_m_per_s.norm(), 2e-6);
   EventMessage clear;
   clear.kind = EventMessage::Kind::kClearStop;
   run(next_block(), {clear});
@@ -126,7 +127,7 @@ TEST_F(SlaveNodeTest, AnotherSampleRateInMidRunIsFollowedSmoothly) {
     }
     EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
     EXPECT_TRUE(out_.settled);
-    EXPECT_LT((out_.tool_m - place(out_.applied_tick * 1e-3)).norm(), 60e-6);
+    EXPECT_LT((out_.tool_m - place(out_.applied_tick * 1e-3)).norm(), 15e-6);
   }
   EXPECT_EQ(station_.node().counters().refused, 0u);
   EXPECT_LT(largest_step_, 4e-3) << "m/s a tick";
