@@ -73,6 +73,10 @@ TEST_F(Permit, ItBurnsFromTheStepAtWhichToolAndApproachAreWithinAFifthOfAMillime
   int close = 0;
   each_tick_ = [&] {
     if (out_.applied_tick < 0.0) return;
+    const double left_m = (out_.reference.position_m - place(out_.applied_tick * 1e-3)).norm();
+    if (std::abs(left_m - 20e-6) > 2e-6) {
+      ASSERT_EQ(out_.settled, left_m < 20e-6) << left_m;
+    }
     const double margin_m = off_m() - 0.2e-3;
     if (std::abs(margin_m) < 2e-6) return;  // the codec's part of it
     ASSERT_EQ(out_.interlock == Interlock::kReady,
@@ -91,7 +95,9 @@ TEST_F(Permit, AKnockedToolPutsTheBeamOutAndBurnsOnWhenItIsBack) {
   burn();
   int kept_off = 0;
   int burnt = 0;
+  double farthest_m = 0.0;
   each_tick_ = [&] {
+    farthest_m = std::max(farthest_m, off_m());
     const double margin_m = off_m() - 0.2e-3;
     if (std::abs(margin_m) < 2e-6) return;
     ASSERT_EQ(out_.interlock, margin_m < 0.0 ? Interlock::kReady : Interlock::kTracking) << margin_m;
@@ -101,6 +107,7 @@ TEST_F(Permit, AKnockedToolPutsTheBeamOutAndBurnsOnWhenItIsBack) {
   run(next_block());
   station_.machine().plant()->set_tool_force(Vec3::Zero());
   follow(0.5);
+  EXPECT_NEAR(farthest_m, 383e-6, 4e-6) << "as stiff as law and observer make it";
   EXPECT_GT(kept_off, 5);
   EXPECT_GT(burnt, 300);
   EXPECT_GT(out_.laser_w, 0.0);
@@ -205,6 +212,16 @@ TEST_F(PermitOfANode, WithJointsThatAreNoPoseTheBeamIsOffAndTheJointsAreBraked) 
     ASSERT_TRUE(out_.currents_a.allFinite());
   };
   run_node(next_block(), [](robot::JointReading& reading) { reading.joints_m = Vec3::Constant(10.0); });
+}
+
+TEST_F(PermitOfANode, ItRestsWhereItsFirstReadingFindsIt) {
+  const Vec3 there_m(2e-3, -1e-3, 0.5e-3);
+  plant_ = robot::SimulatedRobot(model_, 1, model_.in_base(there_m));
+  for (int n = 0; n < 8; ++n) (void)node_.step(now_ns_, {});  // without a reading, and nothing moves
+  run_node(std::nullopt);
+  EXPECT_LT((out_.reference.position_m - there_m).norm(), 5e-6);
+  EXPECT_LT((out_.tool_m - there_m).norm(), 0.15e-3) << "its weight is not known yet";
+  EXPECT_FALSE(out_.settled) << "nothing is followed";
 }
 
 TEST_F(PermitOfANode, AToolBeyondTheWorkspacesEdgeBurnsNothing) {
