@@ -51,10 +51,11 @@ class LaserDevice {
   std::int64_t heard_ns_ = 0;
 };
 
-/// Where its datagrams arrive, on any free port of the loopback interface.
+/// Where its datagrams arrive, on a port of the loopback interface; 0: any free one.
 class LaserSocket {
  public:
-  LaserSocket() : socket_(context_, {boost::asio::ip::address_v4::loopback(), 0}) {
+  explicit LaserSocket(unsigned short port = 0)
+      : socket_(context_, {boost::asio::ip::address_v4::loopback(), port}) {
     socket_.non_blocking(true);
     socket_.set_option(boost::asio::socket_base::receive_buffer_size(4 << 20));
   }

@@ -2,11 +2,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+#include <vector>
 
 #include "slave/laser/interlock.h"
 
 namespace telekerf::laser {
 namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 InterlockInputs good() {
   InterlockInputs inputs;
@@ -14,47 +21,82 @@ InterlockInputs good() {
   return inputs;
 }
 
-TEST(Interlock, EveryDoubtForbidsTheBeamAndSaysWhy) {
-  const InterlockSettings settings;
-  EXPECT_EQ(evaluate_interlock(good(), settings), Interlock::kReady);
-  auto inputs = good();
-  inputs.contour_known = false;
-  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kNoContour);
-  inputs = good();
-  inputs.engaged = false;
-  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kNotEngaged);
-  inputs = good();
-  inputs.fresh = false;
-  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kStale);
-  inputs = good();
-  inputs.inside_workspace = false;
-  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kOutsideWorkspace);
-  inputs = good();
-  inputs.contour_distance_m = 0.49e-3;
-  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kOutsideCorridor)
-      << "the sensors' allowance counts";
-  inputs = good();
-  inputs.tracking_error_m = 1e-3;
-  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kTracking);
-  inputs.stopped = true;
-  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kStopped);
-}
+double below(double value) { return std::nextafter(value, -kInfinite); }
 
-TEST(Interlock, AFastToolIsStoppedEarlier) {
-  auto inputs = good();
-  inputs.contour_distance_m = 0.4e-3;
+/// Everything is wrong at first, and put right one after the other: the first reason left is said.
+TEST(Interlock, EveryDoubtForbidsTheBeamByItselfAndTheFirstOneIsSaid) {
+  using Repair = std::pair<Interlock, std::function<void(InterlockInputs&)>>;
+  const std::vector<Repair> repairs{
+      {Interlock::kStopped, [](InterlockInputs& now) { now.stopped = false; }},
+      {Interlock::kNoContour, [](InterlockInputs& now) { now.contour_known = true; }},
+      {Interlock::kNotEngaged, [](InterlockInputs& now) { now.engaged = true; }},
+      {Interlock::kStale, [](InterlockInputs& now) { now.fresh = true; }},
+      {Interlock::kOutsideWorkspace, [](InterlockInputs& now) { now.inside_workspace = true; }},
+      {Interlock::kOutsideCorridor, [](InterlockInputs& now) { now.contour_distance_m = 0.0; }},
+      {Interlock::kTracking, [](InterlockInputs& now) { now.tracking_error_m = 0.0; }}};
+  const InterlockInputs wrong{.stopped = true, .contour_distance_m = 1.0, .tracking_error_m = 1.0};
+  InterlockInputs inputs = wrong;
+  for (const auto& [reason, repair] : repairs) {
+    EXPECT_EQ(evaluate_interlock(inputs, {}), reason);
+    repair(inputs);
+  }
   EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kReady);
-  inputs.speed_m_per_s = 0.05;
-  EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kOutsideCorridor);
+  for (const auto& [reason, left_out] : repairs) {
+    inputs = wrong;
+    for (const auto& [other, repair] : repairs) {
+      if (other != reason) repair(inputs);
+    }
+    EXPECT_EQ(evaluate_interlock(inputs, {}), reason) << "alone";
+  }
+  EXPECT_EQ(evaluate_interlock({}, {}), Interlock::kNoContour) << "what is not said is not allowed";
 }
 
-TEST(Interlock, NotANumberForbids) {
+/// Numbers that binary fractions hold exactly.
+TEST(Interlock, BoundsAreReachedByEqualityAlready) {
+  const InterlockSettings settings{
+      .corridor_m = 1.0, .reaction_s = 0.25, .measurement_m = 0.125, .max_tracking_error_m = 0.5};
   auto inputs = good();
-  inputs.contour_distance_m = std::nan("");
-  EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kOutsideCorridor);
-  inputs = good();
-  inputs.tracking_error_m = std::nan("");
+  inputs.speed_m_per_s = 0.5;
+  inputs.contour_distance_m = 0.75;  // + 0.5 x 0.25 + 0.125 = 1
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kOutsideCorridor);
+  inputs.contour_distance_m = below(0.75) - 1e-15;
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kReady);
+  inputs.tracking_error_m = 0.5;
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kTracking);
+  inputs.tracking_error_m = below(0.5);
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kReady);
+}
+
+/// Half a millimetre, less 20 um that sensors do not see, less 3 ms of way; 0.2 mm to where it is wanted.
+TEST(Interlock, AsItIsSetTheCorridorIsHalfAMillimetreAndAFastToolIsStoppedEarlier) {
+  for (const double speed_m_per_s : {0.0, 0.02, 0.1}) {
+    auto inputs = good();
+    inputs.speed_m_per_s = speed_m_per_s;
+    const double bound_m = 0.5e-3 - 20e-6 - 3e-3 * speed_m_per_s;
+    inputs.contour_distance_m = bound_m - 1e-9;
+    EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kReady) << speed_m_per_s;
+    inputs.contour_distance_m = bound_m + 1e-9;
+    EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kOutsideCorridor) << speed_m_per_s;
+  }
+  auto inputs = good();
+  inputs.tracking_error_m = 0.2e-3 - 1e-9;
+  EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kReady);
+  inputs.tracking_error_m = 0.2e-3 + 1e-9;
   EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kTracking);
+}
+
+TEST(Interlock, NotANumberAndInfinityForbid) {
+  for (const double wrong : {kNan, kInfinite}) {
+    auto inputs = good();
+    inputs.contour_distance_m = wrong;
+    EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kOutsideCorridor);
+    inputs = good();
+    inputs.speed_m_per_s = wrong;
+    EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kOutsideCorridor);
+    inputs = good();
+    inputs.tracking_error_m = wrong;
+    EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kTracking);
+  }
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/runtime/startup_error.h"
@@ -148,6 +150,43 @@ TEST(LaserOutput, LosesALaserThatIsNotToldTimeAndAgain) {
       << beam.failure();
 }
 
+/// 256 Hz: what is forgotten in a step is a whole share of a doubt in four seconds, 1 / 1024.
+TEST(LaserOutput, ThreeUntoldStepsAreEnoughAndOneIsForgottenInFourSeconds) {
+  std::vector<Told::Step> steps;
+  const auto lost_after = [&](int told_steps) {
+    auto laser = std::make_unique<Told>(steps, true);
+    Told& told = *laser;
+    LaserOutput beam({}, 10.0, 256.0, std::move(laser));
+    const auto emit = [&](bool reached, int times) {
+      told.reached = reached;
+      for (int n = 0; n < times; ++n) beam.emit(8.0, false);
+    };
+    emit(true, 5000);  // no credit is saved up
+    emit(false, 2);
+    EXPECT_FALSE(beam.failed());
+    emit(true, told_steps);
+    emit(false, told_steps == 0 ? 1 : 2);
+    EXPECT_EQ(beam.write_failures(), told_steps == 0 ? 3u : 4u);
+    return beam.failed();
+  };
+  EXPECT_TRUE(lost_after(0)) << "three in a row";
+  EXPECT_TRUE(lost_after(1024)) << "a fourth when one of three was forgotten";
+  EXPECT_FALSE(lost_after(1025));
+}
+
+TEST(LaserOutput, ALostLaserIsToldToBeOffAtEveryStepAndItsPilotToo) {
+  std::vector<Told::Step> steps;
+  LaserOutput beam({}, 10.0, 1000.0, std::make_unique<Told>(steps, false));
+  EXPECT_EQ(beam.emit(8.0, true), 8.0) << "the beam's off at first was the first doubt";
+  EXPECT_EQ(beam.emit(8.0, true), 8.0);
+  EXPECT_TRUE(beam.failed());
+  for (int n = 0; n < 5; ++n) {
+    EXPECT_EQ(beam.emit(8.0, true), 0.0);
+    EXPECT_EQ(steps.back(), (Told::Step{0.0, false}));
+  }
+  EXPECT_EQ(beam.write_failures(), 8u);
+}
+
 TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
   LaserSocket socket;
   UdpLaser laser(socket.address(), 2400.0);
@@ -157,7 +196,7 @@ TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
     EXPECT_GT(arrival->told.sequence, sequence);
     sequence = arrival->told.sequence;
   }
-  EXPECT_GE(sequence, 1u);
+  EXPECT_EQ(sequence, 2u) << "a second time, to hear what became of the first";
   const auto before = testing::allocations();
   bool told = true;
   for (int n = 0; n < 100; ++n) told = laser.emit(0.1 * n, n % 2 == 1) && told;
@@ -195,6 +234,32 @@ TEST(UdpLaser, ThatGoesAwayIsLost) {
   socket.reset();
   for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
   EXPECT_TRUE(beam.failed());
+}
+
+TEST(UdpLaser, IsToldAnewInTheSameStepWhenTheDatagramBeforeFailed) {
+  auto socket = std::make_unique<LaserSocket>();
+  const unsigned short port = socket->address().port;
+  UdpLaser laser(socket->address(), 1000.0);
+  socket.reset();
+  EXPECT_TRUE(laser.emit(1.0, false)) << "nobody has answered yet";
+  LaserSocket again(port);
+  EXPECT_FALSE(laser.emit(2.0, true));
+  const auto arrival = again.take();
+  ASSERT_TRUE(arrival.has_value());
+  EXPECT_EQ(arrival->told.power_w, 2.0);
+  EXPECT_EQ(arrival->told.pilot, 1u);
+  EXPECT_TRUE(laser.emit(3.0, false));
+}
+
+TEST(UdpLaser, MayBeSilentForThreeMillisecondsOrTwoPeriods) {
+  for (const auto& [period_ns, silence_ns] : {std::pair{0U, 3'000'000},
+                                              {1'000'000U, 3'000'000},
+                                              {1'500'000U, 3'000'000},
+                                              {1'500'001U, 3'000'002},
+                                              {5'000'000U, 10'000'000}}) {
+    EXPECT_EQ(udp_silence_ns(period_ns), silence_ns) << period_ns;
+  }
+  EXPECT_EQ(udp_silence_ns(4'000'000'000U), 8'000'000'000) << "beyond 32 bits";
 }
 
 constexpr std::int64_t kMs = 1'000'000;

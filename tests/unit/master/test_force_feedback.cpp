@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "common/codec/encoder.h"
 #include "master/force_feedback.h"
@@ -102,14 +104,22 @@ TEST_F(ForceFeedbackTest, ALostBlockIsCoveredByTheNextOnesCopyAndCaughtUp) {
 }
 
 TEST_F(ForceFeedbackTest, WithoutCopiesTheLastValueIsHeldAndTheRestIsTrue) {
+  std::int64_t shown_before = 0;
   for (int b = 0; b < 40; ++b) {
     const StateBlock state = next();
     if (b % 8 < 5) receive(state);
     for (int n = 0; n < kBlock; ++n) {
       out_ = step();
-      if (b % 8 < 5 && b % 8 > 1) {
-        ASSERT_LT((out_.force_n - force_at(static_cast<std::int64_t>(out_.tick))).norm(), 0.1);
-      }
+      const auto shown = static_cast<std::int64_t>(out_.tick);
+      ASSERT_GE(shown, shown_before) << "block " << b;
+      shown_before = shown;
+      // What the slave said of that very tick (the last of three lost blocks has a copy), or the last thing
+      // before.
+      const std::int64_t block = shown / kBlock;
+      const std::int64_t said =
+          block % 8 < 5 || block % 8 == 7 ? shown : (block - block % 8 + 5) * kBlock - 1;
+      ASSERT_LT((out_.force_n - force_at(said)).cwiseAbs().maxCoeff(), 0.1)
+          << "tick " << shown << ", block " << b;
     }
   }
 }
@@ -176,6 +186,36 @@ TEST_F(ForceFeedbackTest, SilenceMakesItUnknown) {
   EXPECT_TRUE(step().known);
   for (int n = 0; n < 600; ++n) out_ = step();
   EXPECT_FALSE(out_.known);
+  receive(next());
+  int known = 0;
+  for (int n = 0; n < 600; ++n) known += step().known ? 1 : 0;
+  EXPECT_NEAR(known, 499, 1) << "half a second";
+}
+
+TEST_F(ForceFeedbackTest, WhatLiesBehindIsCaughtUpAtDoublePaceAndNeverPassesTheNewest) {
+  receive(next());
+  play();
+  (void)next();
+  receive(next());  // with the copy of the lost one: 32 samples at once
+  std::vector<Tick> shown;
+  for (int n = 0; n < 40; ++n) shown.push_back(step().tick);
+  for (std::size_t n = 0; n < shown.size(); ++n) {
+    // Due is one block behind the newest, where it begins; two samples a step until that is reached.
+    const std::size_t caught_up = std::min<std::size_t>(15 + 2 * (n + 1), 31 + n + 1);
+    EXPECT_EQ(shown[n], std::min<std::size_t>(caught_up, 47)) << n;
+  }
+}
+
+TEST_F(ForceFeedbackTest, AnotherRateIsGivenOutAtItsOwnPace) {
+  StateBlock slow = next();
+  slow.sample_period_ns = 4'000'000;
+  slow.ticks_per_sample = 4;
+  receive(slow);
+  for (int n = 0; n < 64; ++n) {
+    out_ = step();
+    ASSERT_EQ(out_.tick, static_cast<Tick>(4 * std::max(0, (n - 3) / 4))) << n;
+  }
+  EXPECT_TRUE(out_.known);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST_F(MasterStation, WithoutContourItHoldsAndIsSilent) {
   run(1.0, true, true);
   EXPECT_EQ(out_.mode, MasterMode::kIdle);
   EXPECT_EQ(blocks_, 0);
-  EXPECT_LT(out_.tool_m.norm(), 50e-6);
+  EXPECT_LT(out_.tool_m.norm(), 0.5e-6);
 }
 
 TEST_F(MasterStation, ApproachesGuidesAndEngagesOnlyWithALivingSlaveOnTheSameContour) {

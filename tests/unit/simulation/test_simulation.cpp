@@ -20,12 +20,12 @@ TEST_P(LapOnPicture, MeetsTheDemosBarsAt50MsEachWay) {
   SimulationSettings settings = demo("thesis-constant");
   settings.image = GetParam();
   const auto report = reporting::make_report(simulate(settings));
-  EXPECT_LE(report["constraint"]["rms_um"].get<double>(), 150.0);
-  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
+  EXPECT_LE(report["constraint"]["rms_um"].get<double>(), 20.0);
+  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 12.0);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
-  EXPECT_GE(report["cut"]["coverage"].get<double>(), 0.6);
-  EXPECT_GT(report["cut"]["energy_inside_j"].get<double>(), 10.0);
-  EXPECT_NEAR(report["link"]["rtt_ms"]["p50"].get<double>(), 100.0, 1.0);
+  EXPECT_GE(report["cut"]["coverage"].get<double>(), 0.83);
+  EXPECT_GT(report["cut"]["energy_inside_j"].get<double>(), 180.0);
+  EXPECT_NEAR(report["link"]["rtt_ms"]["p50"].get<double>(), 100.0, 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(Pictures, LapOnPicture, testing::Values("heart", "gear", "letter-e"));
@@ -46,8 +46,8 @@ TEST(Lap, JitterAndLossCostDelayButNoLaserOutsideTheCorridor) {
   const auto report = reporting::make_report(simulate(settings));
   EXPECT_GT(report["link"]["lost"].get<int>(), 20);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
-  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
-  EXPECT_GE(report["cut"]["coverage"].get<double>(), 0.4);
+  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 7.0);
+  EXPECT_GE(report["cut"]["coverage"].get<double>(), 0.85);
 }
 
 TEST(Lap, TheThesisControlRateIsOneSettingAway) {
@@ -56,8 +56,8 @@ TEST(Lap, TheThesisControlRateIsOneSettingAway) {
   settings.master.node.control_hz = settings.slave.node.control_hz = 2400.0;
   settings.master.node.stream_hz = settings.slave.node.stream_hz = 1200.0;
   const auto report = reporting::make_report(simulate(settings));
-  EXPECT_LE(report["constraint"]["rms_um"].get<double>(), 150.0);
-  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
+  EXPECT_LE(report["constraint"]["rms_um"].get<double>(), 20.0);
+  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 12.0);
   EXPECT_NEAR(report["link"]["packets_per_s"].get<double>(), 75.0, 1.0);
 }
 
@@ -67,7 +67,7 @@ TEST(Lap, TheMastersAreScaledByBeta) {
   settings.master.beta = 0.8;
   const auto report = reporting::make_report(simulate(settings));
   EXPECT_EQ(report["beta"].get<double>(), 0.8);
-  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 150.0);
+  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 12.0);
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
   EXPECT_GT(blocks[16], 100);
   EXPECT_GT(blocks[32], 60);
   EXPECT_LT(counters.missed_ticks, 100u) << "the play-out deepens for longer blocks, and no more";
-  EXPECT_LT(largest_step, 20e-3) << "m/s a tick: within the robot's acceleration";
+  EXPECT_LT(largest_step, 1.4e-3) << "m/s a tick";
   EXPECT_LT(1e6 * std::sqrt(squares / followed), 40.0);
   EXPECT_GT(last_force, hand().tool.size() - 100);
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "common/streaming/packet_samples.h"
 #include "common/streaming/stream_receiver.h"
@@ -114,6 +115,138 @@ TYPED_TEST(StreamReceiverTest, AnotherSenderKnocksInVainUntilOursIsSilent) {
   EXPECT_EQ(this->receiver_.counters().refused, 2u);
 }
 
+TYPED_TEST(StreamReceiverTest, SilenceIsMeasuredFromTheNewestBlockThatWasTaken) {
+  auto& receiver = this->receiver_;
+  const auto at = [&](std::int64_t now_ns, const TypeParam& block) {
+    return receiver.receive({block, now_ns}, kAlways).kind;
+  };
+  const TypeParam overtaken = this->sender_.next();
+  const TypeParam first = this->sender_.next();
+  const TypeParam third = (this->sender_.next(), this->sender_.next());
+  EXPECT_EQ(at(1000 * kMs, first), Kind::kNew);
+  EXPECT_EQ(at(1016 * kMs, third), Kind::kNew);
+  EXPECT_EQ(receiver.arrived_ns(), 1016 * kMs);
+  EXPECT_EQ(at(1100 * kMs, third), Kind::kStale);
+  EXPECT_EQ(at(1100 * kMs, overtaken), Kind::kStale);
+  EXPECT_EQ(receiver.arrived_ns(), 1016 * kMs) << "what is repeated breaks no silence";
+  EXPECT_NEAR(receiver.silent_s(1100 * kMs), 0.084, 1e-12);
+  Sender<TypeParam> other(8);
+  EXPECT_EQ(at(1165 * kMs, other.next()), Kind::kRefused);
+  EXPECT_EQ(at(1166 * kMs - 1, other.next()), Kind::kRefused);
+  EXPECT_EQ(receiver.arrived_ns(), 1016 * kMs) << "nor does another sender";
+  EXPECT_EQ(at(1166 * kMs + 1, other.next()), Kind::kNew);
+}
+
+TYPED_TEST(StreamReceiverTest, AnotherSenderBeginsEverythingAnew) {
+  for (int n = 0; n < 100; ++n) this->take(this->sender_.next());
+  this->now_ns_ += 200 * kMs;
+  Sender<TypeParam> other(8, 40);  // numbers that were had before, of the blocks and within them
+  TypeParam broken = other.next();
+  broken.payload.size = 3;
+  EXPECT_EQ(this->take(broken), Kind::kRefused);
+  EXPECT_FALSE(this->receiver_.heard()) << "whoever comes next may be the one";
+  const TypeParam begin = other.next();
+  EXPECT_EQ(this->take(begin), Kind::kNew);
+  EXPECT_TRUE(this->last_.begins);
+  EXPECT_EQ(this->last_.missing, 0u);
+  EXPECT_EQ(this->take(broken), Kind::kStale);
+  TypeParam ahead = other.next();
+  ahead.first_tick += 1100;
+  EXPECT_EQ(this->take(ahead), Kind::kRefused) << "ahead of its own samples, not of the other's";
+  EXPECT_EQ(this->receiver_.counters().lost, 0u);
+}
+
+TYPED_TEST(StreamReceiverTest, AStampMayBeASecondAheadOfWhatTheTimeAllows) {
+  for (const std::uint32_t period_ms : {1U, 2U}) {
+    for (const std::int64_t wait_ms : {16, 400}) {
+      StreamReceiver<TypeParam> receiver(0.15);
+      Sender<TypeParam> sender(7);
+      const auto next = [&] {
+        TypeParam block = sender.next();
+        block.sample_period_ns = period_ms * 1'000'000;
+        return block;
+      };
+      EXPECT_EQ(receiver.receive({next(), 0}, kAlways).kind, Kind::kNew);
+      const std::int64_t allowed = (1000 + wait_ms) / period_ms;  // newest one 15, first of the next 16
+      TypeParam block = next();
+      block.first_tick += static_cast<Tick>(allowed);
+      EXPECT_EQ(receiver.receive({block, wait_ms * kMs - 1}, kAlways).kind, Kind::kRefused) << period_ms;
+      block.first_tick -= 1;
+      EXPECT_EQ(receiver.receive({block, wait_ms * kMs + 1}, kAlways).kind, Kind::kNew) << period_ms;
+    }
+  }
+}
+
+TYPED_TEST(StreamReceiverTest, TheNewestSampleIsTheFurthestOneThatCame) {
+  this->take(this->sender_.next());
+  TypeParam far = this->sender_.next();
+  far.first_tick += 900;
+  EXPECT_EQ(this->take(far), Kind::kNew);
+  EXPECT_EQ(this->take(this->sender_.next()), Kind::kNew) << "back where it was";
+  TypeParam farther = this->sender_.next();
+  farther.first_tick += 1800;
+  EXPECT_EQ(this->take(farther), Kind::kNew);
+}
+
+TYPED_TEST(StreamReceiverTest, AnOvertakenBlockIsOfUseWhileItsLastSampleMayBeAndItsKindIsTheNewests) {
+  const auto overtaken = [&](std::int64_t useful_from, auto change) {
+    StreamReceiver<TypeParam> receiver(0.15);
+    Sender<TypeParam> sender(7);
+    receiver.receive({sender.next(), 0}, kAlways);
+    TypeParam late = sender.next();
+    receiver.receive({sender.next(), 2 * kBlock * kMs}, kAlways);
+    change(late);
+    const Arrival arrival = receiver.receive({late, 3 * kBlock * kMs}, useful_from);
+    const bool used = arrival.kind == Kind::kLate;
+    EXPECT_EQ(used, arrival.packet != nullptr);
+    EXPECT_EQ(receiver.counters().blocks, used ? 3u : 2u);
+    EXPECT_EQ(receiver.counters().stale, used ? 0u : 1u);
+    EXPECT_EQ(receiver.counters().lost, used ? 0u : 1u);
+    return used;
+  };
+  const auto as_it_is = [](TypeParam&) {};
+  EXPECT_TRUE(overtaken(kBlock + 63, as_it_is)) << "the longest block has 64 samples";
+  EXPECT_FALSE(overtaken(kBlock + 64, as_it_is));
+  EXPECT_FALSE(overtaken(kAlways, [](TypeParam& late) { late.sample_period_ns = 2'000'000; }));
+  EXPECT_FALSE(overtaken(kAlways, [](TypeParam& late) { late.ticks_per_sample = 2; }));
+  EXPECT_FALSE(overtaken(kAlways, [](TypeParam& late) { late.payload.size = 3; }));
+}
+
+/// Positions come as what is left of the straight line through the anchor.
+TYPED_TEST(StreamReceiverTest, PositionsAreDecodedAboutTheAnchorsLine) {
+  codec::BlockEncoder encoder({.max_rms = 1e-7, .redundancy = 0, .sample_period_ns = 2'000'000});
+  TypeParam block = this->sender_.next();
+  block.sample_period_ns = 2'000'000;
+  block.anchor = {Vec3(3e-3, -2e-3, 1e-3), Vec3(0.05, -0.03, 0.01)};
+  std::vector<Vec3> samples;
+  for (int n = 0; n < kBlock; ++n)
+    samples.push_back(block.anchor.position_m + 2e-3 * n * block.anchor.velocity_m_per_s);
+  const codec::Trend trend{block.anchor.position_m, 2e-3 * block.anchor.velocity_m_per_s};
+  block.payload.size =
+      static_cast<std::uint16_t>(encoder.encode(samples, 0, trend, block.payload.room()).value_or(0));
+  ASSERT_EQ(this->take(block), Kind::kNew);
+  for (std::size_t n = 0; n < kBlock; ++n) {
+    EXPECT_LT((this->last_.packet->blocks_newest_first[0].samples[n] - samples[n]).norm(), 1e-6) << n;
+  }
+}
+
+TEST(CommandStreamReceiver, AccelerationsHaveNoLineThroughThem) {
+  for (const Law law : {Law::kAnchored, Law::kRemoteAcceleration}) {
+    StreamReceiver<CommandBlock> receiver(0.15);
+    Sender<CommandBlock> sender(7);
+    CommandBlock block = sender.next();
+    block.law = law;
+    block.anchor = {Vec3(3e-3, -2e-3, 1e-3), Vec3(0.05, -0.03, 0.01)};
+    const Arrival arrival = receiver.receive({block, 0}, kAlways);
+    ASSERT_EQ(arrival.kind, Kind::kNew);
+    for (std::size_t n = 0; n < kBlock; ++n) {
+      EXPECT_LT(
+          (arrival.packet->blocks_newest_first[0].samples[n] - place(static_cast<std::int64_t>(n))).norm(),
+          1e-6);
+    }
+  }
+}
+
 TYPED_TEST(StreamReceiverTest, AnotherSampleRateIsAnotherCountOfSamples) {
   this->take(this->sender_.next());
   TypeParam slower = this->sender_.next();
@@ -123,6 +256,14 @@ TYPED_TEST(StreamReceiverTest, AnotherSampleRateIsAnotherCountOfSamples) {
   EXPECT_TRUE(this->last_.begins);
   EXPECT_EQ(this->last_.first, kBlock / 2);
   EXPECT_EQ(this->receiver_.generation(), 2u);
+  (void)this->sender_.next();
+  TypeParam longer = this->sender_.next();
+  longer.ticks_per_sample = 2;  // as far apart as at first, of ticks that are shorter
+  EXPECT_EQ(this->take(longer), Kind::kNew);
+  EXPECT_TRUE(this->last_.begins);
+  EXPECT_EQ(this->last_.missing, 1u) << "a block is missing between them all the same";
+  EXPECT_EQ(this->receiver_.counters().lost, 1u);
+  EXPECT_EQ(this->receiver_.generation(), 3u);
 }
 
 TYPED_TEST(StreamReceiverTest, WhatCannotBeIsRefusedAndChangesNothing) {
@@ -160,6 +301,14 @@ TEST(CommandStreamReceiver, AnotherScaleOrLawIsAnotherGenerationAndNotComparable
   EXPECT_EQ(take(rescaled), Kind::kNew);
   EXPECT_EQ(receiver.generation(), 2u);
   EXPECT_EQ(take(late), Kind::kStale);
+  CommandBlock late_too = sender.next();
+  late_too.beta = 0.5;
+  late_too.law = Law::kAnchored;
+  CommandBlock same = sender.next();
+  same.beta = 0.5;
+  EXPECT_EQ(take(same), Kind::kNew);
+  EXPECT_EQ(receiver.generation(), 2u);
+  EXPECT_EQ(take(late_too), Kind::kStale) << "of another law";
   CommandBlock other_law = sender.next();
   other_law.beta = 0.5;
   other_law.law = Law::kAnchored;

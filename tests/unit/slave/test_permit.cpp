@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// What decides that the beam may be on, in a slave that follows: each doubt by itself, at its very step.
+#include "common/robot/drivers/simulated_robot.h"
+#include "tests/unit/slave/commanded_slave.h"
+
+namespace telekerf::slave {
+namespace {
+
+class Permit : public SlaveNodeTest {
+ protected:
+  void burn() {
+    follow(3.0);
+    ASSERT_GT(out_.laser_w, 0.0);
+  }
+  /// Of the sample that is applied, by the master's circle: what the interlock takes for the tracking error.
+  double off_m() const {
+    const Vec3 wanted_m = place(out_.applied_tick * 1e-3);
+    return (out_.tool_m - out_.reference.position_m).norm() + (out_.reference.position_m - wanted_m).norm();
+  }
+};
+
+TEST_F(Permit, AnotherContourPutsTheBeamOutUntilTheMasterWorksOnItToo) {
+  burn();
+  laser_ticks_ = 0;
+  corridor_ = station_.prepare(circle(2, 0.005));
+  each_tick_ = [&] { ASSERT_EQ(out_.interlock, Interlock::kNoContour); };
+  run(next_block());  // made for the contour before
+  EXPECT_EQ(laser_ticks_, 0);
+  each_tick_ = {};
+  contour_id_ = 2;
+  follow(1.0);
+  EXPECT_GT(out_.laser_w, 0.0);
+}
+
+TEST_F(Permit, WithoutAContourNothingBurns) {
+  burn();
+  laser_ticks_ = 0;
+  const auto before = std::move(corridor_);
+  each_tick_ = [&] { ASSERT_EQ(out_.interlock, Interlock::kNoContour); };
+  follow(0.2);
+  EXPECT_EQ(laser_ticks_, 0);
+  EXPECT_EQ(out_.mode, SlaveMode::kFollowing) << "it follows all the same";
+}
+
+TEST_F(Permit, ContourNumberZeroIsNotKnownBeforeTheMasterIsHeard) {
+  corridor_ = station_.prepare(circle(0, 0.005));
+  run(std::nullopt);
+  EXPECT_EQ(out_.interlock, Interlock::kNoContour);
+  contour_id_ = 0;
+  engaged_ = false;
+  follow(0.1);
+  EXPECT_EQ(out_.interlock, Interlock::kNotEngaged);
+}
+
+TEST_F(Permit, TheBeamIsOnWhereTheAppliedSamplesButtonIsPressed) {
+  burn();
+  pressed_ = [](Tick tick) { return tick / 7 % 2 == 0; };
+  follow(0.2);  // what was made before is used up
+  int lit = 0;
+  int checked = 0;
+  each_tick_ = [&] {
+    ASSERT_EQ(out_.interlock, Interlock::kReady);
+    ASSERT_EQ(out_.laser_w > 0.0, pressed_(static_cast<Tick>(std::llround(out_.applied_tick))));
+    lit += out_.laser_w > 0.0 ? 1 : 0;
+    ++checked;
+  };
+  follow(0.5);
+  EXPECT_NEAR(lit, checked / 2, 7);
+}
+
+TEST_F(Permit, ItBurnsFromTheStepAtWhichToolAndApproachAreWithinAFifthOfAMillimetre) {
+  int judged = 0;
+  int close = 0;
+  each_tick_ = [&] {
+    if (out_.applied_tick < 0.0) return;
+    const double left_m = (out_.reference.position_m - place(out_.applied_tick * 1e-3)).norm();
+    if (std::abs(left_m - 20e-6) > 2e-6) {
+      ASSERT_EQ(out_.settled, left_m < 20e-6) << left_m;
+    }
+    const double margin_m = off_m() - 0.2e-3;
+    if (std::abs(margin_m) < 2e-6) return;  // the codec's part of it
+    ASSERT_EQ(out_.interlock == Interlock::kReady,
+              margin_m < 0.0 && out_.interlock != Interlock::kOutsideCorridor)
+        << margin_m;
+    close += std::abs(margin_m) < 20e-6 ? 1 : 0;
+    ++judged;
+  };
+  follow(3.0);
+  EXPECT_GT(judged, 2800);
+  EXPECT_GE(close, 3);
+  EXPECT_LT(largest_step_, 1.5e-3);
+}
+
+TEST_F(Permit, AKnockedToolPutsTheBeamOutAndBurnsOnWhenItIsBack) {
+  burn();
+  int kept_off = 0;
+  int burnt = 0;
+  double farthest_m = 0.0;
+  each_tick_ = [&] {
+    farthest_m = std::max(farthest_m, off_m());
+    const double margin_m = off_m() - 0.2e-3;
+    if (std::abs(margin_m) < 2e-6) return;
+    ASSERT_EQ(out_.interlock, margin_m < 0.0 ? Interlock::kReady : Interlock::kTracking) << margin_m;
+    ++(margin_m < 0.0 ? burnt : kept_off);
+  };
+  station_.machine().plant()->set_tool_force({0.0, 0.0, 6.0});  // along the beam: the contour stays near
+  run(next_block());
+  station_.machine().plant()->set_tool_force(Vec3::Zero());
+  follow(0.5);
+  EXPECT_NEAR(farthest_m, 383e-6, 4e-6) << "as stiff as law and observer make it";
+  EXPECT_GT(kept_off, 5);
+  EXPECT_GT(burnt, 300);
+  EXPECT_GT(out_.laser_w, 0.0);
+}
+
+/// The contour's circle is another one than the master's: beyond 500 um, less 20 um and the way of 3 ms, no
+/// beam.
+TEST_F(Permit, TheCorridorIsMeasuredFromToolToContourWithTheWayOfTheReaction) {
+  burn();
+  double radius_m = 0.0;
+  int within = 0;
+  int beyond = 0;
+  each_tick_ = [&] {
+    const double margin_m = 0.5e-3 - 20e-6 - 3e-3 * 0.02 - std::abs(out_.tool_m.head<2>().norm() - radius_m);
+    if (std::abs(margin_m) < 5e-6) return;  // the measured speed's noise
+    ASSERT_EQ(out_.interlock, margin_m > 0.0 ? Interlock::kReady : Interlock::kOutsideCorridor) << margin_m;
+    ++(margin_m > 0.0 ? within : beyond);
+  };
+  for (const double side : {-1.0, 1.0}) {
+    for (double off_m = 0.39e-3; off_m < 0.45e-3; off_m += 2e-6) {
+      radius_m = 5e-3 + side * off_m;
+      corridor_ = station_.prepare(circle(1, radius_m));
+      run(next_block());
+    }
+  }
+  EXPECT_GT(within, 200);
+  EXPECT_GT(beyond, 200);
+}
+
+TEST_F(Permit, FromTheFirstMissingSampleOnTheBeamIsOff) {
+  burn();
+  const std::optional<CommandBlock> silence;
+  int stale = 0;
+  double last_tick = out_.applied_tick;
+  bool over = false;
+  each_tick_ = [&] {
+    over = over || out_.applied_tick < 0.0;
+    ASSERT_EQ(out_.laser_w > 0.0, !over);
+    if (!over) {
+      ASSERT_NEAR(out_.applied_tick, last_tick + 1.0, 1e-9);
+      last_tick = out_.applied_tick;
+    }
+    if (over && out_.mode == SlaveMode::kFollowing) {
+      ASSERT_EQ(out_.interlock, Interlock::kStale);
+      ++stale;
+    }
+  };
+  for (int n = 0; n < 20; ++n) run(silence);
+  EXPECT_EQ(last_tick, static_cast<double>(tick_) - 1.0) << "what has come is used up";
+  EXPECT_EQ(out_.mode, SlaveMode::kHolding);
+  EXPECT_GT(stale, 50);
+}
+
+/// A node whose joints are whatever the test says.
+class PermitOfANode : public SlaveNodeTest {
+ protected:
+  /// 16 steps; the block arrives at their beginning.
+  void run_node(const std::optional<CommandBlock>& block,
+                const std::function<void(robot::JointReading&)>& spoil = {}) {
+    for (int n = 0; n < 16; ++n) {
+      std::vector<Received<CommandBlock>> arrived;
+      if (n == 0 && block) arrived.push_back({*block, now_ns_});
+      SlaveInputs inputs;
+      inputs.joints = plant_.read();
+      if (spoil) spoil(inputs.joints);
+      inputs.commands = arrived;
+      inputs.corridor = corridor_.get();
+      out_ = node_.step(now_ns_, inputs);
+      now_ns_ += kMs;
+      judge();
+      plant_.write(out_.currents_a);
+      plant_.advance(1e-3);
+    }
+  }
+
+  robot::RobotModel model_ = robot::load_robot("slave-keops");
+  robot::SimulatedRobot plant_{model_, 1, model_.in_base(Vec3::Zero())};
+  SlaveNode node_{model_, StationSettings{}.validated().node, 1};
+};
+
+TEST_F(PermitOfANode, WithoutAReadingTheBeamIsOff) {
+  for (int b = 0; b < 200; ++b) run_node(next_block());
+  ASSERT_GT(out_.laser_w, 0.0);
+  int n = 0;
+  each_tick_ = [&] { ASSERT_EQ(out_.interlock, n == 3 ? Interlock::kStale : Interlock::kReady) << n; };
+  run_node(next_block(), [&](robot::JointReading& reading) {
+    ++n;
+    if (n == 3) reading.valid = false;
+  });
+  EXPECT_EQ(n, 16);
+}
+
+TEST_F(PermitOfANode, WithJointsThatAreNoPoseTheBeamIsOffAndTheJointsAreBraked) {
+  for (int b = 0; b < 200; ++b) run_node(next_block());
+  ASSERT_GT(out_.laser_w, 0.0);
+  Vec3 before_m = out_.reference.position_m;
+  each_tick_ = [&] {
+    ASSERT_EQ(out_.interlock, Interlock::kStale);
+    ASSERT_EQ(out_.tool_m, before_m) << "nobody knows better than the reference";
+    before_m = out_.reference.position_m;
+    ASSERT_EQ(out_.force_n, Vec3(Vec3::Zero()));
+    ASSERT_TRUE(out_.currents_a.allFinite());
+  };
+  run_node(next_block(), [](robot::JointReading& reading) { reading.joints_m = Vec3::Constant(10.0); });
+}
+
+TEST_F(PermitOfANode, ItRestsWhereItsFirstReadingFindsIt) {
+  const Vec3 there_m(2e-3, -1e-3, 0.5e-3);
+  plant_ = robot::SimulatedRobot(model_, 1, model_.in_base(there_m));
+  for (int n = 0; n < 8; ++n) (void)node_.step(now_ns_, {});  // without a reading, and nothing moves
+  run_node(std::nullopt);
+  EXPECT_LT((out_.reference.position_m - there_m).norm(), 5e-6);
+  EXPECT_LT((out_.tool_m - there_m).norm(), 0.15e-3) << "its weight is not known yet";
+  EXPECT_FALSE(out_.settled) << "nothing is followed";
+}
+
+TEST_F(PermitOfANode, AToolBeyondTheWorkspacesEdgeBurnsNothing) {
+  const double edge_m = model_.workspace.radius_m;
+  corridor_ = std::make_unique<Corridor>(
+      Corridor{1, geometry::NearestIndex(geometry::Polyline{circle(1, edge_m).points_m, true})});
+  radius_m_ = edge_m - 10e-6;
+  for (int b = 0; b < 400; ++b) run_node(next_block());
+  int within = 0;
+  int beyond = 0;
+  each_tick_ = [&] {
+    const bool inside = out_.tool_m.head<2>().norm() <= edge_m;
+    ASSERT_EQ(out_.interlock, inside ? Interlock::kReady : Interlock::kOutsideWorkspace);
+    ++(inside ? within : beyond);
+  };
+  for (int b = 0; b < 100; ++b) {
+    radius_m_ = edge_m + 20e-6 * std::sin(0.2 * b);
+    run_node(next_block());
+  }
+  EXPECT_GT(within, 20);
+  EXPECT_GT(beyond, 20);
+}
+
+}  // namespace
+}  // namespace telekerf::slave

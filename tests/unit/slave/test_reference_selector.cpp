@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+// From what the stream plays to what is followed: modes, changes of source, coasting, limits.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <initializer_list>
+#include <numbers>
+
+#include "slave/reference_selector.h"
+
+namespace telekerf::slave {
+namespace {
+
+constexpr double kDt_s = 1e-3;
+constexpr double kCoast_s = 0.032;
+
+class Selector : public testing::Test {
+ protected:
+  Selector() { selector_.rest_at(Vec3::Zero()); }
+
+  static robot::RobotModel model() {
+    robot::RobotModel model;
+    model.workspace.radius_m = 0.01;
+    model.workspace.height_m = 0.01;
+    model.limits.velocity_m_per_s = 0.3;
+    return model;
+  }
+  static streaming::StreamSample sample(Law law = Law::kLocal) {
+    streaming::StreamSample sample;
+    sample.engaged = true;
+    sample.generation = 1;
+    sample.block = 1;
+    sample.law = law;
+    return sample;
+  }
+  /// The stream goes on by one sample.
+  Selected play(const streaming::StreamSample& sample, const KinematicState& state,
+                bool discontinuity = false) {
+    streaming::Played played;
+    played.fresh = true;
+    played.index = ++index_;
+    played.cursor = static_cast<double>(index_);
+    played.tick = 2.0 * static_cast<double>(index_);
+    played.sample = &sample;
+    played.state = state;
+    played.discontinuity = discontinuity;
+    return out_ = selector_.step(played);
+  }
+  Selected miss(bool fresh = true) {
+    streaming::Played played;
+    played.fresh = fresh;
+    played.index = ++index_;
+    if (fresh) played.cursor = static_cast<double>(index_);
+    return out_ = selector_.step(played);
+  }
+  void tell(EventMessage::Kind kind) {
+    EventMessage event;
+    event.kind = kind;
+    selector_.handle_events({&event, 1});
+  }
+  static KinematicState at(double x_m, double m_per_s = 0.0, double m_per_s2 = 0.0) {
+    return {.position_m = Vec3(x_m, 0, 0),
+            .velocity_m_per_s = Vec3(m_per_s, 0, 0),
+            .acceleration_m_per_s2 = Vec3(m_per_s2, 0, 0)};
+  }
+
+  ReferenceSelector selector_{model(), {}, kDt_s};
+  Selected out_;
+  std::int64_t index_ = 0;
+};
+
+TEST_F(Selector, TheModeIsWhatStreamAndEventsSay) {
+  using Kind = EventMessage::Kind;
+  streaming::StreamSample engaged = sample();
+  streaming::StreamSample apart = sample();
+  apart.engaged = false;
+  EXPECT_EQ(selector_.mode(), SlaveMode::kWaiting);
+  miss(false);
+  EXPECT_EQ(selector_.mode(), SlaveMode::kWaiting) << "who does not follow has nothing to hold on to";
+  for (const Kind kind :
+       {Kind::kEngage, Kind::kDisengage, Kind::kClearStop, Kind::kSetBeta, Kind::kFinished}) {
+    tell(kind);
+    EXPECT_EQ(selector_.mode(), SlaveMode::kWaiting);
+  }
+  play(engaged, at(0.0));
+  EXPECT_EQ(selector_.mode(), SlaveMode::kFollowing);
+  tell(Kind::kClearStop);
+  EXPECT_EQ(selector_.mode(), SlaveMode::kFollowing) << "there was no stop";
+  miss();
+  EXPECT_EQ(selector_.mode(), SlaveMode::kFollowing) << "a sample is missing, the stream is there";
+  miss(false);
+  EXPECT_EQ(selector_.mode(), SlaveMode::kHolding);
+  miss();
+  EXPECT_EQ(selector_.mode(), SlaveMode::kHolding);
+  play(engaged, at(0.0));
+  EXPECT_EQ(selector_.mode(), SlaveMode::kFollowing);
+  play(apart, at(0.0));
+  EXPECT_EQ(selector_.mode(), SlaveMode::kWaiting);
+  play(engaged, at(0.0));
+  tell(Kind::kStop);
+  EXPECT_EQ(selector_.mode(), SlaveMode::kStopped);
+  for (const auto* each : {&engaged, &apart}) {
+    EXPECT_FALSE(play(*each, at(0.0)).following);
+    EXPECT_EQ(selector_.mode(), SlaveMode::kStopped) << "latched";
+    EXPECT_LT(out_.applied_tick, 0.0);
+  }
+  miss(false);
+  tell(Kind::kEngage);
+  EXPECT_EQ(selector_.mode(), SlaveMode::kStopped);
+  tell(Kind::kClearStop);
+  EXPECT_EQ(selector_.mode(), SlaveMode::kWaiting);
+  play(engaged, at(0.0));
+  EXPECT_EQ(selector_.mode(), SlaveMode::kFollowing);
+}
+
+TEST_F(Selector, WhatIsFollowedIsSaidOfEachStep) {
+  streaming::StreamSample local = sample();
+  local.button = true;
+  play(local, at(0.0, 0.0, 3.0));
+  EXPECT_TRUE(out_.following);
+  EXPECT_FALSE(out_.bare);
+  EXPECT_TRUE(out_.button);
+  EXPECT_EQ(out_.applied_tick, 2.0);
+  EXPECT_EQ(out_.acceleration_m_per_s2.x(), 3.0);
+  EXPECT_EQ(out_.acknowledgement.index, 1);
+  EXPECT_EQ(out_.acknowledgement.age, 0);
+  streaming::StreamSample concealed = local;
+  concealed.concealed = true;
+  concealed.button = false;
+  play(concealed, at(0.0));
+  EXPECT_TRUE(out_.following);
+  EXPECT_FALSE(out_.button);
+  EXPECT_EQ(out_.acknowledgement.index, 1) << "what bridges a gap is no command";
+  EXPECT_EQ(out_.acknowledgement.age, 0);
+  EXPECT_EQ(selector_.missed_ticks(), 1u);
+  miss();
+  EXPECT_FALSE(out_.following);
+  EXPECT_FALSE(out_.button);
+  EXPECT_LT(out_.applied_tick, 0.0);
+  EXPECT_EQ(out_.acknowledgement.age, 1);
+  EXPECT_EQ(selector_.missed_ticks(), 2u);
+  miss(false);
+  EXPECT_EQ(selector_.missed_ticks(), 2u) << "where nothing is played, nothing is missed";
+  miss();
+  EXPECT_EQ(selector_.missed_ticks(), 2u) << "nor where nothing is followed";
+  play(sample(Law::kRemoteAcceleration), at(0.0));
+  EXPECT_TRUE(out_.following && out_.bare);
+  streaming::StreamSample apart = sample();
+  apart.engaged = false;
+  play(apart, at(0.0));
+  EXPECT_FALSE(out_.following || out_.bare);
+}
+
+TEST_F(Selector, ASampleThatGoesOnIsTheReferenceItself) {
+  const streaming::StreamSample local = sample();
+  for (int n = 0; n < 3000; ++n) play(local, at(0.0));
+  play(local, at(1e-5, 0.01, 2.0));
+  EXPECT_NEAR(out_.reference.position_m.x(), 1e-5, 1e-15);
+  EXPECT_NEAR(out_.reference.velocity_m_per_s.x(), 0.01, 1e-12);
+  EXPECT_NEAR(out_.reference.acceleration_m_per_s2.x(), 2.0, 1e-9);
+}
+
+/// The source goes 1 mm aside: an offset takes it up where the sources are two, and nothing where they are
+/// one.
+TEST_F(Selector, AChangeOfSourceIsTakenUpByAnOffset) {
+  struct Change {
+    const char* what;
+    Law law;
+    void (*change)(streaming::StreamSample&);
+    bool discontinuity;
+    bool taken_up;
+  };
+  const auto nothing = [](streaming::StreamSample&) {};
+  const auto generation = [](streaming::StreamSample& next) { next.generation = 2; };
+  const auto block = [](streaming::StreamSample& next) { next.block = 2; };
+  for (const Change& each :
+       std::initializer_list<Change>{{"nothing", Law::kLocal, nothing, false, false},
+                                     {"nothing", Law::kAnchored, nothing, false, false},
+                                     {"nothing", Law::kRemoteAcceleration, nothing, false, false},
+                                     {"generation", Law::kLocal, generation, false, true},
+                                     {"generation", Law::kAnchored, generation, false, true},
+                                     {"generation", Law::kRemoteAcceleration, generation, false, true},
+                                     {"block", Law::kLocal, block, false, false},
+                                     {"block", Law::kAnchored, block, false, true},
+                                     {"block", Law::kRemoteAcceleration, block, false, false},
+                                     {"gap", Law::kLocal, nothing, true, true},
+                                     {"gap", Law::kAnchored, nothing, true, true},
+                                     {"gap", Law::kRemoteAcceleration, nothing, true, false}}) {
+    selector_ = ReferenceSelector(model(), {}, kDt_s);
+    streaming::StreamSample next = sample(each.law);
+    play(next, at(0.0, 0.02));
+    for (int n = 0; n < 3000; ++n) play(next, at(0.0, 0.0));
+    ASSERT_LT(selector_.offset_m(), 1e-9);
+    each.change(next);
+    play(next, at(1e-3), each.discontinuity);
+    EXPECT_NEAR(selector_.offset_m(), each.taken_up ? 1e-3 : 0.0, 1e-8) << each.what;
+    EXPECT_NEAR(out_.reference.position_m.x(), each.taken_up ? 0.0 : 1e-3, 1e-8) << each.what;
+  }
+  selector_ = ReferenceSelector(model(), {}, kDt_s);
+  play(sample(Law::kLocal), at(0.0));
+  play(sample(Law::kAnchored), at(1e-3));
+  EXPECT_NEAR(selector_.offset_m(), 1e-3, 1e-8) << "another law";
+}
+
+TEST_F(Selector, TheFirstSampleIsApproachedFromWhereTheToolRests) {
+  selector_.rest_at(Vec3(-2e-3, 1e-3, 0.0));
+  EXPECT_EQ(selector_.reference().position_m, Vec3(-2e-3, 1e-3, 0.0));
+  play(sample(), at(3e-3));
+  EXPECT_LT((out_.reference.position_m - Vec3(-2e-3, 1e-3, 0.0)).norm(), 1e-12);
+  EXPECT_NEAR(selector_.offset_m(), std::hypot(5e-3, 1e-3), 1e-12);
+}
+
+TEST_F(Selector, WhereSamplesAreMissingItGoesOnFor32MillisecondsAndThenComesToRest) {
+  const streaming::StreamSample local = sample();
+  play(local, at(0.0, 0.02));
+  for (int n = 0; n < 2000; ++n) play(local, at(0.0, 0.02));  // nothing is left of the approach
+  for (int n = 1; n <= 31; ++n) {
+    miss();
+    ASSERT_NEAR(out_.reference.position_m.x(), n * 0.02 * kDt_s, 1e-9) << n;
+    ASSERT_NEAR(out_.reference.velocity_m_per_s.x(), 0.02, 1e-6) << n;
+  }
+  miss();
+  EXPECT_NEAR(out_.reference.velocity_m_per_s.x(), 0.02, 1e-6) << "the fade begins";
+  miss();
+  EXPECT_LT(out_.reference.velocity_m_per_s.x(), 0.0199);
+  const double from_m = 31 * 0.02 * kDt_s;
+  double largest_m = 0.0;
+  for (int n = 0; n < 2000; ++n) {
+    miss();
+    largest_m = std::max(largest_m, out_.reference.position_m.x());
+  }
+  // (o + (v + w o) t) e^(-w t) with o = v dt and w = 0.5 x 1 m/s^2 / v = 25 rad/s.
+  const double offset_m = 0.02 * kDt_s;
+  const double slope = 0.02 + 25 * offset_m;
+  EXPECT_NEAR(largest_m - from_m, slope / 25 * std::exp(25 * offset_m / slope - 1.0), 0.5e-6);
+  EXPECT_LT(out_.reference.velocity_m_per_s.norm(), 1e-9);
+  EXPECT_NEAR(out_.reference.position_m.x(), from_m, 1e-9) << "and it comes back to where it was last led to";
+  EXPECT_FALSE(out_.following);
+}
+
+TEST_F(Selector, ItGoesOnWithoutTheLastSamplesAcceleration) {
+  const streaming::StreamSample local = sample();
+  for (int n = 0; n < 2000; ++n) play(local, at(0.0, 0.02));
+  play(local, at(0.0, 0.02, 5.0));
+  for (int n = 1; n <= 31; ++n) miss();
+  // The 5 mm/s that it would have gained in a step fade, 5e-3 t e^(-100 t).
+  const double t_s = 30 * kDt_s;
+  EXPECT_NEAR(out_.reference.position_m.x(),
+              31 * 0.02 * kDt_s + (2.5e-6 * (1 + 100 * t_s) + 5e-3 * t_s) * std::exp(-100 * t_s), 1e-9);
+}
+
+TEST_F(Selector, AStopAndADisengagementEndTheMotionWithoutCoasting) {
+  for (const bool stop : {true, false}) {
+    selector_ = ReferenceSelector(model(), {}, kDt_s);
+    streaming::StreamSample local = sample();
+    for (int n = 0; n < 2000; ++n) play(local, at(0.0, 0.02));
+    if (stop) tell(EventMessage::Kind::kStop);
+    local.engaged = false;
+    for (int n = 0; n < 3; ++n) play(local, at(0.0, 0.02));
+    EXPECT_LT(out_.reference.velocity_m_per_s.x(), 0.0199) << stop;
+    for (int n = 0; n < 2000; ++n) play(local, at(0.0, 0.02));
+    EXPECT_LT(out_.reference.velocity_m_per_s.norm(), 1e-9);
+    EXPECT_NEAR(out_.reference.position_m.x(), 0.0, 1e-9) << "where it was last led to";
+  }
+}
+
+/// The largest way on that a bare acceleration's state may have, in closed form.
+double way_on_m(double speed_m_per_s) {
+  const double rate_rad_per_s = std::min(100.0, 0.5 * 1.0 / speed_m_per_s);
+  return kCoast_s * speed_m_per_s + speed_m_per_s / (std::numbers::e * rate_rad_per_s);
+}
+
+TEST_F(Selector, BareAccelerationsAreLetGoWhereTheyCouldNotComeToRestWithinBounds) {
+  struct Place {
+    Vec3 position_m;
+    Vec3 velocity_m_per_s;
+    bool within;
+  };
+  const double slow = 1e-3;  // fades at the full rate
+  const double fast = 0.02;  // fades at what the acceleration allows
+  const double eps = 1e-9;
+  for (const Place& place :
+       std::initializer_list<Place>{{{0.01 - eps, 0, 0}, {0, 0, 0}, true},
+                                    {{0.01, 0, 0}, {0, 0, 0}, false},
+                                    {{0, 0.01 - eps, 0}, {0, 0, 0}, true},
+                                    {{0, -0.01 - eps, 0}, {0, 0, 0}, false},
+                                    {{0.008, 0.006 + eps, 0}, {0, 0, 0}, false},
+                                    {{0, 0, 0.005 - eps}, {0, 0, 0}, true},
+                                    {{0, 0, 0.005}, {0, 0, 0}, false},
+                                    {{0, 0, -0.005 + eps}, {0, 0, 0}, true},
+                                    {{0, 0, -0.005}, {0, 0, 0}, false},
+                                    {{0.01 - way_on_m(slow) - eps, 0, 0}, {slow, 0, 0}, true},
+                                    {{0.01 - way_on_m(slow) + eps, 0, 0}, {slow, 0, 0}, false},
+                                    {{0.01 - way_on_m(slow) + eps, 0, 0}, {-slow, 0, 0}, true},
+                                    {{0.01 - way_on_m(fast) - eps, 0, 0}, {fast, 0, 0}, true},
+                                    {{0.01 - way_on_m(fast) + eps, 0, 0}, {fast, 0, 0}, false},
+                                    {{0, 0, way_on_m(slow) - 0.005 + eps}, {0, 0, -slow}, true},
+                                    {{0, 0, way_on_m(slow) - 0.005 - eps}, {0, 0, -slow}, false}}) {
+    selector_ = ReferenceSelector(model(), {}, kDt_s);
+    play(sample(Law::kRemoteAcceleration), {place.position_m, place.velocity_m_per_s, Vec3::Zero()});
+    EXPECT_EQ(out_.following, place.within) << place.position_m.transpose();
+    EXPECT_EQ(out_.applied_tick >= 0.0, place.within) << place.position_m.transpose();
+  }
+  robot::RobotModel wide = model();
+  wide.workspace.radius_m = 1.0;
+  for (const double speed : {0.3 - eps, 0.3}) {
+    selector_ = ReferenceSelector(wide, {}, kDt_s);
+    play(sample(Law::kRemoteAcceleration), at(0.0, speed));
+    EXPECT_EQ(out_.following, speed < 0.3) << speed;
+  }
+}
+
+TEST_F(Selector, WhoWasLetGoHoldsUntilTheMasterHasLetGoToo) {
+  const streaming::StreamSample bare = sample(Law::kRemoteAcceleration);
+  play(bare, at(0.0));
+  EXPECT_TRUE(out_.following);
+  play(bare, at(0.02));
+  EXPECT_FALSE(out_.following);
+  play(bare, at(0.0));
+  EXPECT_FALSE(out_.following) << "although it is within bounds again";
+  EXPECT_EQ(selector_.mode(), SlaveMode::kFollowing);
+  streaming::StreamSample apart = bare;
+  apart.engaged = false;
+  play(apart, at(0.0));
+  play(bare, at(0.0));
+  EXPECT_TRUE(out_.following);
+  play(sample(Law::kAnchored), at(0.02));
+  EXPECT_TRUE(out_.following) << "positions are clamped instead";
+}
+
+TEST_F(Selector, WhoWasLetGoDoesNotCoast) {
+  const streaming::StreamSample bare = sample(Law::kRemoteAcceleration);
+  play(bare, at(5e-3, 0.05));
+  play(bare, at(9.9e-3, 0.05));
+  for (int n = 0; n < 3; ++n) play(bare, at(9.9e-3, 0.05));
+  EXPECT_LT(out_.reference.velocity_m_per_s.x(), 0.0499);
+}
+
+TEST_F(Selector, TheReferenceStaysInTheWorkspace) {
+  const streaming::StreamSample local = sample();
+  const auto settle = [&](const KinematicState& state) {
+    for (int n = 0; n < 4000; ++n) play(local, state);
+    return out_.reference;
+  };
+  // 3-4-5: outwards at 0.01 m/s, sidewards at 0.02 m/s.
+  const Vec3 outward(0.6, 0.8, 0.0);
+  const Vec3 aside(-0.8, 0.6, 0.0);
+  KinematicState reference = settle({0.0101 * outward, 0.01 * outward + 0.02 * aside, Vec3(1, 1, 1)});
+  EXPECT_LT((reference.position_m - 0.01 * outward).norm(), 1e-12);
+  EXPECT_LT((reference.velocity_m_per_s - 0.02 * aside).norm(), 1e-9);
+  EXPECT_EQ(reference.acceleration_m_per_s2, Vec3(Vec3::Zero()));
+  reference = settle({0.0101 * outward, -0.01 * outward + 0.02 * aside, Vec3(1, 1, 1)});
+  EXPECT_LT((reference.velocity_m_per_s - (-0.01 * outward + 0.02 * aside)).norm(), 1e-9)
+      << "inwards is fine";
+  reference = settle({0.0099 * outward, 0.01 * outward, Vec3(1, 1, 1)});
+  EXPECT_LT((reference.position_m - 0.0099 * outward).norm(), 1e-12);
+  EXPECT_LT((reference.velocity_m_per_s - 0.01 * outward).norm(), 1e-9);
+  for (const double sign : {-1.0, 1.0}) {
+    reference = settle({Vec3(1e-3, 0, sign * 5.1e-3), Vec3(0.01, 0.02, 0.03), Vec3(1, 2, 3)});
+    EXPECT_LT((reference.position_m - Vec3(1e-3, 0, sign * 5e-3)).norm(), 1e-12);
+    EXPECT_LT((reference.velocity_m_per_s - Vec3(0.01, 0.02, 0.0)).norm(), 1e-9);
+    EXPECT_LT((reference.acceleration_m_per_s2 - Vec3(1, 2, 0)).norm(), 1e-6);
+    reference = settle({Vec3(1e-3, 0, sign * 4.9e-3), Vec3(0.01, 0.02, 0.03), Vec3(1, 2, 3)});
+    EXPECT_LT((reference.position_m - Vec3(1e-3, 0, sign * 4.9e-3)).norm(), 1e-12);
+    EXPECT_LT((reference.velocity_m_per_s - Vec3(0.01, 0.02, 0.03)).norm(), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace telekerf::slave

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// The slave's settings with their bounds, contours that it refuses, and the figures of its report.
+#include "common/runtime/startup_error.h"
+#include "tests/unit/slave/commanded_slave.h"
+
+namespace telekerf::slave {
+namespace {
+
+template <class Action>
+std::string refusal_of(Action action) {
+  try {
+    action();
+  } catch (const StartupError& refusal) {
+    return refusal.what();
+  }
+  return "accepted";
+}
+
+TEST(SlaveStation, AContourMayReachTheWorkspacesEdgeAndNoFurther) {
+  const Station station{StationSettings{}};
+  const double edge_m = robot::load_robot("slave-keops").workspace.radius_m;
+  const auto reaching = [](double x_m, double y_m) {
+    ContourMessage contour;
+    contour.id = 3;
+    contour.closed = false;
+    contour.points_m = {{0.0, 0.0}, {x_m, y_m}, {1e-3, 0.0}};
+    return contour;
+  };
+  for (const Vec2& towards : {Vec2(1, 0), Vec2(0, -1)}) {
+    const auto corridor = station.prepare(reaching(edge_m * towards.x(), edge_m * towards.y()));
+    EXPECT_EQ(corridor->contour_id, 3u);
+    EXPECT_FALSE(corridor->contour.line().closed);
+    const double too_far_m = edge_m + 1e-6;
+    EXPECT_NE(refusal_of([&] {
+                (void)station.prepare(reaching(too_far_m * towards.x(), too_far_m * towards.y()));
+              }).find("use a smaller --width-mm"),
+              std::string::npos);
+  }
+  EXPECT_EQ(refusal_of([&] {
+              (void)station.prepare(reaching(0.06, 0.08));
+            }).find("the contour reaches 100.0 mm from the workspace's centre, but "),
+            0u);
+}
+
+TEST(SlaveStation, TheControlRateIsAWholeMultipleOfTheStreams) {
+  const auto refusal = [](double control_hz, double stream_hz) {
+    StationSettings settings;
+    settings.node.control_hz = control_hz;
+    settings.node.stream_hz = stream_hz;
+    return refusal_of([&] { (void)settings.validated(); });
+  };
+  EXPECT_EQ(refusal(2400, 1200), "accepted");
+  EXPECT_EQ(refusal(1000, 1000), "accepted");
+  for (const auto& [control_hz, stream_hz] :
+       {std::pair{500.0, 1000.0}, {1500.0, 1000.0}, {1000.0001, 1000.0}}) {
+    EXPECT_NE(refusal(control_hz, stream_hz).find("must be a whole multiple of stream_hz"), std::string::npos)
+        << control_hz;
+  }
+}
+
+TEST(SlaveStation, BothPartsOfTheStateStreamAreCutAndCodedAlike) {
+  StationSettings settings;
+  settings.node.stream_hz = 500.0;
+  settings.node.feedback.block = 32;
+  settings.node.feedback.redundancy = 3;
+  settings.codec = codec::kCodecs.find("dpcm").value();
+  const SlaveSettings node = settings.validated().node;
+  EXPECT_EQ(node.feedback.sample_period_ns, 2'000'000u);
+  EXPECT_EQ(node.force.sample_period_ns, 2'000'000u);
+  EXPECT_EQ(node.force.block, 32);
+  EXPECT_EQ(node.force.redundancy, 3);
+  EXPECT_EQ(node.force.kind, node.feedback.kind);
+  EXPECT_NE(node.force.kind, codec::StreamSettings{}.kind);
+}
+
+TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
+  StationSettings station;
+  Settings settings;
+  station.add_parameters(settings);
+  struct Row {
+    const char* name;
+    double min;
+    double max;
+  };
+  constexpr Row kRows[] = {{"laser_max_w", 0, 1000},
+                           {"mismatch", 0, 0.5},
+                           {"control_hz", 200, 20000},
+                           {"stream_hz", 100, 10000},
+                           {"block", 4, 64},
+                           {"keep", 1, 64},
+                           {"max_rms", 0, 1},
+                           {"force_keep", 1, 64},
+                           {"force_max_rms", 0, 1000},
+                           {"redundancy", 0, 7},
+                           {"bandwidth_rad_s", 5, 400},
+                           {"observer_rad_s", 10, 2000},
+                           {"stale_s", 0.02, 10},
+                           {"laser_w", 0, 1000}};
+  for (const Row& row : kRows) {
+    bool found = false;
+    for (const Setting& setting : settings.declared()) {
+      if (setting.name != row.name) continue;
+      found = true;
+      EXPECT_EQ(setting.bounds.min, row.min) << row.name;
+      EXPECT_EQ(setting.bounds.max, row.max) << row.name;
+    }
+    EXPECT_TRUE(found) << row.name;
+  }
+  EXPECT_EQ(station.node.control_hz, 1000.0);
+  EXPECT_EQ(station.node.stream_hz, 1000.0);
+  EXPECT_EQ(station.node.bandwidth_rad_s, 60.0);
+  EXPECT_EQ(station.node.observer_rad_s, 600.0);
+  EXPECT_EQ(station.node.command_timeout_s, 0.15);
+  EXPECT_EQ(station.node.laser_w, 10.0);
+  EXPECT_EQ(station.node.force.max_rms, 0.01);
+  EXPECT_EQ(station.node.force.quantum, 0.01);
+  EXPECT_EQ(station.mismatch, 0.1);
+}
+
+TEST_F(SlaveNodeTest, ItsFiguresAreThoseOfTheRun) {
+  std::uint64_t bytes = 0;
+  each_tick_ = [&] {
+    if (out_.state) bytes += out_.state->payload.size + out_.state->force.size;
+  };
+  follow(1.0);
+  RunRecord record;
+  station_.report(record);
+  Metrics& f = record.slave_figures;
+  EXPECT_EQ(f["rate_hz"], 1000.0);
+  EXPECT_EQ(f["control_period_s"], 1e-3);
+  EXPECT_EQ(f["blocks"], 62.0);
+  EXPECT_EQ(f["lost"] + f["stale"] + f["refused"] + f["missed_ticks"] + f["dropped_rows"], 0.0);
+  EXPECT_EQ(f["block"], 16.0);
+  const double run_s = 62 * 0.016;
+  EXPECT_NEAR(f["payload_bytes_per_s"], static_cast<double>(bytes) / run_s, 1e-6);
+  EXPECT_NEAR(f["position_bits_per_sample"] + f["force_bits_per_sample"],
+              8.0 * static_cast<double>(bytes) / (62 * 3 * 16), 1e-9);
+  EXPECT_GT(f["position_bits_per_sample"], 0.0);
+  EXPECT_NEAR(f["playout_ms"], 6.0, 1e-9) << "4 samples of look-ahead and 2 ms";
+  EXPECT_EQ(f["playout_corrections"], 0.0);
+  ASSERT_EQ(record.slave.size(), 62u * 16u);
+  EXPECT_EQ(record.slave.back().laser_w, out_.laser_w);
+  EXPECT_EQ(record.slave.back().applied, out_.applied_tick);
+  EXPECT_NEAR(record.slave.back().t_s, run_s - 1e-3, 1e-12);
+}
+
+}  // namespace
+}  // namespace telekerf::slave

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// The slave's end of the command stream over a steady link: what is due at each step, and when it has dried
+// up.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "common/streaming/command_receiver.h"
+#include "tests/unit/streaming/blocks.h"
+
+namespace telekerf::streaming {
+namespace {
+
+const KinematicState kTool{Eigen::Vector3d(5e-3, 0, 0), Eigen::Vector3d(0.1, 0, 0), Eigen::Vector3d(0, 0, 0)};
+
+/// Blocks of 16 samples that come as soon as they are full.
+class CommandReceiverTest : public testing::Test {
+ protected:
+  CommandBlock next() {
+    CommandBlock block = sender_.next();
+    block.engaged = true;
+    block.engaged_before = 0x7F;
+    block.sent_ns = 1000 * block.sequence;
+    change_(block);
+    return block;
+  }
+  /// `steps` steps; `each` may look at what was played.
+  template <class Each>
+  void run(int blocks, Each each, bool deliver = true) {
+    for (int b = 0; b < blocks; ++b) {
+      if (deliver) receiver_.receive({next(), now_ns_}, 4);
+      for (int n = 0; n < kBlock; ++n, now_ns_ += kMs) {
+        played_ = receiver_.play(now_ns_, kTool);
+        each(played_);
+      }
+    }
+  }
+  void run(int blocks) {
+    run(blocks, [](const Played&) {});
+  }
+
+  CommandReceiver receiver_{{}};
+  Sender<CommandBlock> sender_{7};
+  std::function<void(CommandBlock&)> change_ = [](CommandBlock&) {};
+  std::int64_t now_ns_ = 15 * kMs;
+  Played played_;
+};
+
+TEST_F(CommandReceiverTest, PlaysEachSampleOnceInStepAfterBlockLookAheadAndMargin) {
+  EXPECT_FALSE(receiver_.play(0, kTool).fresh) << "nothing was heard";
+  EXPECT_EQ(receiver_.play(0, kTool).tick, -1.0);
+  std::int64_t step = 0;
+  run(20, [&](const Played& played) {
+    EXPECT_EQ(played.begins, step == 0);
+    ASSERT_TRUE(played.fresh && played.cursor);
+    // Sample 15 came at 15 ms, and is due 15 + 4 + 2 ms later.
+    EXPECT_EQ(*played.cursor, static_cast<double>(step - 6)) << step;
+    EXPECT_EQ(played.tick, *played.cursor);
+    EXPECT_EQ(played.index, step - 6);
+    EXPECT_EQ(played.discontinuity, step == 0) << step;
+    EXPECT_EQ(played.sample != nullptr, step >= 6) << step;
+    if (played.sample != nullptr) {
+      EXPECT_LT((played.state.position_m - place(played.index)).norm(), 1e-6);
+      EXPECT_LT((played.sample->value - place(played.index)).norm(), 1e-6);
+      EXPECT_NEAR(played.state.velocity_m_per_s.x(), 1e-2, 1e-3);
+    }
+    ++step;
+  });
+  EXPECT_EQ(receiver_.clock().corrections(), 0u);
+}
+
+TEST_F(CommandReceiverTest, IsFreshUntilTheTimeoutAndWhatThePlayOutWaitsForAreOver) {
+  run(10);
+  const std::int64_t came_ns = now_ns_ - kBlock * kMs;
+  int fresh_ms = 0;
+  run(
+      20,
+      [&](const Played& played) {
+        const auto silent_ms = static_cast<int>((now_ns_ - came_ns) / kMs);
+        if (played.fresh) fresh_ms = silent_ms;
+        EXPECT_EQ(played.cursor.has_value(), played.fresh);
+      },
+      false);
+  EXPECT_NEAR(fresh_ms, 150 + 6, 1);
+  EXPECT_FALSE(played_.fresh);
+  EXPECT_EQ(played_.sample, nullptr);
+}
+
+TEST_F(CommandReceiverTest, AnotherSampleRateBeginsAnew) {
+  run(10);
+  change_ = [](CommandBlock& block) {
+    block.sample_period_ns = 2'000'000;
+    block.ticks_per_sample = 2;
+    block.first_tick *= 2;
+  };
+  receiver_.receive({next(), now_ns_}, 4);
+  std::int64_t steps = 0;
+  double last = 0.0;
+  for (; steps < 30; ++steps, now_ns_ += kMs) {
+    played_ = receiver_.play(now_ns_, kTool);
+    EXPECT_EQ(played_.begins, steps == 0);
+    ASSERT_TRUE(played_.cursor);
+    EXPECT_EQ(played_.discontinuity, steps == 0) << steps;
+    if (steps > 0) {
+      EXPECT_NEAR(*played_.cursor, last + 0.5, 1e-9);
+    }
+    EXPECT_NEAR(played_.tick, 2.0 * *played_.cursor, 1e-9);
+    EXPECT_EQ(played_.index, std::llround(*played_.cursor));
+    last = *played_.cursor;
+  }
+  // Sample 175 comes now, and is due 15 + 4 + 1 samples later; samples from before are of another count.
+  EXPECT_NEAR(last, 175 - 20 + 14.5, 1e-9);
+  EXPECT_EQ(receiver_.play(now_ns_, kTool).sample != nullptr, true);
+}
+
+TEST_F(CommandReceiverTest, HeldCommandsAreOfTheSampleBeforeTheCursorAndBareOnesStartFromTheTool) {
+  for (const Law law : {Law::kAnchored, Law::kRemoteAcceleration}) {
+    CommandReceiverSettings settings;
+    settings.control_period_ns = 500'000;
+    receiver_ = CommandReceiver(settings);
+    sender_ = Sender<CommandBlock>(7);
+    now_ns_ = 15 * kMs;
+    change_ = [&](CommandBlock& block) {
+      block.law = law;
+      block.anchor = {Vec3(1e-3, 0, 0), Vec3(0.02, 0, 0)};
+    };
+    for (int b = 0; b < 4; ++b) receiver_.receive({next(), now_ns_ + b}, 4);
+    now_ns_ += 30 * kMs;
+    played_ = receiver_.play(now_ns_, kTool);
+    const double whole = *played_.cursor;
+    EXPECT_EQ(whole, std::floor(whole));
+    EXPECT_EQ(played_.index, static_cast<std::int64_t>(whole));
+    const Vec3 at_sample_m = played_.state.position_m;
+    const Vec3 acceleration = played_.state.acceleration_m_per_s2;
+    played_ = receiver_.play(now_ns_ + kMs / 2, kTool);
+    EXPECT_EQ(*played_.cursor, whole + 0.5);
+    EXPECT_EQ(played_.index, static_cast<std::int64_t>(whole)) << "held until the next one";
+    EXPECT_EQ(played_.state.acceleration_m_per_s2, acceleration);
+    EXPECT_LT((acceleration - place(played_.index)).norm(), 1e-6) << "the samples are accelerations now";
+    if (law == Law::kAnchored) {
+      EXPECT_NEAR(played_.state.position_m.x(), at_sample_m.x() + 0.5e-3 * 0.02, 1e-9);
+    } else {
+      EXPECT_EQ(played_.state.position_m, kTool.position_m);
+      EXPECT_EQ(played_.state.velocity_m_per_s, kTool.velocity_m_per_s);
+    }
+  }
+}
+
+TEST_F(CommandReceiverTest, SamplesOfAnotherLawAreNotFollowedWithThisOne) {
+  run(10);
+  change_ = [](CommandBlock& block) {
+    block.law = Law::kAnchored;
+    block.engaged_before = 0;
+  };
+  int strange = 0;
+  run(1, [&](const Played& played) {
+    if (played.sample == nullptr) return;
+    EXPECT_EQ(played.sample->law, Law::kAnchored);
+    ++strange;
+  });
+  EXPECT_EQ(strange, kBlock - 6) << "before its first sample is due there is none";
+}
+
+TEST_F(CommandReceiverTest, ALostBlockWithoutACopyIsConcealedAndItsDepthGrows) {
+  change_ = [](CommandBlock& block) {
+    block.law = Law::kAnchored;
+    block.anchor = {Vec3::Zero(), Vec3::Zero()};
+  };
+  run(10);
+  EXPECT_EQ(receiver_.clock().depth_samples(), 21);
+  (void)next();
+  (void)next();  // its copy rides on the next one
+  int concealed = 0;
+  run(
+      2, [](const Played&) {}, false);
+  run(6, [&](const Played& played) {
+    concealed += played.sample != nullptr && played.sample->concealed ? 1 : 0;
+  });
+  EXPECT_EQ(receiver_.counters().lost, 2u);
+  EXPECT_EQ(receiver_.clock().depth_samples(), 21 + 16) << "copies are waited for now";
+  EXPECT_GT(receiver_.clock().corrections(), 0u) << "without data it waits";
+}
+
+TEST_F(CommandReceiverTest, AnOvertakenBlockIsTakenAsLongAsItCanBePlayed) {
+  for (const int more : {0, 1}) {
+    receiver_ = CommandReceiver({});
+    sender_ = Sender<CommandBlock>(7);
+    now_ns_ = 15 * kMs;
+    run(3);
+    (void)next();
+    const CommandBlock late = next();  // samples 64 to 79; the longest block would end at 127
+    now_ns_ += 2 * kBlock * kMs;
+    run(1);
+    // The play-out waits or goes on until its cursor has passed that end.
+    for (; *played_.cursor < 126.5 + more; now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
+    EXPECT_NEAR(*played_.cursor, 127.0 + more, 1e-9);
+    receiver_.receive({late, now_ns_}, 4);
+    EXPECT_EQ(receiver_.counters().stale, static_cast<std::uint64_t>(more)) << more;
+  }
+}
+
+TEST_F(CommandReceiverTest, SaysOfTheStreamWhatItsNewestBlockSaid) {
+  StateHeader header;
+  receiver_.describe({}, header);
+  EXPECT_EQ(header.echo_sequence, 0u);
+  change_ = [](CommandBlock& block) {
+    block.beta = 0.25;
+    block.ticks_per_sample = 3;
+    block.first_tick *= 3;
+  };
+  run(5);
+  receiver_.describe({.index = 20, .age = 2, .bitmap = 7}, header);
+  EXPECT_EQ(header.applied_tick, 60u);
+  EXPECT_EQ(header.applied_age_ticks, 2u);
+  EXPECT_EQ(header.applied_bitmap, 7u);
+  EXPECT_EQ(header.master_epoch, 7u);
+  EXPECT_EQ(header.beta, 0.25);
+  EXPECT_EQ(header.playout_ticks, receiver_.clock().depth_samples());
+  EXPECT_EQ(header.playout_ticks, 21);
+  EXPECT_EQ(header.echo_sequence, 5u);
+  EXPECT_EQ(header.echo_sent_ns, 5000);
+  EXPECT_EQ(header.echo_received_ns, now_ns_ - kBlock * kMs);
+}
+
+}  // namespace
+}  // namespace telekerf::streaming
