@@ -6,27 +6,12 @@
 
 #include "common/runtime/startup_error.h"
 #include "master/constraint/constraint_controller.h"
+#include "tests/unit/master/contours.h"
 
 namespace telekerf::master {
 namespace {
 
-ContourMessage circle(double radius_m) {
-  ContourMessage contour;
-  contour.id = 3;
-  for (int i = 0; i < 720; ++i) {
-    contour.points_m.emplace_back(radius_m * std::cos(i * M_PI / 360), radius_m * std::sin(i * M_PI / 360));
-  }
-  return contour;
-}
-
-ContourMessage figure_eight() {
-  ContourMessage contour;
-  for (int i = 0; i < 2000; ++i) {
-    const double t = i * 2 * M_PI / 2000;
-    contour.points_m.emplace_back(0.01 * std::sin(t), 0.005 * std::sin(2 * t));
-  }
-  return contour;
-}
+using namespace testing;
 
 /// One step of the generator without memory.
 ActiveConstraint fresh(const GuidePath& guide, const Vec2& tool) {
@@ -185,11 +170,8 @@ TEST(Constraint, AtACrossingTheToolStaysOnItsBranch) {
 }
 
 TEST(Constraint, AnOpenCurveEndsInASoftStopThatLetsTheToolBack) {
-  ContourMessage line;
-  line.closed = false;
-  for (int i = 0; i <= 100; ++i) line.points_m.emplace_back(i * 1e-4, 0.0);
   ConstraintSettings settings;
-  const GuidePath guide = make_guide(line, 1.0, settings);
+  const GuidePath guide = make_guide(straight_line(0.01), 1.0, settings);
   const auto beyond = fresh(guide, {0.0102, 0.0});
   EXPECT_NEAR(beyond.beyond_end_m, 0.2e-3, 1e-6);
   const Vec3 pushed = guided_acceleration(beyond, settings, {{0.0102, 0, 0}, Vec3::Zero()}, {3.0, 0, 0});
@@ -338,11 +320,8 @@ TEST(GuidePath, NoBendIsTighterThanSaidAndTipsLoseLittle) {
 }
 
 TEST(GuidePath, AnOpenCurveIsSlowAtItsEnds) {
-  ContourMessage line;
-  line.closed = false;
-  for (int i = 0; i <= 100; ++i) line.points_m.emplace_back(i * 1e-4, 0.0);
   ConstraintSettings settings;
-  const GuidePath guide = make_guide(line, 1.0, settings);
+  const GuidePath guide = make_guide(straight_line(0.01), 1.0, settings);
   EXPECT_EQ(guide.speed_limit(0.0).m_per_s, settings.end_m_per_s);
   EXPECT_EQ(guide.speed_limit(guide.length_m()).m_per_s, settings.end_m_per_s);
   EXPECT_GT(guide.speed_limit(0.005).m_per_s, 0.05);
