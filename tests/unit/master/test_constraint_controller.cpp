@@ -15,6 +15,30 @@ using namespace testing;
 
 constexpr double kDt_s = 1e-3;
 
+Vec2 on_circle(double radius_m, double arc_m) {
+  return radius_m * Vec2(std::cos(arc_m / 0.01), std::sin(arc_m / 0.01));
+}
+
+TEST(ConstraintGenerator, ALostFootPointIsFoundAgainInOneCallHoweverFarTheToolJumped) {
+  const GuidePath guide = make_guide(circle(0.01), 1.0, {});
+  const double scale = guide.length_m() / (2.0 * M_PI * 0.01);
+  for (const double jump_m : {1e-6, 0.2e-3, 0.49e-3, 0.7e-3, 1e-3, 1.5e-3, 2e-3, 3e-3, 5e-3, 8e-3}) {
+    for (const double way : {-1.0, 1.0}) {
+      for (const double radius_m : {0.006, 0.0095, 0.01, 0.012}) {
+        ConstraintGenerator generator;
+        const double start_m = 7e-3;
+        generator.at(guide, on_circle(radius_m, start_m), kDt_s);
+        const ActiveConstraint active =
+            generator.at(guide, on_circle(radius_m, start_m + way * jump_m), kDt_s);
+        const double off_m =
+            std::remainder(active.piece.arc_m - (start_m + way * jump_m) * scale, guide.length_m());
+        EXPECT_NEAR(off_m, 0.0, 0.5e-6) << jump_m << " " << way << " at " << radius_m;
+        EXPECT_NEAR(active.phi_m, 0.01 - radius_m, 2e-6);
+      }
+    }
+  }
+}
+
 TEST(ConstraintGenerator, TheDriftIsWhatTheNewCircleChangesAtTheTool) {
   const GuidePath guide = make_guide(figure_eight(), 1.0, {});
   ConstraintGenerator generator;
