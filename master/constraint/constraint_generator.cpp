@@ -7,8 +7,12 @@
 namespace telekerf::master {
 namespace {
 
-/// Farther than this from where the last circle says, the foot point is searched along the curve.
+/// Farther than this from the last foot point, or from where the last circle says, it is searched along the
+/// curve.
 constexpr double kLost_m = 0.5e-3;
+/// A search goes two millimetres along the curve: so often at most, and it has settled once it moves by less.
+constexpr int kSearches = 8;
+constexpr double kSettled_m = 1e-6;
 /// Share of a circle's radius nearer than which its centre is not approached: there phi has no gradient.
 constexpr double kNearCentre = 0.5;
 /// Faster than this no circle moves under the tool, but that the foot point jumps.
@@ -24,6 +28,17 @@ void flatten(GuidePiece& piece, const Vec2& tool_m) noexcept {
     piece.shape = geometry::osculating(piece.point_m, along, (1.0 - kNearCentre) / off);
 }
 
+/// The foot point of a tool that is far from where it was looked for.
+double searched(const GuidePath& guide, const Vec2& tool_m, double arc_m) noexcept {
+  for (int i = 0; i < kSearches; ++i) {
+    const double found_m = guide.find_near(tool_m, arc_m);
+    const double moved_m = std::remainder(found_m - arc_m, guide.length_m());
+    arc_m = found_m;
+    if (std::abs(moved_m) < kSettled_m) break;
+  }
+  return arc_m;
+}
+
 }  // namespace
 
 ActiveConstraint ConstraintGenerator::at(const GuidePath& guide, const Vec2& tool_m, double dt_s) noexcept {
@@ -31,16 +46,14 @@ ActiveConstraint ConstraintGenerator::at(const GuidePath& guide, const Vec2& too
   if (!last_) {
     active.piece = guide.at(guide.find(tool_m));
   } else {
-    // One Newton step along the last circle: a tick moves the foot by micrometres.
-    const geometry::CircleOrLine& shape = last_->shape;
-    const double bend = 1.0 - shape.curvature() * shape.phi(tool_m);
-    const double step = shape.tangent(tool_m).dot(tool_m - last_->point_m) / std::max(bend, kNearCentre);
+    // Along the last circle to the tool's foot point on it: a tick moves it by micrometres.
+    const double step = last_->shape.tangent(tool_m).dot(tool_m - last_->point_m);
     active.piece = guide.at(last_->arc_m + std::clamp(step, -kLost_m, kLost_m));
     const double left = active.piece.shape.tangent(tool_m).dot(tool_m - active.piece.point_m);
     const bool at_end =
         !guide.closed() && (active.piece.arc_m <= 0.0 || active.piece.arc_m >= guide.length_m());
-    if (std::abs(left) > kLost_m && !at_end)
-      active.piece = guide.at(guide.find_near(tool_m, active.piece.arc_m));
+    const bool lost = std::abs(step) > kLost_m || std::abs(left) > kLost_m;
+    if (lost && !at_end) active.piece = guide.at(searched(guide, tool_m, active.piece.arc_m));
   }
   flatten(active.piece, tool_m);
   active.phi_m = active.piece.shape.phi(tool_m);

@@ -52,6 +52,25 @@ TEST(CircleFit, StraightPointsBecomeALine) {
   }
 }
 
+TEST(CircleFit, HardlyBentIsACircleStillAndLessIsALine) {
+  for (const double radius_m : {1e5, -1e5, 1e7}) {
+    std::vector<Vec2> points;
+    for (int i = -5; i <= 5; ++i) points.emplace_back(0.1 * i, 0.005 * i * i / radius_m);
+    const CircleOrLine c = fit_circle(points);
+    EXPECT_EQ(c.is_line, radius_m > 1e6) << radius_m;
+    if (!c.is_line) {
+      EXPECT_NEAR(1.0 / c.curvature(), radius_m, 1e-3 * std::abs(radius_m));
+    }
+  }
+  for (const double curvature : {2e-3, -2e-3, 0.5e-3, -0.5e-3, 100.0}) {
+    const CircleOrLine c = osculating({1, 2}, {0, 1}, curvature);
+    EXPECT_EQ(c.is_line, std::abs(curvature) < 1e-3);
+    EXPECT_NEAR(c.curvature(), c.is_line ? 0.0 : curvature, 1e-12);
+    EXPECT_NEAR(c.phi({1, 2}), 0.0, 1e-9);
+    EXPECT_LT((c.tangent({1, 2}) - Vec2(0, 1)).norm(), 1e-9);
+  }
+}
+
 TEST(CircleFit, DegenerateWindowsNeverFail) {
   EXPECT_TRUE(fit_circle({}).is_line);
   const std::vector<Vec2> one{{1, 2}};

@@ -67,6 +67,18 @@ TEST(Smoothing, SaysHowMuchNoiseItTookAway) {
   EXPECT_LT(std::sqrt(left), 0.1);
 }
 
+TEST(Smoothing, TheKernelReachesFourSigmaAndItsSumIsTheGaussians) {
+  for (const double sigma : {1.0, 2.5, 4.1}) {
+    const HalfKernel kernel = gaussian_kernel(sigma);
+    ASSERT_EQ(kernel.weights.size(), static_cast<std::size_t>(std::ceil(4.0 * sigma)) + 1);
+    EXPECT_NEAR(kernel.sum, std::sqrt(2.0 * M_PI) * sigma, 2e-4 * sigma);
+    for (std::size_t k = 0; k < kernel.weights.size(); ++k) {
+      const double u = static_cast<double>(k) / sigma;
+      EXPECT_NEAR(kernel.weights[k], std::exp(-0.5 * u * u), 1e-15);
+    }
+  }
+}
+
 TEST(Smoothing, AClosedLineHasNoSeam) {
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<double> coordinate(-1.0, 1.0);

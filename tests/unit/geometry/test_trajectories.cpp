@@ -148,6 +148,24 @@ TEST(EllipticFourier, NormalisedDescriptorsIgnoreRotationAndStart) {
   }
 }
 
+TEST(EllipticFourier, ANormalFormIsTheCurveTurnedBackFromItsNewStart) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const auto curve = *fit_elliptic_fourier(rotated(wavy(180, seed), 0.8 * seed), 12);
+    const auto normal = normalised(curve);
+    ASSERT_TRUE(normal);
+    const Eigen::Rotation2D<double> back(-normal->rotation_rad);
+    for (double theta = 0.0; theta < 6.28; theta += 0.5) {
+      const Vec2 expected = back * (curve.position(normal->phase_rad + theta) - curve.centre);
+      EXPECT_LT((normal->curve.position(theta) - expected).norm(), 1e-12) << seed << " " << theta;
+    }
+    EXPECT_NEAR(normal->semi_major_m, normal->curve.harmonics[0].a, 1e-12);
+  }
+  for (const double ratio : {1.04, 1.06}) {
+    const EllipticFourier ellipse{Vec2::Zero(), {{ratio, 0, 0, 1}}};
+    EXPECT_EQ(normalised(ellipse).has_value(), ratio > 1.05);
+  }
+}
+
 TEST(EllipticFourier, ARoundShapeHasNoNormalForm) {
   Polyline ring{{}, true};
   for (int i = 0; i < 90; ++i) ring.points_m.emplace_back(std::cos(i * M_PI / 45), std::sin(i * M_PI / 45));

@@ -64,6 +64,72 @@ TEST(Job, FramingStaysWithinReach) {
   }
 }
 
+// A way from rest to rest takes as long as the speed or the acceleration that it may have asks for.
+TEST(Job, WaysBetweenContoursAreOfLeastJerkAndAsFastAsTheyMayBe) {
+  JobSettings settings;
+  settings.framing = false;
+  const auto job = make_job({square(4e-3)}, settings);
+  ASSERT_TRUE(job);
+  const Vec3 start = job->trajectory[0].position_m;
+  for (const double way_m : {0.2e-3, 30e-3}) {
+    const Vec3 from = start + Vec3(0, way_m, 0);
+    const Job whole = approached_from(from, *job, settings);
+    const double time_s = std::max(1.875 * way_m / 30e-3, std::sqrt(5.78 * way_m / 1.0));
+    const auto ticks = static_cast<std::size_t>(std::ceil(time_s * 2400.0));
+    ASSERT_EQ(whole.trajectory.size(), job->trajectory.size() + 1 + ticks) << way_m;
+    for (std::size_t i = 0; i <= ticks; ++i) {
+      const double u = static_cast<double>(i) / static_cast<double>(ticks),
+                   t = static_cast<double>(ticks) / 2400.0;
+      const Reference& r = whole.trajectory[i];
+      EXPECT_NEAR(r.position_m.y(), from.y() - way_m * u * u * u * (10 - 15 * u + 6 * u * u), 1e-12);
+      EXPECT_NEAR(r.velocity_m_per_s.y(), -way_m / t * 30 * u * u * (1 - u) * (1 - u), 1e-9);
+      EXPECT_NEAR(r.acceleration_m_per_s2.y(), -way_m / (t * t) * 60 * u * (1 - u) * (1 - 2 * u), 1e-6);
+      if (i > 0) {
+        EXPECT_NEAR(r.speed_m_per_s, r.velocity_m_per_s.norm(), 1e-12);
+      }
+    }
+  }
+}
+
+TEST(Job, RestsBeforeEachContourAndFramesTheirBox) {
+  JobSettings settings;
+  const auto job = make_job({square(4e-3), square(2e-3)}, settings, {1e-3, 0, 0});
+  ASSERT_TRUE(job);
+  std::size_t rests = 0;
+  double left = 0, right = 0, bottom = 0, top = 0;
+  std::vector<JobPhase> order;
+  for (std::size_t i = 0; i < job->phases.size(); ++i) {
+    if (order.empty() || order.back() != job->phases[i]) order.push_back(job->phases[i]);
+    const Reference& r = job->trajectory[i];
+    rests += job->phases[i] == JobPhase::kTravel && r.velocity_m_per_s.norm() == 0.0;
+    if (job->phases[i] != JobPhase::kFraming) continue;
+    left = std::min(left, r.position_m.x());
+    right = std::max(right, r.position_m.x());
+    bottom = std::min(bottom, r.position_m.y());
+    top = std::max(top, r.position_m.y());
+  }
+  using enum JobPhase;
+  EXPECT_EQ(order, (std::vector<JobPhase>{kApproach, kFraming, kTravel, kCut, kTravel, kCut, kReturn}));
+  EXPECT_NEAR(static_cast<double>(rests), 2 * 0.3 * 2400, 4);
+  for (const double edge : {-left, right, -bottom, top}) EXPECT_NEAR(edge, 2e-3, 1e-12);
+  EXPECT_NEAR(job->cut_length_m, 4 * 4e-3 + 4 * 2e-3, 0.2e-3);
+  EXPECT_LT((job->trajectory[job->trajectory.size() - 1].position_m - Vec3(1e-3, 0, 0)).norm(), 1e-9);
+}
+
+TEST(Job, AnIslandInAHoleIsAPieceAgain) {
+  JobSettings settings;
+  settings.kerf_m = 0.2e-3;
+  const auto job = make_job({square(10e-3), square(7e-3), square(4e-3)}, settings);
+  ASSERT_TRUE(job) << job.error();
+  ASSERT_EQ(job->order, (std::vector<std::size_t>{2, 1, 0}));
+  const double sides_mm[] = {4.2, 6.8, 10.2};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec2 size = geometry::bounding_box(job->lines[i].points_m).size();
+    EXPECT_NEAR(1e3 * size.x(), sides_mm[i], 0.001) << i;
+    EXPECT_NEAR(1e3 * size.y(), sides_mm[i], 0.001) << i;
+  }
+}
+
 TEST(Job, RefusesAnEmptyOne) { EXPECT_FALSE(make_job({}, JobSettings{})); }
 
 class AtWork : public testing::Test {

@@ -21,6 +21,36 @@ TEST(Kerf, CompensationMovesTheOutlineOutAndTheHoleIn) {
   }
 }
 
+// Outwards corners are rounded, inwards they stay: s^2 + 4 s d + pi d^2 and (s - 2 d)^2.
+TEST(Kerf, EveryPointIsMovedByHalfTheKerf) {
+  const double side = 10e-3, d = 0.5e-3;
+  geometry::Polyline square{{{0, 0}, {side, 0}, {side, side}, {0, side}}, true};
+  for (const bool reversed : {false, true}) {
+    if (reversed) std::reverse(square.points_m.begin(), square.points_m.end());
+    const geometry::NearestIndex index(square);
+    const auto piece = compensated(square, 2.0 * d, false);
+    const auto hole = compensated(square, 2.0 * d, true);
+    ASSERT_TRUE(piece && hole);
+    for (const auto* line : {&*piece, &*hole}) {
+      for (const Vec2& p : line->points_m) {
+        ASSERT_NEAR(index.find(p).distance_m, d, 2e-3 * d);
+        ASSERT_EQ(p.cwiseAbs().maxCoeff() <= side && p.minCoeff() >= 0.0, line == &*hole) << p.transpose();
+      }
+    }
+    const double sense = reversed ? -1.0 : 1.0;
+    EXPECT_NEAR(sense * geometry::signed_area_m2(*piece), side * side + 4.0 * side * d + M_PI * d * d,
+                0.01e-6);
+    EXPECT_NEAR(sense * geometry::signed_area_m2(*hole), (side - 2.0 * d) * (side - 2.0 * d), 0.02e-6);
+    // A quarter round in seven pieces, and no more points than the straights need: 10 um apart.
+    EXPECT_NEAR(static_cast<double>(piece->size()), 4 * 1000 + 4 * 7, 4);
+  }
+  // Nothing to do.
+  EXPECT_EQ(compensated(square, 0.0, false)->points_m, square.points_m);
+  EXPECT_EQ(compensated(square, -1e-3, false)->points_m, square.points_m);
+  const geometry::Polyline open{square.points_m, false};
+  EXPECT_EQ(compensated(open, 1e-3, false)->points_m, open.points_m);
+}
+
 TEST(Kerf, AWideKerfReachesAsFarIntoACornerAsItCan) {
   const double half = 0.4e-3;
   const geometry::Polyline wedge{{{0, 0}, {10e-3, 0}, {10e-3, 7e-3}}, true};

@@ -100,6 +100,74 @@ TEST(Path, WrappedOnASphereStaysOnIt) {
   }
 }
 
+// A Gaussian moves a circle inwards by sigma^2 / 2R: as wide as the tolerance lets it, within its bounds.
+TEST(Path, IsSmoothedAsMuchAsItsToleranceAllows) {
+  const Polyline ring = circle(0.2e-3, 400);
+  EXPECT_NEAR(smoothing_for(ring, {.tolerance_m = 1e-6}), 20e-6, 0.6e-6);
+  EXPECT_NEAR(smoothing_for(ring, {.tolerance_m = 2e-6}), std::sqrt(2.0) * 20e-6, 0.6e-6);
+  EXPECT_EQ(smoothing_for(ring, {.tolerance_m = 0.0}), 12e-6);
+  EXPECT_EQ(smoothing_for(ring, {.tolerance_m = 10e-6}), 40e-6);
+  EXPECT_EQ(smoothing_for({{{0, 0}, {3e-3, 1e-3}}, false}, {}), 40e-6) << "a straight line takes any";
+  const auto path = Path::through(ring, {.tolerance_m = 1e-6});
+  ASSERT_TRUE(path);
+  EXPECT_NEAR(path->at(0.1e-3).position_m.norm(), 0.2e-3 - 1e-6, 0.1e-6);
+  // Harmonics up to where the Gaussian's weight is exp(-3.7^2 / 2).
+  EXPECT_EQ(path->harmonics(), static_cast<std::size_t>(std::ceil(3.7 * 0.4e-3 / 2.0 / path->smoothing_m())));
+}
+
+TEST(Path, TheThirdDerivativeIsThatOfTheSecond) {
+  const auto path = Path::through(circle(1e-3, 800), {});
+  ASSERT_TRUE(path);
+  const double h = 0.5e-6;
+  for (double s = 0.05e-3; s < 6e-3; s += 0.173e-3) {
+    const Vec3 slope = (path->at(s + h).second - path->at(s - h).second) / (2 * h);
+    EXPECT_LT((path->at(s).third - slope).norm(), 0.05 * 1e6) << s;
+    EXPECT_NEAR(path->at(s).third.norm(), 1e6, 0.1e6) << s << " of a circle: 1 / R^2";
+  }
+}
+
+TEST(Path, GoesRoundAgainOrOnStraight) {
+  const auto ring = Path::through(circle(5e-3, 800), {});
+  ASSERT_TRUE(ring);
+  for (const double s : {0.0, 1e-3, 20e-3}) {
+    EXPECT_LT((ring->at(s + ring->length_m()).position_m - ring->at(s).position_m).norm(), 1e-12);
+    EXPECT_LT((ring->at(s - ring->length_m()).position_m - ring->at(s).position_m).norm(), 1e-12);
+  }
+  const auto line = Path::through(Polyline{{{0, 0}, {3e-3, 4e-3}}, false}, {});
+  ASSERT_TRUE(line);
+  EXPECT_NEAR(line->length_m(), 5e-3, 1e-9);
+  const PathPoint beyond = line->at(6e-3);
+  EXPECT_LT((beyond.position_m - Vec3(3.6e-3, 4.8e-3, 0)).norm(), 1e-9);
+  EXPECT_LT((beyond.first - Vec3(0.6, 0.8, 0)).norm(), 1e-9);
+  EXPECT_EQ(beyond.second.norm(), 0.0);
+}
+
+TEST(Path, ThroughNodesItsParameterIsTheArcAndBadOnesAreRefused) {
+  // A quarter of a circle by an odd parameter: t^2.
+  std::vector<PathNode> nodes;
+  for (int i = 1; i <= 40; ++i) {
+    const double t = i / 40.0, a = t * t;
+    nodes.push_back(
+        {t, 2e-3 * Vec3(std::cos(a), std::sin(a), 0), 2e-3 * 2 * t * Vec3(-std::sin(a), std::cos(a), 0),
+         2e-3 * (2.0 * Vec3(-std::sin(a), std::cos(a), 0) - 4 * t * t * Vec3(std::cos(a), std::sin(a), 0))});
+  }
+  const auto path = Path::through(nodes, false);
+  ASSERT_TRUE(path);
+  const double from = 1.0 / 1600.0;
+  EXPECT_NEAR(path->length_m(), 2e-3 * (1.0 - from), 1e-12);
+  for (double s = 0.0; s < path->length_m(); s += 0.1e-3) {
+    const double a = s / 2e-3 + from;
+    EXPECT_LT((path->at(s).position_m - 2e-3 * Vec3(std::cos(a), std::sin(a), 0)).norm(), 1e-11) << s;
+    EXPECT_NEAR(path->at(s).second.norm(), 500.0, 0.5);
+  }
+  EXPECT_FALSE(Path::through(std::vector<PathNode>{nodes[0]}, false));
+  std::swap(nodes[3], nodes[4]);
+  EXPECT_FALSE(Path::through(nodes, false));
+  EXPECT_FALSE(Path::through(Polyline{{{0, 0}, {1e-3, 0}}, true}, PathSettings{}))
+      << "two points close nothing";
+  EXPECT_TRUE(Path::through(Polyline{{{0, 0}, {1e-3, 0}}, false}, PathSettings{}));
+}
+
 TEST(Path, RefusesWhatHasNoDirection) {
   EXPECT_FALSE(Path::through(Polyline{{{0, 0}, {0, 0}}, false}, PathSettings{}));
   EXPECT_FALSE(Path::through(Polyline{{{0, 0}, {NAN, 1}, {1, 0}}, true}, PathSettings{}));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "slave/machining/even_burn.h"
 #include "slave/machining/timed_path.h"
 
 namespace telekerf::machining {
@@ -164,6 +165,77 @@ TEST(TimedPath, KeepsWithinAMachinesLimits) {
   const auto faster = make_timed_path(kSquare, settings);
   ASSERT_FALSE(faster);
   EXPECT_NE(faster.error().find("20 mm/s is more than the 18 mm/s"), std::string::npos) << faster.error();
+}
+
+// From rest to rest: room to come to speed, to smooth and to settle before the beam comes on, and as much
+// behind.
+TEST(TimedPath, TheWayNeverGoesBackAndHasItsRunUpAndRunOut) {
+  for (const CornerPolicy corner : {CornerPolicy::kRounded, CornerPolicy::kSlow}) {
+    for (const bool closed : {true, false}) {
+      for (const double speed : {8e-3, 50e-3}) {
+        TimedPathSettings settings;
+        settings.corner = corner;
+        settings.speed_m_per_s = speed;
+        const auto plan = make_timed_path(geometry::Polyline{kSquare.points_m, closed}, settings);
+        ASSERT_TRUE(plan);
+        const Trajectory& t = plan->trajectory;
+        const double run_up = speed * speed / 4.0 + 1.5 * speed * 0.012 + std::min(2e-3, 0.15 * speed);
+        const double cut_end = plan->path.length_m() + (closed ? 0.2e-3 : 0.0);
+        EXPECT_NEAR(t[0].arc_length_m, -run_up, 1e-12);
+        EXPECT_NEAR(t[t.size() - 1].arc_length_m, cut_end + run_up, 1e-12);
+        std::size_t lit = 0;
+        double slowest = speed;
+        for (std::size_t i = 0; i < t.size(); ++i) {
+          if (i > 0) {
+            ASSERT_GE(t[i].arc_length_m, t[i - 1].arc_length_m) << i;
+          }
+          ASSERT_EQ(t[i].beam, t[i].arc_length_m >= 0.0 && t[i].arc_length_m <= cut_end) << i;
+          ASSERT_LE(t[i].speed_m_per_s, speed * (1.0 + 1e-9));
+          ASSERT_LE(t[i].speed_rate_m_per_s2, 2.0 * (1.0 + 1e-6));
+          ASSERT_GE(t[i].speed_rate_m_per_s2, -2.0 * (1.0 + 1e-2));
+          if (!t[i].beam) continue;
+          ++lit;
+          slowest = std::min(slowest, t[i].speed_m_per_s);
+        }
+        EXPECT_NEAR(plan->cut_s, static_cast<double>(lit) / 2400.0, 1e-12);
+        EXPECT_NEAR(plan->mean_speed_m_per_s, cut_end / plan->cut_s, 1e-12);
+        EXPECT_EQ(plan->slowest_m_per_s, slowest);
+        EXPECT_NEAR(plan->time_s(), static_cast<double>(t.size()) / 2400.0, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(EvenBurn, AStraightStrokeIsBurntFullyAndAnOverlapFadesOver) {
+  const auto stroke = Path::through(geometry::Polyline{{{0, 0}, {3e-3, 0}}, false}, {});
+  ASSERT_TRUE(stroke);
+  const EvenBurn even(*stroke, stroke->length_m(), 30e-6, 0.0);
+  for (double s = 0.0; s < 3e-3; s += 50e-6) EXPECT_NEAR(even.fraction(s), 1.0, 1e-4) << s;
+  geometry::Polyline ring{{}, true};
+  for (int i = 0; i < 3000; ++i)
+    ring.points_m.emplace_back(3e-3 * std::cos(i * M_PI / 1500), 3e-3 * std::sin(i * M_PI / 1500));
+  const auto path = Path::through(ring, {});
+  ASSERT_TRUE(path);
+  const double length = path->length_m(), overlap = 0.2e-3;
+  const EvenBurn round(*path, length + overlap, 30e-6, overlap);
+  EXPECT_NEAR(round.fraction(0.0), 0.0, 1e-9);
+  EXPECT_NEAR(round.fraction(length + overlap), 0.0, 0.05);
+  for (double s = 10e-6; s < overlap; s += 10e-6)
+    EXPECT_NEAR(round.fraction(s) + round.fraction(length + s), 1.0, 0.02) << s << " start and end together";
+  for (double s = 0.5e-3; s < length - 0.5e-3; s += 0.1e-3) EXPECT_NEAR(round.fraction(s), 1.0, 0.002) << s;
+}
+
+TEST(TimedPath, CornersAreRoundedByWhatThePolicySays) {
+  TimedPathSettings settings;
+  settings.tolerance_m = 25e-6;
+  settings.corner = CornerPolicy::kExact;
+  EXPECT_EQ(path_settings(settings).tolerance_m, 0.0);
+  settings.corner = CornerPolicy::kRounded;
+  EXPECT_EQ(path_settings(settings).tolerance_m, 25e-6);
+  settings.corner = CornerPolicy::kSlow;
+  EXPECT_EQ(path_settings(settings).tolerance_m, 10e-6);
+  settings.tolerance_m = 4e-6;
+  EXPECT_EQ(path_settings(settings).tolerance_m, 4e-6);
 }
 
 TEST(TimedPath, RefusesASpeedOfZero) {

@@ -8,16 +8,12 @@
 #include "common/runtime/startup_error.h"
 #include "master/constraint/reach.h"
 #include "master/station.h"
+#include "tests/unit/master/contours.h"
 
 namespace telekerf::master {
 namespace {
 
-ContourMessage circle(double radius_m) {
-  ContourMessage contour;
-  for (int i = 0; i < 720; ++i)
-    contour.points_m.emplace_back(radius_m * std::cos(i * M_PI / 360), radius_m * std::sin(i * M_PI / 360));
-  return contour;
-}
+using testing::circle;
 
 std::string refusal_of(const robot::RobotModel& model, double radius_m, double corridor_m) {
   ConstraintSettings coarse;

@@ -133,6 +133,84 @@ TEST(RunReport, ARunWithoutMotionHasNoErrorsRatherThanZeroErrors) {
   EXPECT_EQ(report["cut"]["coverage"].get<double>(), 0.0);
 }
 
+TEST(RunReport, TheCorridorIsHalfAMillimetreAndItsEdgeBelongsToIt) {
+  EXPECT_EQ(make_report(circle_run(0.0, 0.499e-3))["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
+  EXPECT_GT(make_report(circle_run(0.0, 0.501e-3))["cut"]["energy_outside_corridor_j"].get<double>(), 1.9);
+  EXPECT_EQ(make_report(circle_run(0.0, -0.499e-3))["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
+  EXPECT_GT(make_report(circle_run(0.0, -0.501e-3))["cut"]["energy_outside_corridor_j"].get<double>(), 1.9);
+}
+
+TEST(RunReport, CoverageIsOfWhatWasPassedWithTheLaserOnOnceHoweverOften) {
+  const auto coverage = [](auto lit) {
+    RunRecord record = circle_run(0.0, 0.0);
+    for (std::size_t i = 0; i < record.slave.size(); ++i) record.slave[i].laser_w = lit(i) ? 4.0 : 0.0;
+    return make_report(record)["cut"]["coverage"].get<double>();
+  };
+  EXPECT_NEAR(coverage([](std::size_t) { return true; }), 0.9995, 0.0005) << "but for the last tick's way";
+  EXPECT_NEAR(coverage([](std::size_t i) { return i < 250; }), 0.25, 0.003);
+  EXPECT_NEAR(coverage([](std::size_t i) { return i < 125 || i > 875; }), 0.25, 0.004) << "round the seam";
+  // Lit at every tenth tick: only where it stood.
+  EXPECT_NEAR(coverage([](std::size_t i) { return i % 10 == 0; }), 0.1, 0.03);
+  // A jump across: what lies between was not burnt.
+  RunRecord jump = circle_run(0.0, 0.0);
+  for (std::size_t i = 100; i < jump.slave.size(); ++i)
+    jump.slave[i].tool_m = jump.slave[i < 200 ? 600 + i : 99].tool_m;
+  EXPECT_NEAR(make_report(jump)["cut"]["coverage"].get<double>(), 0.2, 0.004);
+}
+
+TEST(RunReport, TheMastersToolIsTakenBetweenItsTicks) {
+  RunRecord record = circle_run(0.0, 0.0);
+  for (SlaveRow& row : record.slave) row.applied += 0.5;
+  // The tool is half a tick of its way, 31.4 um, behind; of the last one there is no master's.
+  const auto report = make_report(record);
+  EXPECT_EQ(report["tracking"]["samples"].get<int>(), 999);
+  EXPECT_NEAR(report["tracking"]["rms_um"].get<double>(), 31.4, 0.1);
+  record.master[300].joined = false;
+  record.master[301].joined = false;
+  EXPECT_EQ(make_report(record)["tracking"]["samples"].get<int>(), 997);
+  for (SlaveRow& row : record.slave) row.applied -= 1.0;
+  EXPECT_EQ(make_report(record)["tracking"]["samples"].get<int>(), 997) << "nor of one before the first";
+}
+
+TEST(RunReport, OnlyWhatIsGuidedCountsForTheConstraint) {
+  RunRecord record = circle_run(50e-6, 0.0);
+  for (std::size_t i = 0; i < 400; ++i) {
+    record.master[i].guided = false;
+    record.master[i].tool_m *= 1.5;
+  }
+  EXPECT_EQ(make_report(record)["constraint"]["samples"].get<int>(), 600);
+  EXPECT_NEAR(make_report(record)["constraint"]["max_um"].get<double>(), 50.0, 0.1);
+}
+
+TEST(RunReport, FiguresOfBothSitesAreAddedWhereBothCount) {
+  RunRecord record = circle_run(0.0, 0.0);
+  record.master_figures = {{"lost", 3},         {"refused", 5},      {"overruns", 7},
+                           {"rtt_p50_ms", 1.5}, {"rtt_p95_ms", 2.5}, {"rtt_p99_ms", 3.5},
+                           {"block_ms", 16},    {"seed", 9},         {"redundancy", 2}};
+  record.slave_figures = {
+      {"lost", 20}, {"refused", 40}, {"overruns", 70}, {"playout_ms", 4}, {"control_period_s", 2e-3}};
+  record.contour_closed = false;
+  record.words = {{"law", "anchored"}, {"netem", "x"}, {"codec", "sdct"}, {"image", "heart"}};
+  const auto report = make_report(record);
+  EXPECT_EQ(report["link"]["lost"].get<int>(), 23);
+  EXPECT_EQ(report["link"]["refused"].get<int>(), 45);
+  EXPECT_EQ(report["link"]["rtt_ms"]["p95"].get<double>(), 2.5);
+  EXPECT_EQ(report["link"]["rtt_ms"]["p99"].get<double>(), 3.5);
+  EXPECT_EQ(report["link"]["total_ms"].get<double>(), 21.5);
+  EXPECT_EQ(report["loop"]["master"]["overruns"].get<int>(), 7);
+  EXPECT_EQ(report["loop"]["slave"]["overruns"].get<int>(), 70);
+  EXPECT_EQ(report["seed"].get<int>(), 9);
+  EXPECT_EQ(report["codec"]["redundancy"].get<int>(), 2);
+  EXPECT_EQ(report["law"], "anchored");
+  EXPECT_EQ(report["netem"], "x");
+  EXPECT_EQ(report["contour"]["image"], "heart");
+  EXPECT_EQ(report["contour"]["points"].get<int>(), 3600);
+  EXPECT_FALSE(report["contour"]["closed"].get<bool>());
+  EXPECT_NEAR(report["cut"]["laser_on_s"].get<double>(), 1.0, 1e-9) << "by the period that the slave tells";
+  record.contour_m.resize(1);
+  EXPECT_THROW((void)make_report(record), StartupError);
+}
+
 TEST(RunRecord, WhatIsWrittenIsReadAgainBitForBit) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "run_record";
   RunRecord record = circle_run(1.0 / 3e4, 1e-7 / 3);
