@@ -46,7 +46,6 @@ class VisionNode {
 
   ContourRequest request_;
   State state_ = State::kWaiting;
-  std::string reason_;
   std::optional<ContourMessage> published_;
   std::optional<ContourMessage> candidate_;
   std::string unsupported_;

@@ -44,11 +44,16 @@ TEST(Switching, StagesEventsAndSlotsCountFromIt) {
   EXPECT_EQ(waits_ms(6000), 6);
   EXPECT_EQ(waits_ms(6100), 1);
   EXPECT_EQ(waits_ms(7000), 3);
-  switch_to(emulator, of("slot_ms = 10\nslot_packets = 1"), 8003 * kMs);
-  EXPECT_EQ(emulator.push(8003 * kMs, 10U, 0).due_ns, 8003 * kMs);
-  EXPECT_EQ(emulator.push(8003 * kMs, 10U, 0).due_ns, 8013 * kMs);
-  switch_to(emulator, of("slot_ms = 10\nslot_packets = 1"), 8004 * kMs);
-  EXPECT_EQ(emulator.push(8004 * kMs, 10U, 0).due_ns, 8014 * kMs)
+  switch_to(emulator, of("delay_ms = 1\n[[event]]\nfirst_s = 2\nduration_ms = 100\nadd_delay_ms = [7, 7]"),
+            7000 * kMs);
+  EXPECT_EQ(waits_ms(8500), 1);  // where the event of the network before was over
+  EXPECT_EQ(waits_ms(9000), 8);
+  EXPECT_EQ(waits_ms(9100), 1);
+  switch_to(emulator, of("slot_ms = 10\nslot_packets = 1"), 9203 * kMs);
+  EXPECT_EQ(emulator.push(9203 * kMs, 10U, 0).due_ns, 9203 * kMs);
+  EXPECT_EQ(emulator.push(9203 * kMs, 10U, 0).due_ns, 9213 * kMs);
+  switch_to(emulator, of("slot_ms = 10\nslot_packets = 1"), 9204 * kMs);
+  EXPECT_EQ(emulator.push(9204 * kMs, 10U, 0).due_ns, 9214 * kMs)
       << "behind the last, at a slot of the new network";
 }
 

@@ -22,7 +22,7 @@ std::string entities(const std::string& text, const std::string& header = "") {
 Polyline drawn(const std::string& text, const std::string& header = "") {
   const auto out = read_dxf(entities(text, header));
   EXPECT_TRUE(out) << out.error() << " of\n" << text;
-  if (!out) return {};
+  if (!out) return {{Vec2::Zero(), Vec2::Zero()}, false};
   EXPECT_EQ(out->contours.size(), 1u) << text;
   return out->contours.front();
 }

@@ -63,7 +63,6 @@ inline Comparison compare(const PixelContour& contour, const geometry::Polyline&
   out.backwards = std::min(forwards, against) / std::max(1e-9, forwards + against);
   out.once = std::abs(travelled) / (ideal.length_m() * static_cast<double>(steps) /
                                     static_cast<double>(contour.closed ? n : n - 1));
-  std::fprintf(stderr, "CMP rms %.4f mean %.4f max %.4f missed %.4f len %.5f back %.5f once %.5f\n", out.rms_px, out.mean_px, out.max_px, out.missed_px, out.length_ratio, out.backwards, out.once);
   return out;
 }
 
