@@ -138,13 +138,13 @@ TEST(Emulation, BlocksThatWereOvertakenStillArrive) {
   Reader<CommandBlock> reader(slave);
   ASSERT_TRUE(matched(writer, reader));
   CommandBlock block;
-  const std::uint64_t before = slave.counters().emulated;
   for (std::uint32_t i = 0; i < 200; ++i) {
     block.sequence = i;
+    const std::uint64_t before = slave.counters().emulated;
     ASSERT_TRUE(writer.write(block));
-    // The link counts the 2 ms from here on: blocks that a busy machine takes in all at once are overtaken by
-    // more.
-    ASSERT_TRUE(soon([&] { return slave.counters().emulated > before + i; })) << i;
+    // The 2 ms count from where the link has it: blocks that a busy machine takes in all at once are overtaken
+    // by more than a stream has lanes, and those the middleware drops.
+    ASSERT_TRUE(soon([&] { return slave.counters().emulated > before; })) << i;
     sleep_until_ns(monotonic_ns() + 2 * kMillisecond);
   }
   EXPECT_TRUE(soon([&] { return reader.counters().received == 200; })) << reader.counters().received;
