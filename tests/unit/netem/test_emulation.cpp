@@ -142,8 +142,8 @@ TEST(Emulation, BlocksThatWereOvertakenStillArrive) {
     block.sequence = i;
     const std::uint64_t before = slave.counters().emulated;
     ASSERT_TRUE(writer.write(block));
-    // The 2 ms count from where the link has it: blocks that a busy machine takes in all at once are overtaken
-    // by more than a stream has lanes, and those the middleware drops.
+    // The 2 ms count from where the link has it: blocks that a busy machine takes in all at once are
+    // overtaken by more than a stream has lanes, and those the middleware drops.
     ASSERT_TRUE(soon([&] { return slave.counters().emulated > before; })) << i;
     sleep_until_ns(monotonic_ns() + 2 * kMillisecond);
   }

@@ -116,6 +116,18 @@ TEST(Emulator, ALossThatIsLostAgainGetsThroughAtTheSixthAttempt) {
   EXPECT_EQ(outage.counters().lost, 0U);
 }
 
+TEST(Emulator, OnlyWhatIsStillUnderWayIsOvertaken) {
+  Emulator emulator(of("delay_ms = 20\norder = \"reorder\"\nreorder = 1\nreorder_gap = 2"), {1});
+  EXPECT_FALSE(emulator.push(0, 10U, 0).reordered);
+  const PacketOutcome arrived = emulator.push(20 * kMs, 10U, 1);
+  EXPECT_FALSE(arrived.reordered) << "the one before arrives just now";
+  EXPECT_EQ(arrived.due_ns, 40 * kMs);
+  const PacketOutcome chosen = emulator.push(39 * kMs, 10U, 2);
+  EXPECT_TRUE(chosen.reordered);
+  EXPECT_EQ(chosen.due_ns, 40 * kMs - 1);
+  EXPECT_EQ(emulator.counters().reordered, 1U);
+}
+
 TEST(Emulator, AnIdleBottleneckTakesAPacketLargerThanItsQueue) {
   Emulator emulator(of("rate_kbit_per_s = 80\nqueue_bytes = 200"), {1});
   EXPECT_FALSE(emulator.push(0, 1000U, 0).queue_full);

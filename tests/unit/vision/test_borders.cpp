@@ -6,6 +6,8 @@
 
 #include "common/vision/extraction/border.h"
 #include "common/vision/extraction/centre_line.h"
+#include "common/vision/extraction/contour_extraction.h"
+#include "common/vision/extraction/local_level.h"
 #include "common/vision/extraction/outline.h"
 #include "common/vision/extraction/tangents.h"
 #include "tests/unit/vision/fields.h"
@@ -155,6 +157,50 @@ TEST(Border, PointsAreMovedOntoItFromEitherSide) {
     route.junction.assign(route.points_px.size(), false);
     const PixelContour line = on_border(field, route);
     for (const Vec2& p : line.points_px) EXPECT_NEAR(p.x(), 47.25, 1e-6) << off;
+  }
+}
+
+TEST(LocalLevel, PointsMoveToTheMiddleOfTheirBorder) {
+  // A border of a blur of 2 px at x = 60; the field's level lies off its middle by u of its height.
+  constexpr double kBlur_px = 2.0;
+  for (const double u : {0.25, 0.1, 0.0, -0.1, -0.25}) {
+    const Field field = field_of(120, 120, 20.0 + 200.0 * (0.5 - u), [](int x, int) {
+      return static_cast<int>(
+          std::lround(20.0 + 100.0 * std::erfc((60.0 - x) / (std::sqrt(2.0) * kBlur_px))));
+    });
+    // A square whose right side runs along the border where the level crosses it, the others far from
+    // anything.
+    double crossing = 50.0;
+    while (field.value(Vec2(crossing, 60.0)) < 0.0) crossing += 0.001;
+    std::vector<Vec2> points;
+    for (int y = 20; y < 100; ++y) points.emplace_back(crossing, y);
+    for (double x = crossing - 1.0; x > 10.0; x -= 1.0) points.emplace_back(x, 100);
+    for (int y = 100; y > 20; --y) points.emplace_back(10, y);
+    for (double x = 10.0; x < crossing; x += 1.0) points.emplace_back(x, 20);
+    move_to_local_level(field, kBlur_px, points);
+    EXPECT_NEAR(points[40].x(), 60.0, 0.1) << u << ", from " << crossing;
+    EXPECT_EQ(points[40].y(), 60.0);
+  }
+}
+
+TEST(Stroke, EndsThatNearlyMeetAreJoinedWhereOneGoesOnAsTheOther) {
+  drawing::Drawing ring{{{{}, false}}, false, 6.0};  // a circle with a gap of 9 px
+  for (int i = 0; i <= 700; ++i) {
+    const double a = (2.0 * M_PI - 9.0 / 150.0) * i / 700.0;
+    ring.lines_px[0].points_m.emplace_back(319.5 + 150.0 * std::cos(a), 239.5 + 150.0 * std::sin(a));
+  }
+  drawing::Drawing drop{
+      {{{{314.5, 100}, {314.5, 220}}, false}}, false, 6.0};  // a loop on two legs, 10 px apart
+  for (int i = 1; i < 300; ++i) {
+    const double a = -0.5 * M_PI - 0.07 - (2.0 * M_PI - 0.14) * i / 300.0;
+    drop.lines_px[0].points_m.emplace_back(319.5 + 75.0 * std::cos(a), 295.0 + 75.0 * std::sin(a));
+  }
+  drop.lines_px[0].points_m.insert(drop.lines_px[0].points_m.end(), {{324.5, 220}, {324.5, 100}});
+  for (const auto& [drawing, closed] : {std::pair{ring, true}, {drop, false}}) {
+    const auto found = extract(drawing::render(drawing, {.noise = 0.0}), {.mode = ExtractionMode::kStroke});
+    ASSERT_TRUE(found) << found.error();
+    EXPECT_EQ(found->contours.front().closed, closed);
+    EXPECT_NEAR(found->contours.front().width_px, 6.3, 0.8);
   }
 }
 

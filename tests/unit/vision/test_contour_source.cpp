@@ -111,6 +111,24 @@ TEST(SameContour, WithinItsToleranceWhateverItsStartAndDirection) {
   EXPECT_FALSE(same_contour(c, b, 1e-6));
   c.further = {b.further[0]};
   EXPECT_FALSE(same_contour(b, c, 1e-6));
+  // As near everywhere, but longer: two hundredths and two tolerances are taken, no more.
+  const auto wavy = [](double height_m) {
+    ContourMessage out;
+    for (int i = 0; i < 2000; ++i) {
+      const double r = 0.01 + height_m * std::sin(2.0 * M_PI * i / 20.0);
+      out.points_m.emplace_back(r * std::cos(M_PI * i / 1000.0), r * std::sin(M_PI * i / 1000.0));
+    }
+    return out;
+  };
+  const auto longer = [&](double height_m) {
+    const double length_m = geometry::length_m({wavy(height_m).points_m, true});
+    return (length_m - geometry::length_m({a.points_m, true}) - 2.0 * 1e-4) / length_m;
+  };
+  EXPECT_LT(longer(0.26e-4), 0.02);
+  EXPECT_TRUE(same_contour(a, wavy(0.26e-4), 1e-4));
+  EXPECT_GT(longer(0.34e-4), 0.02);
+  EXPECT_LT(longer(0.34e-4), 0.05);
+  EXPECT_FALSE(same_contour(a, wavy(0.34e-4), 1e-4));
   // Round twice: no point lies off it, but it is twice as long.
   ContourMessage twice = a;
   twice.points_m.insert(twice.points_m.end(), a.points_m.begin(), a.points_m.end());
