@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdlib>
+#include <string>
 #include <string_view>
 
 #include "common/vision/vector/dxf/document.h"
@@ -11,22 +12,25 @@
 
 namespace telekerf::vision {
 
-inline void try_reader(std::string_view bytes, bool svg) {
+/// What is wrong with the answer; empty: nothing.
+inline std::string trouble_of(std::string_view bytes, bool svg) {
   VectorLimits limits;
   limits.max_points = 20'000;
   limits.max_bytes = 1'000'000;
   const auto out = svg ? read_svg(bytes, limits) : read_dxf(bytes, limits);
-  if (!out) {
-    if (out.error().empty()) std::abort();
-    return;
-  }
-  if (out->contours.empty()) std::abort();
+  if (!out) return out.error().empty() ? "a refusal without a sentence" : "";
+  if (out->contours.empty()) return "a drawing without a line";
   std::size_t points = 0;
   for (const auto& line : out->contours) {
-    if (line.size() < 2 || !geometry::all_finite(line.points_m)) std::abort();
+    if (line.size() < 2) return "a line without a length";
+    if (!geometry::all_finite(line.points_m)) return "a point that is nowhere";
     points += line.size();
   }
-  if (points > limits.max_points) std::abort();
+  return points > limits.max_points ? "more points than are allowed" : "";
+}
+
+inline void try_reader(std::string_view bytes, bool svg) {
+  if (!trouble_of(bytes, svg).empty()) std::abort();
 }
 
 }  // namespace telekerf::vision

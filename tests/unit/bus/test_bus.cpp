@@ -191,15 +191,39 @@ TEST(Bus, WaitsForARole) {
 }
 
 TEST(Bus, RefusesSettingsWithASentence) {
+  const auto refusal = [](const BusSettings& wrong) -> std::string {
+    try {
+      const Bus bus(wrong);
+    } catch (const StartupError& error) {
+      return error.what();
+    }
+    return "";
+  };
   auto domain = settings("master");
-  domain.domain = 233;
-  EXPECT_THROW(Bus bus(domain), StartupError);
+  for (const int beyond : {-1, 233}) {
+    domain.domain = beyond;
+    EXPECT_EQ(refusal(domain), "domain " + std::to_string(beyond) + " is outside [0, 232]");
+  }
+  auto cell = settings("master");
+  for (const char* pattern : {"a*", "a?", "a[", "a]"}) {
+    cell.cell = pattern;
+    EXPECT_THAT(refusal(cell), HasSubstr("must hold none of * ? [ ]")) << pattern;
+  }
+  cell.cell.clear();
+  EXPECT_THAT(refusal(cell), HasSubstr("the cell has no name"));
+  auto name = settings("master");
+  name.name.assign(65, 'n');
+  EXPECT_THAT(refusal(name), HasSubstr("64, 32 and 64 letters"));
   auto peer = settings("master");
   peer.peers = {"no-such-host.invalid"};
   EXPECT_THROW(Bus bus(peer), StartupError);
   auto port = settings("master");
-  port.peers = {"127.0.0.1:70000"};
-  EXPECT_THROW(Bus bus(port), StartupError);
+  for (const char* wrong : {"127.0.0.1:65536", "127.0.0.1:0", "127.0.0.1:x"}) {
+    port.peers = {wrong};
+    EXPECT_THAT(refusal(port), HasSubstr("is not HOST or HOST:PORT")) << wrong;
+  }
+  port.peers = {"127.0.0.1:65535"};
+  EXPECT_EQ(refusal(port), "");
 }
 
 TEST(Bus, NamedPeersAreAddedToMulticast) {

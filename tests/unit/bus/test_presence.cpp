@@ -55,6 +55,27 @@ TEST(Presence, WhoHasJoinedStays) {
   EXPECT_TRUE(must_give_way(knocking, running));
 }
 
+TEST(Presence, OneSlaveAndOneVisionACellButDifferentRolesGoTogether) {
+  for (const char* role : {"slave", "vision"})
+    EXPECT_THAT(incompatibility(process(role, "a").presence, process(role, "b").presence).value(),
+                HasSubstr(std::string("a second ") + role));
+  EXPECT_FALSE(incompatibility(process("slave", "a").presence, process("master", "b").presence));
+  EXPECT_THAT(incompatibility(process("slave", "a").presence, process("master", "a").presence).value(),
+              HasSubstr("the name 'a' is taken in cell 'cell-1' by a master"));
+}
+
+TEST(Presence, TheLowerEpochStaysAndOfEqualOnesTheLowerKey) {
+  auto lower = process("master", "a", 2, false);
+  auto higher = process("master", "b", 3, false);
+  lower.key[0] = 9;
+  EXPECT_FALSE(must_give_way(lower, higher));
+  EXPECT_TRUE(must_give_way(higher, lower));
+  higher.presence.epoch = 2;
+  EXPECT_TRUE(must_give_way(lower, higher)) << "its key is the higher one";
+  EXPECT_FALSE(must_give_way(higher, lower));
+  EXPECT_FALSE(must_give_way(lower, lower)) << "not to itself";
+}
+
 TEST(Presence, OfTwoThatStartTogetherExactlyOneGivesWay) {
   for (const std::uint32_t other_epoch : {1u, 2u, 3u}) {
     auto a = process("master", "a", 2, false);

@@ -48,6 +48,39 @@ TEST(Datagram, FindsAStreamsPayload) {
   EXPECT_EQ(range.end, bytes.size());
 }
 
+/// The bytes of one DATA submessage behind the header, one of them changed.
+Range with(std::size_t at, int value) {
+  Bytes bytes = header();
+  append_data(bytes, kStreamEntity);
+  bytes[20 + at] = static_cast<std::byte>(value);
+  return stream_payload(bytes);
+}
+
+TEST(Datagram, SubmessagesEndWhereTheySay) {
+  const auto found = [](const Range& range) { return range.end - range.begin; };
+  EXPECT_EQ(found(with(0, 0x15)), 8);
+  EXPECT_EQ(found(with(0, 0x16)), 0) << "no DATA";
+  EXPECT_EQ(found(with(1, 0x01)), 0) << "no payload";
+  EXPECT_EQ(found(with(2, 0)), 8) << "a length of nothing: to the end";
+  EXPECT_EQ(found(with(2, 27)), 7);
+  EXPECT_EQ(found(with(2, 20)), 0) << "a payload of nothing";
+  EXPECT_EQ(found(with(2, 29)), 0) << "beyond the datagram";
+  EXPECT_EQ(found(with(2, 19)), 0) << "too short for a writer's DATA";
+  EXPECT_EQ(found(with(12, 1)), 0) << "another writer";
+  EXPECT_EQ(found(with(13, kStreamEntity + 1)), 0);
+  Bytes big_endian = header();
+  append(big_endian, {0x15, 0x04, 0, 28});
+  const Bytes body(28);
+  big_endian.insert(big_endian.end(), body.begin(), body.end());
+  big_endian[20 + 13] = static_cast<std::byte>(kStreamEntity);
+  EXPECT_EQ(found(stream_payload(big_endian)), 8);
+  Bytes second = header();
+  append_data(second, 0);
+  append_data(second, kStreamEntity);
+  EXPECT_EQ(stream_payload(second).begin, 20 + 32 + 24);
+  EXPECT_EQ(found(stream_payload(Bytes(65536))), 0);
+}
+
 TEST(Datagram, OtherWritersHaveNone) {
   Bytes counted = header();
   append_data(counted, 0);

@@ -34,6 +34,52 @@ TEST(Tc, WordsOfTheCommand) {
       std::string::npos);
 }
 
+TEST(Tc, EveryConditionHasItsWords) {
+  const std::string head = "tc qdisc replace dev eth0 root netem limit 100000";
+  struct Row {
+    const char* keys;
+    const char* words;
+    std::size_t shortcomings;
+  };
+  for (const Row& row : {
+           Row{"", "", 0},
+           Row{"delay_ms = 0.001", " delay 0.001ms", 0},
+           Row{"delay_ms = 60\njitter_ms = 5\ndistribution = \"normal\"\norder = \"free\"",
+               " delay 60ms 5ms distribution normal", 1},
+           Row{"delay_ms = 60\njitter_ms = 5\ndistribution = \"laplace\"\norder = \"free\"",
+               " delay 60ms 4.99999ms distribution normal", 2},
+           // Gamma of k = 4: its floor and two deviations.
+           Row{"delay_ms = 60\njitter_ms = 5\ndistribution = \"gamma\"\nshape = 4\norder = \"free\"",
+               " delay 70ms 5ms distribution normal", 2},
+           Row{"loss = 0.125", " loss random 12.5%", 1},
+           Row{"loss_model = \"gilbert-elliott\"\nge_p = 0.1\nge_r = 0.2\nge_h = 0.3\nge_k = 0.96",
+               " loss gemodel 10% 20% 70% 4%", 1},
+           Row{"loss_model = \"four-state\"\np13 = 0.1\np31 = 0.2\np32 = 0.3\np23 = 0.4\np14 = 0.05",
+               " loss state 10% 20% 30% 40% 5%", 1},
+           Row{"delay_ms = 9\norder = \"reorder\"\nreorder = 0.25", " delay 9ms reorder 25%", 2},
+           Row{"order = \"reorder\"\nreorder = 0.25", " reorder 25% delay 1ms", 2},
+           Row{"delay_ms = 9\nloss = 0.1\ntcp_like = true", " delay 9ms", 2},
+           Row{"delay_ms = 9\ntcp_like = true", " delay 9ms", 0},
+           Row{"duplicate = 0.5\ncorrupt = 0.25", " duplicate 50% corrupt 25%", 1},
+           Row{"rate_kbit_per_s = 128.5\nqueue_bytes = 999", " rate 128.5kbit", 1},
+           Row{"slot_ms = 5", " slot 5ms 5ms", 0},
+           Row{"slot_ms = 5\nslot_jitter_ms = 2\nslot_packets = 3\nslot_bytes = 1600",
+               " slot 5ms 7ms packets 3 bytes 1600", 1},
+           Row{"delay_ms = 5\n[[event]]\nduration_ms = 5\nloss = 1", " delay 5ms", 1},
+       }) {
+    const TcExport out = of(row.keys);
+    EXPECT_EQ(out.command, head + row.words) << row.keys;
+    EXPECT_EQ(out.shortcomings.size(), row.shortcomings) << row.keys;
+  }
+  DirectionProfile recorded;
+  recorded.recording = std::make_shared<Recording>(Recording{{0, 1}});
+  EXPECT_EQ(export_to_tc(recorded, "lo").command, "tc qdisc replace dev lo root netem");
+  EXPECT_TRUE(names(export_to_tc(recorded, "lo"), "trace"));
+  recorded.loss_only = true;
+  recorded.stages[0].conditions.loss.model = LossModel::kTrace;
+  EXPECT_TRUE(names(export_to_tc(recorded, "lo"), "loss_trace"));
+}
+
 TEST(Tc, WhatItLeavesOutIsNamed) {
   EXPECT_TRUE(names(of("delay_ms = 20\njitter_ms = 5\ndistribution = \"normal\""), "order"));
   EXPECT_TRUE(names(of("delay_ms = 20\njitter_ms = 5\ndistribution = \"gamma\"\nshape = 2"), "distribution"));

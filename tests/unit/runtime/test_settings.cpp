@@ -119,6 +119,7 @@ TEST(Settings, RefusalsNameKeyValueAndBound) {
   EXPECT_EQ(refusal_of("--stream-hz 99"), "command line: stream_hz = 99: must lie within [100, 10000] Hz");
   EXPECT_EQ(refusal_of("--stream-hz nan"), "command line: stream_hz = nan: must be a finite number");
   EXPECT_EQ(refusal_of("--stream-hz 1x"), "command line: stream_hz = 1x: must be a number");
+  EXPECT_EQ(refusal_of("--stream-hz +-500"), "command line: stream_hz = +-500: must be a number");
   EXPECT_EQ(refusal_of("--block 4.5"), "command line: block = 4.5: must be a whole number");
   EXPECT_EQ(refusal_of("--colour blue"), "command line: colour = 'blue': must be one of red, green");
   EXPECT_EQ(refusal_of("--start 1 11"), "command line: start = 1 11: must lie within [-10, 10]");

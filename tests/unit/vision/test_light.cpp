@@ -39,9 +39,9 @@ TEST(Extract, FaintDrawingsShadowsAndUnevenLight) {
     ASSERT_TRUE(found) << found.error();
     EXPECT_EQ(found->mode, ExtractionMode::kStroke);
     const Comparison c = compare(found->contours.front(), truth);
-    EXPECT_LT(c.rms_px, 0.5);
-    EXPECT_LT(c.max_px, 2.0);
-    EXPECT_LT(c.missed_px, 2.0);
+    EXPECT_LT(c.rms_px, 0.24);
+    EXPECT_LT(c.max_px, 0.65);
+    EXPECT_LT(c.missed_px, 0.65);
   }
 }
 
@@ -76,9 +76,9 @@ TEST(Extract, AShadowsEdgeIsNoPartOfADrawing) {
       ASSERT_TRUE(found) << c.shape << ": " << found.error();
       EXPECT_EQ(found->mode, c.mode) << c.shape << " " << found->why;
       const Comparison off = compare(found->contours.front(), drawing.lines_px.front());
-      EXPECT_LT(off.rms_px, 0.35) << c.shape << " " << angle;
-      EXPECT_LT(off.max_px, 2.0) << c.shape << " " << angle;
-      EXPECT_LT(off.missed_px, 2.0) << c.shape << " " << angle;
+      EXPECT_LT(off.rms_px, 0.23) << c.shape << " " << angle;
+      EXPECT_LT(off.max_px, 1.1) << c.shape << " " << angle;
+      EXPECT_LT(off.missed_px, 1.45) << c.shape << " " << angle;
     }
   }
 }
@@ -92,7 +92,7 @@ TEST(Extract, ThinLinesOnUnevenPaperAndFaintRegionsAreFound) {
     const drawing::Drawing drawing = smaller(shape, 0.3);
     const auto found = extract(drawing::render(drawing, grainy));
     ASSERT_TRUE(found) << shape << ": " << found.error();
-    EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.5) << shape;
+    EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.3) << shape;
   }
   for (const double noise : {2.0, 8.0}) {
     const drawing::Appearance faint{.paper = 200.0, .ink = 182.0, .noise = noise, .seed = 3};
@@ -101,7 +101,7 @@ TEST(Extract, ThinLinesOnUnevenPaperAndFaintRegionsAreFound) {
       const auto found = extract(drawing::render(drawing, faint));
       ASSERT_TRUE(found) << shape << ": " << found.error();
       EXPECT_EQ(found->mode, ExtractionMode::kOutline) << shape << ", noise " << noise;
-      EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.8)
+      EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).rms_px, 0.58)
           << shape << ", noise " << noise;
     }
   }

@@ -5,9 +5,6 @@
 #include <cmath>
 #include <tuple>
 
-#include "common/vision/export/csv.h"
-#include "common/vision/export/gcode.h"
-#include "common/vision/export/svg.h"
 #include "common/vision/vector/dxf/document.h"
 #include "common/vision/vector/svg/document.h"
 
@@ -340,56 +337,6 @@ TEST(Dxf, DamageIsAnError) {
   EXPECT_FALSE(read_dxf(entities("0\nSPLINE\n71\n3\n40\n0\n10\n0\n20\n0\n10\n1\n20\n1\n")));
   const auto text = entities("0\nTEXT\n10\n0\n20\n0\n");
   EXPECT_NE(read_dxf(text).error().find("1 TEXT"), std::string::npos);
-}
-
-TEST(Export, CsvComesBackExactly) {
-  Polyline line{{}, true};
-  for (int i = 0; i < 500; ++i)
-    line.points_m.emplace_back(0.01 * std::sin(i * 1.7), 0.01 * std::cos(i * 0.9) / 3.0);
-  const auto back = points_from_csv(to_csv(line));
-  ASSERT_TRUE(back);
-  EXPECT_EQ(*back, line.points_m);
-}
-
-TEST(Export, BadCsvNamesTheLine) {
-  const auto error = [](const char* text) {
-    const auto out = points_from_csv(text);
-    return out ? std::string("no error") : out.error();
-  };
-  EXPECT_NE(error("x,y\n0,0\n1,nan\n").find("line 3"), std::string::npos);
-  EXPECT_NE(error("nan,nan\n").find("line 1"), std::string::npos);
-  EXPECT_NE(error("1\n").find("line 1"), std::string::npos);
-  EXPECT_NE(error("1,2,3\n").find("line 1"), std::string::npos);
-  EXPECT_NE(error("1,2\nx,y\n").find("line 2"), std::string::npos);
-  EXPECT_NE(error("x_m,y_m\n").find("no point"), std::string::npos);
-  EXPECT_EQ(error("x_m,y_m\r\n1,2\r\n3,4"), "no error");
-}
-
-TEST(Export, SvgRoundTripKeepsTheSize) {
-  const auto d = svg(R"svg(<circle cx="50" cy="50" r="10"/>)svg");
-  const auto back = read_svg(to_svg(d.contours));
-  ASSERT_TRUE(back);
-  EXPECT_NEAR(bounding_box(back->contours[0].points_m).size().x(), 20e-3, 2e-9);
-}
-
-TEST(Export, GCodeCutsHolesFirstAndClosesContours) {
-  const auto d = svg(R"svg(<circle cx="50" cy="50" r="20"/><circle cx="50" cy="50" r="5"/>)svg");
-  const GCode g = to_gcode(d.contours);
-  EXPECT_NE(g.text.find("G21 G90"), std::string::npos);
-  EXPECT_NEAR(g.cutting_time_s, (2 * M_PI * 25e-3 + 0.4e-3) / 8e-3 + g.travel_m / 0.05, 0.01);
-  // The first way goes to the hole, 5 mm from the middle.
-  double x = 0.0;
-  double y = 0.0;
-  ASSERT_EQ(std::sscanf(g.text.c_str() + g.text.find("G0 X"), "G0 X%lf Y%lf", &x, &y), 2);
-  EXPECT_NEAR(std::hypot(x - 50, y + 50), 5.0, 1e-3);
-  // Every cut is switched on and off.
-  const auto count = [&](const std::string& word) {
-    int n = 0;
-    for (std::size_t at = g.text.find(word); at != std::string::npos; at = g.text.find(word, at + 1)) ++n;
-    return n;
-  };
-  EXPECT_EQ(count("M4 S1000"), 2);
-  EXPECT_EQ(count("\nM5\n"), 3);
 }
 
 }  // namespace

@@ -9,8 +9,13 @@
 #include <tuple>
 #include <vector>
 
+#include "common/vision/vector/drawn_lines.h"
 #include "common/vision/vector/dxf/blocks.h"
+#include "common/vision/vector/joining.h"
+#include "common/vision/vector/number.h"
 #include "common/vision/vector/spline.h"
+#include "common/vision/vector/svg/document.h"
+#include "common/vision/vector/svg/lengths.h"
 #include "common/vision/vector/svg/path_data.h"
 #include "common/vision/vector/svg/transform.h"
 #include "common/vision/vector/svg/view_box.h"
@@ -209,6 +214,84 @@ TEST(Spline, ChordsStayWithinTheirError) {
     for (std::size_t i = 0; i < fine.points().size(); i += 7)
       ASSERT_LT(distance_to(coarse.points(), fine.points()[i]), 0.101) << trial << ", degree " << s.degree;
   }
+}
+
+TEST(Numbers, EndWhereTheyEnd) {
+  for (const auto& [text, value, rest] : {std::tuple("1.5mm", 1.5, "mm"),
+                                          {" ,\t\n-2e1,3", -20.0, ",3"},
+                                          {"+.5.5", 0.5, ".5"},
+                                          {"1-2", 1.0, "-2"},
+                                          {"3e", 3.0, "e"}}) {
+    std::string_view left = text;
+    const auto number = take_number(left);
+    ASSERT_TRUE(number) << text;
+    EXPECT_EQ(*number, value) << text;
+    EXPECT_EQ(left, rest) << text;
+  }
+  for (const char* none : {"", "x1", "nan", "inf", "-", "1e999"}) {
+    std::string_view left = none;
+    EXPECT_FALSE(take_number(left)) << none;
+  }
+}
+
+TEST(SvgLengths, UnitsAreTheirMetres) {
+  for (const auto& [text, metres] : {std::pair("96", 25.4e-3),
+                                     {"96px", 25.4e-3},
+                                     {"1in", 25.4e-3},
+                                     {"72pt", 25.4e-3},
+                                     {"6pc ", 25.4e-3},
+                                     {"2mm", 2e-3},
+                                     {"2cm", 2e-2},
+                                     {"2m", 2.0}}) {
+    ASSERT_TRUE(svg_length_m(text)) << text;
+    EXPECT_NEAR(*svg_length_m(text), metres, 1e-15) << text;
+  }
+  for (const char* none : {"2em", "2%", "mm", "2 mm x"}) EXPECT_FALSE(svg_length_m(none)) << none;
+  EXPECT_FALSE(svg_length_m(nullptr));
+  // Per cents are of the width, of the height, or of the diagonal over sqrt 2.
+  const auto d = read_svg(
+      "<svg width='80mm' height='60mm' viewBox='0 0 80 60'><line x1='50%' y1='50%' x2='60%' y2='60%'/>"
+      "<circle cx='25%' cy='25%' r='10%'/></svg>");
+  ASSERT_TRUE(d) << d.error();
+  EXPECT_NEAR((d->contours[0].points_m[0] - 1e-3 * Vec2(40, -30)).norm(), 0.0, 1e-15);
+  EXPECT_NEAR((d->contours[0].points_m[1] - 1e-3 * Vec2(48, -36)).norm(), 0.0, 1e-15);
+  EXPECT_NEAR(geometry::bounding_box(d->contours[1].points_m).size().x(),
+              2e-3 * 0.1 * std::hypot(80, 60) / std::sqrt(2.0), 1e-12);
+}
+
+TEST(Joining, EndsMeetWithinTheToleranceAndNotBeyond) {
+  const auto lines = [](double gap, double last_gap) {
+    return std::vector<geometry::Polyline>{
+        {{{0, 0}, {1, 0}}, false}, {{{1, 1}, {1, gap}}, false}, {{{1, 1}, {0, last_gap}}, false}};
+  };
+  const auto ring = joined(lines(0.99e-8, 0.99e-8), 1e-8);
+  ASSERT_EQ(ring.size(), 1u);
+  EXPECT_TRUE(ring[0].closed);
+  EXPECT_EQ(ring[0].size(), 3u);
+  const auto open = joined(lines(0.99e-8, 1.01e-8), 1e-8);
+  ASSERT_EQ(open.size(), 1u);
+  EXPECT_FALSE(open[0].closed);
+  EXPECT_EQ(open[0].size(), 4u);
+  EXPECT_EQ(joined(lines(1.01e-8, 1.01e-8), 1e-8).size(), 2u);
+  // There and back is no ring, and what is closed stays by itself.
+  const std::vector<geometry::Polyline> two{
+      {{{0, 0}, {1, 0}}, false}, {{{1, 0}, {0, 0}}, false}, {{{0, 0}, {1, 0}, {1, 1}}, true}};
+  const auto apart = joined(two, 1e-8);
+  ASSERT_EQ(apart.size(), 2u);
+  EXPECT_FALSE(apart[0].closed);
+  EXPECT_TRUE(apart[1].closed);
+}
+
+TEST(DrawnLines, TakeAsManyPointsAsTheirLimit) {
+  VectorLimits limits;
+  limits.max_points = 4;
+  const std::string two = "<line x2='1'/><line y1='5' x2='1' y2='5'/>";
+  EXPECT_TRUE(read_svg("<svg>" + two + "</svg>", limits));
+  const auto more = read_svg("<svg>" + two + "<line y1='9' x2='1' y2='9'/></svg>", limits);
+  ASSERT_FALSE(more);
+  EXPECT_EQ(more.error(), "the drawing has more than 4 points");
+  limits.max_bytes = 20;
+  EXPECT_NE(read_svg("<svg><line x2='1'/></svg>", limits).error().find("larger than"), std::string::npos);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ namespace telekerf::vision {
 
 struct Comparison {
   double rms_px = 0.0;
+  double mean_px = 0.0;    ///< points to truth, to the left of its direction positive
   double max_px = 0.0;     ///< points to truth
   double missed_px = 0.0;  ///< truth to points: what was left out
   double length_ratio = 0.0;
@@ -29,8 +30,10 @@ inline Comparison compare(const PixelContour& contour, const geometry::Polyline&
   Comparison out;
   double squares = 0.0;
   for (const Vec2& p : contour.points_px) {
-    const double d = ideal.find(p).distance_m;
+    const geometry::Nearest foot = ideal.find(p);
+    const double d = foot.distance_m;
     squares += d * d;
+    out.mean_px += foot.signed_distance_m / static_cast<double>(contour.points_px.size());
     out.max_px = std::max(out.max_px, d);
   }
   out.rms_px = std::sqrt(squares / static_cast<double>(contour.points_px.size()));

@@ -10,10 +10,13 @@
 namespace telekerf::vision {
 namespace {
 
-/// Radians, above 0 and up to a full turn.
+constexpr double kSameAngle_rad = 1e-9;  ///< an end that is written with ten digits is still the start
+
+/// Radians, above 0 and up to a full turn, which an end at the start means whatever turns lie between them.
 double turn_between(double from, double to) {
   double sweep = std::fmod(to - from, 2.0 * M_PI);
-  if (sweep <= 1e-12) sweep += 2.0 * M_PI;
+  if (sweep < 0.0) sweep += 2.0 * M_PI;
+  if (sweep <= kSameAngle_rad) sweep += 2.0 * M_PI;
   return sweep;
 }
 
@@ -64,7 +67,7 @@ void draw_entity(const DxfEntity& e, const Eigen::Affine2d& here, DrawnLines& ou
     const double sweep = turn_between(from, e.number[42]);
     const double ratio = e.extruded_down ? -e.number[40] : e.number[40];
     w.ellipse(at(10), major, ratio * Vec2(-major.y(), major.x()), from, from + sweep);
-    closed = sweep > 2.0 * M_PI - 1e-9;
+    closed = sweep > 2.0 * M_PI - kSameAngle_rad;
   } else if (e.kind == "LWPOLYLINE" || e.kind == "POLYLINE") {
     if (e.kind == "POLYLINE" && (e.flags & ~(1 | 128)) != 0)
       return out.unsupported.add("fitted or 3D POLYLINE");

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// The loop's deadlines: nothing here asks how late a machine wakes up.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "common/runtime/clock.h"
+#include "common/runtime/loop.h"
+
+namespace telekerf {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+TEST(Loop, TimeThatIsLostIsNeverCaughtUpInABurst) {
+  constexpr std::int64_t kPeriod_ns = 40 * kMs;
+  constexpr std::size_t kSlow = 3;
+  std::vector<std::int64_t> began_ns, told_ns, ended_ns;
+  const std::int64_t before_ns = monotonic_ns();
+  const LoopStatistics statistics = run_loop(25.0, [&](std::int64_t now_ns) {
+    began_ns.push_back(monotonic_ns());
+    told_ns.push_back(now_ns);
+    if (began_ns.size() == kSlow) sleep_until_ns(began_ns.back() + 210 * kMs);
+    ended_ns.push_back(monotonic_ns());
+    return began_ns.size() < 10;
+  });
+  const std::int64_t after_ns = monotonic_ns();
+  ASSERT_EQ(began_ns.size(), 10u);
+  EXPECT_EQ(statistics.steps, 10u);
+  EXPECT_GE(began_ns[kSlow] - ended_ns[kSlow - 1], kPeriod_ns)
+      << "the deadlines start anew behind the slow step";
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_GE(told_ns[i], before_ns + static_cast<std::int64_t>(i) * kPeriod_ns) << i;
+    EXPECT_LE(told_ns[i], began_ns[i]) << i;
+  }
+  EXPECT_GE(statistics.overruns, 1u);
+  EXPECT_LE(statistics.overruns, 3u) << "one, and what the machine adds: caught up it would be five";
+  EXPECT_LE(statistics.slack_min_us, -170e3);
+  EXPECT_GT(statistics.slack_min_us, -1e-3 * static_cast<double>(after_ns - before_ns));
+  EXPECT_LE(statistics.slack_p99_us, 5.0) << "of what lies below zero the first bin knows no more";
+  EXPECT_GE(statistics.late_max_us, 0.0);
+  EXPECT_GE(statistics.late_p99_us, statistics.late_p50_us);
+  const double rate_hz = 10.0 / (1e-9 * static_cast<double>(after_ns - before_ns));
+  EXPECT_GE(statistics.rate_hz, rate_hz);
+  EXPECT_LT(statistics.rate_hz, 1.2 * rate_hz);
+}
+
+TEST(Loop, TheFirstStepsRefusalIsTheLast) {
+  int steps = 0;
+  const LoopStatistics statistics = run_loop(1.0, [&](std::int64_t) { return ++steps, false; });
+  EXPECT_EQ(steps, 1);
+  EXPECT_EQ(statistics.steps, 1u);
+  EXPECT_EQ(statistics.overruns, 0u);
+  EXPECT_EQ(statistics.slack_min_us, 0.0) << "of no step that was followed by another";
+}
+
+TEST(DurationHistogram, QuantilesAreUpperEdgesOfItsBins) {
+  DurationHistogram of;
+  EXPECT_EQ(of.quantile_us(0.5), 0.0);
+  EXPECT_EQ(of.min_us(), 0.0);
+  EXPECT_EQ(of.max_us(), 0.0);
+  for (const std::int64_t ns : {4'999, 5'000, 12'000, 19'000'000}) of.add(ns);
+  EXPECT_EQ(of.quantile_us(0.0), 5.0);
+  EXPECT_EQ(of.quantile_us(0.25), 5.0);
+  EXPECT_EQ(of.quantile_us(0.26), 10.0);
+  EXPECT_EQ(of.quantile_us(0.5), 10.0);
+  EXPECT_EQ(of.quantile_us(0.75), 15.0);
+  EXPECT_EQ(of.quantile_us(1.0), 19'005.0);
+  EXPECT_DOUBLE_EQ(of.min_us(), 4.999);
+  EXPECT_DOUBLE_EQ(of.max_us(), 19e3);
+  of.add(-7'000);         // below zero: the first bin
+  of.add(1'000'000'000);  // beyond 20 ms: the last
+  EXPECT_EQ(of.quantile_us(0.1), 5.0);
+  EXPECT_EQ(of.quantile_us(1.0), 20'000.0);
+  EXPECT_DOUBLE_EQ(of.min_us(), -7.0);
+  EXPECT_DOUBLE_EQ(of.max_us(), 1e6);
+}
+
+TEST(Loop, AStopThatIsRequestedStays) {
+  EXPECT_FALSE(stop_requested());
+  catch_stop_signals();
+  EXPECT_FALSE(stop_requested());
+  request_stop();
+  EXPECT_TRUE(stop_requested());
+}
+
+}  // namespace
+}  // namespace telekerf
