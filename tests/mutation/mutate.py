@@ -32,35 +32,48 @@ FOLDERS = [
 ]
 
 
+children = set()
+
+
+def end(child):
+    """Ends a command with all that it started."""
+    try:
+        os.killpg(child.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+
+
 def run(words, folder, seconds, log):
-    """The exit code of a command with all its children ended, or None after `seconds`."""
+    """The exit code of a command, or None if it took longer than `seconds`. Nothing of it is left running."""
     with open(log, "a", encoding="utf-8") as file:
         child = subprocess.Popen(words, cwd=folder, stdout=file, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                  start_new_session=True)
+        children.add(child)
         try:
             return child.wait(seconds)
         except subprocess.TimeoutExpired:
             return None
         finally:
-            try:
-                os.killpg(child.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+            end(child)
             child.wait()
+            children.discard(child)
 
 
 class Worker:
     """A copy of the tree with a build of its own, in `folder`."""
 
     def __init__(self, folder, compile_jobs):
-        self.folder, self.source, self.build = folder, folder / "source", folder / "build"
+        # The build lies in the copy, as it does in a checkout: only then does ccache find what that one compiled.
+        self.folder, self.source, self.build = folder, folder / "source", folder / "source" / "build"
         self.log = folder / "log.txt"
         self.compile_jobs = compile_jobs
         self.seconds = {}
 
     def prepare(self):
         """Copies the tracked files, builds everything, and times every unit test; they must be green."""
-        shutil.rmtree(self.source, ignore_errors=True)
+        for entry in self.source.iterdir() if self.source.exists() else []:
+            if entry != self.build:
+                shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
         names = subprocess.run(["git", "-C", TOP, "ls-files", "-z"], check=True, capture_output=True).stdout
         for name in names.decode().rstrip("\0").split("\0"):
             if (TOP / name).exists():
@@ -226,4 +239,11 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(130))
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit(130)
+    finally:
+        for child in list(children):
+            end(child)
