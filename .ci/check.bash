@@ -14,6 +14,11 @@
 #     asan      all tests: memory and undefined behaviour                  build-asan/
 #     tsan      all tests: threads                                         build-tsan/
 #     tidy      clang-tidy                                                 build-tidy/
+#
+#   ./telekerf check mutation [--count N] [--seed S] [--folder F]
+#
+#   Not among the parts, as it takes hours: puts N small faults (100) into the code, one at a time, and counts those
+#   that the tests notice. The last line is `score NN %`; --help lists all flags.
 
 readonly check_parts="werror headers examples fuzz bench asan tsan tidy"
 
@@ -57,7 +62,13 @@ check_asan() { check_preset asan "$build-asan" && ctest --test-dir "$build-asan"
 check_tsan() { check_preset tsan "$build-tsan" && ctest --test-dir "$build-tsan" --output-on-failure; }
 check_tidy() { check_preset tidy "$build-tidy"; }
 
+check_mutation() {
+  [[ -z $(missing_packages programs "${everything[@]}") ]] || setup programs "${everything[@]}"
+  exec python3 "$root/tests/mutation/mutate.py" --build "$build/mutation" "$@"
+}
+
 check() {
+  [[ ${1:-} != mutation ]] || check_mutation "${@:2}"
   local parts=("$@") part begun word summary=() red=0
   for part in "${parts[@]}"; do
     [[ " $check_parts " == *" $part "* ]] || fail "check: unknown part '$part': one of $check_parts"
