@@ -29,7 +29,8 @@ std::string complaint_about_peers(const std::string& peers) {
 
 void BusFlags::add_parameters(Settings& settings) {
   settings.add("domain", domain, {.min = 0, .max = 232}, "DDS domain");
-  settings.add("cell", cell, TextForm{.form = "NAME", .complaint = complaint_about_cell}, "name of the work cell; cells do not see each other");
+  settings.add("cell", cell, TextForm{.form = "NAME", .complaint = complaint_about_cell},
+               "name of the work cell; cells do not see each other");
   settings.add("name", name, kName, "name of this process, unique in the cell");
   settings.add("peers", peers, TextForm{.form = "HOST,HOST...", .complaint = complaint_about_peers},
                "hosts to look for beyond the reach of multicast, separated by commas");

@@ -28,8 +28,8 @@ class Program {
  public:
   Program(std::string name, std::string sentence) : name_(std::move(name)), sentence_(std::move(sentence)) {}
 
-  /// `add_parameters(options, settings)` declares, `action(options)` does it. Options may have a `validate()` that
-  /// throws StartupError: it is asked before anything is done, printing the settings included. `name`: as it stands on the
+  /// `add_parameters(options, settings)` declares, `action(options)` does it. Options may have a `validate()`
+  /// that throws StartupError: it is asked before anything is done, printing the settings too. `name`: as it stands on the
   /// command line; empty: the program has no other commands.
   template <typename Options, typename AddParameters, typename Action>
   void add(const std::string& name, const std::string& sentence, Options initial,

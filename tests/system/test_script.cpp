@@ -85,13 +85,13 @@ TEST_F(Script, AProgramThatIsKilledIsNamedAndNothingOfAnEarlierRunStaysBeside) {
     std::ofstream(here_ / "run" / file) << "earlier";
   const std::string cell = "killed-" + std::to_string(::getpid());
   std::jthread end_of_it([&] {
-    const auto ready = [&] { return text_of("out.txt").find("slave: ready") != std::string::npos; };
+    const auto ready = [&] { return text_of("out.txt").find("engaged") != std::string::npos; };
     for (int n = 0; n < 600 && !ready(); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    EXPECT_EQ(std::system(("pkill -KILL -f 'telekerf-slave.*" + cell + "'").c_str()), 0);
+    EXPECT_EQ(std::system(("pkill -KILL -f 'telekerf-[s]lave.*" + cell + "'").c_str()), 0);
   });
   const Ended demo = run("demo --out run --netem none --cell " + cell + " --domain " + own_domain());
   EXPECT_EQ(demo.code, 2) << demo.out;
-  EXPECT_EQ(demo.err, "telekerf: telekerf-slave was ended by signal 9; what is recorded so far is in run\n");
+  EXPECT_EQ(demo.err, "telekerf: telekerf-slave was killed (signal 9): by somebody, or for want of memory\n");
   EXPECT_TRUE(fs::exists(here_ / "run/notes.txt"));
   EXPECT_TRUE(fs::exists(here_ / "run/master.json")) << "the master had time to write";
   EXPECT_FALSE(fs::exists(here_ / "run/report.json"));
@@ -144,6 +144,7 @@ class ScriptFlags : public Script {
  protected:
   ScriptFlags() {
     fs::create_directories(here_ / "stubs/bin");
+    for (const std::string picture : {"a b.png", "a.svg"}) std::ofstream(here_ / picture) << "is there";
     std::ofstream(here_ / "stubs/build.ninja");
     for (const std::string name : {"vision", "slave", "machine", "master", "inspect"}) {
       const fs::path stub = here_ / "stubs/bin" / ("telekerf-" + name);
@@ -169,19 +170,19 @@ TEST_F(ScriptFlags, OfADemoGoToTheProgramThatKnowsThem) {
   const Ended demo = run(
       "demo --image 'a b.png' --width-mm 30 --beta=0.25 --law local --block 8 --keep 2 --redundancy 0 "
       "--max-rms 1e-3 --codec raw --estimator none --force-keep 3 --force-max-rms 0 --stale-s 0.1 "
-      "--hand-speed-mm-s 5 --seed 7 --cell blue --master-robot m --slave-robot s --master-seed 9 --domain 3 "
-      "--vision-fit-all --beta 0.3 --out run");
+      "--hand-speed-mm-s 5 --seed 7 --cell blue --master-robot vertical --slave-robot asymmetric "
+      "--master-seed 9 --domain 3 --vision-fit-all --beta 0.3 --out run");
   ASSERT_EQ(demo.code, 0) << demo.err;
-  for (const std::string words : {"--image a b.png", "--width-mm 30", "--robot s", "--fit-all", "--cell blue",
-                                  "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
+  for (const std::string words : {"--image a b.png", "--width-mm 30", "--robot asymmetric", "--fit-all",
+                                  "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
     EXPECT_TRUE(has("vision", words)) << words << text_of("vision.txt");
   for (const std::string words :
-       {"--force-keep 3", "--force-max-rms 0", "--stale-s 0.1", "--robot s", "--seed 7", "--cell blue",
+       {"--force-keep 3", "--force-max-rms 0", "--stale-s 0.1", "--robot asymmetric", "--seed 7", "--cell blue",
         "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
     EXPECT_TRUE(has("slave", words)) << words << text_of("slave.txt");
   for (const std::string words :
        {"--beta 0.3", "--law local", "--block 8", "--keep 2", "--redundancy 0", "--max-rms 1e-3",
-        "--codec raw", "--estimator none", "--hand-speed-mm-s 5", "--robot m", "--seed 9", "--duration-s 30",
+        "--codec raw", "--estimator none", "--hand-speed-mm-s 5", "--robot vertical", "--seed 9", "--duration-s 30",
         "--engage", "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
     EXPECT_TRUE(has("master", words)) << words << text_of("master.txt");
   EXPECT_NE(text_of("slave.txt").find("--record\nrun/.run-"), std::string::npos);
@@ -191,12 +192,12 @@ TEST_F(ScriptFlags, OfADemoGoToTheProgramThatKnowsThem) {
 
 TEST_F(ScriptFlags, OfAMachineGoToTheProgramThatKnowsThem) {
   const Ended machine =
-      run("machine a.svg --width-mm 30 --mode outline --robot r --seed 7 --laser-w 3 --out cut");
+      run("machine a.svg --width-mm 30 --mode outline --robot vertical --seed 7 --laser-w 3 --out cut");
   ASSERT_EQ(machine.code, 0) << machine.err;
   for (const std::string words :
-       {"--image a.svg", "--width-mm 30", "--mode outline", "--robot r", "--fit-all"})
+       {"--image a.svg", "--width-mm 30", "--mode outline", "--robot vertical", "--fit-all"})
     EXPECT_TRUE(has("vision", words)) << words << text_of("vision.txt");
-  for (const std::string words : {"--seed 7", "--laser-w 3", "--robot r"})
+  for (const std::string words : {"--seed 7", "--laser-w 3", "--robot vertical"})
     EXPECT_TRUE(has("machine", words)) << words << text_of("machine.txt");
   // Two at a time do not meet.
   EXPECT_NE(text_of("vision.txt").find("--cell=machine-"), std::string::npos);
@@ -206,9 +207,9 @@ TEST_F(ScriptFlags, ThatNobodyKnowsAreRefusedBeforeAnythingStarts) {
   for (const std::string words :
        {"demo --speed 3", "demo --beta 99", "demo --width-mm wide", "demo --law none", "demo heart",
         "demo --beta", "demo --robot r", "demo --name n", "demo --record r", "demo --slave-beta 1",
-        "demo '--a]b' 1", "machine", "machine --seed 1", "machine heart --beta 1", "machine heart --image gear",
-        "help nothing", "demo --slave-laser-w 99 --slave-laser-max-w 5", "demo --netem mars", "machine heart --config c",
-        "test_nothing", "bench nothing", "check nothing"}) {
+        "demo '--a]b' 1", "machine", "machine --seed 1", "machine heart --beta 1",
+        "machine heart --image gear", "machine heart --config c", "demo --netem mars",
+        "demo --slave-laser-w 99 --slave-laser-max-w 5", "help nothing", "test_nothing", "bench nothing", "check nothing"}) {
     const Ended refused = run(words);
     EXPECT_EQ(refused.code, 2) << words;
     EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << words << refused.err;

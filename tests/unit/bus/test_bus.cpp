@@ -210,7 +210,7 @@ TEST(Bus, RefusesSettingsWithASentence) {
     EXPECT_THAT(refusal(cell), HasSubstr("must hold none of * ? [ ]")) << pattern;
   }
   cell.cell.clear();
-  EXPECT_THAT(refusal(cell), HasSubstr("the cell has no name"));
+  EXPECT_THAT(refusal(cell), HasSubstr("a cell needs a name"));
   auto name = settings("master");
   name.name.assign(65, 'n');
   EXPECT_THAT(refusal(name), HasSubstr("64, 32 and 64 letters"));
@@ -220,7 +220,7 @@ TEST(Bus, RefusesSettingsWithASentence) {
   auto port = settings("master");
   for (const char* wrong : {"127.0.0.1:65536", "127.0.0.1:0", "127.0.0.1:x"}) {
     port.peers = {wrong};
-    EXPECT_THAT(refusal(port), HasSubstr("is not HOST or HOST:PORT")) << wrong;
+    EXPECT_THAT(refusal(port), HasSubstr("must be HOST or HOST:PORT")) << wrong;
   }
   port.peers = {"127.0.0.1:65535"};
   EXPECT_EQ(refusal(port), "");

@@ -101,7 +101,7 @@ TEST(ConstraintGenerator, BeyondAnEndIsBeyondItBySoMuch) {
 /// A tool that does what is asked for; the signed distance to the circle of 10 mm, outwards.
 struct IdealTool {
   explicit IdealTool(double off_m, double outwards_m_per_s = 0.0, double up_m = 0.0)
-      : state{{0.01 + off_m, 0, up_m}, {outwards_m_per_s, 0, 0}, {}} {}
+      : state{{0.01 + off_m, 0, up_m}, {outwards_m_per_s, 0, 0}, Vec3::Zero()} {}
   void follow(const Vec3& wanted) {
     state.acceleration_m_per_s2 = wanted;
     state = control::advanced(state, kDt_s);
@@ -164,7 +164,7 @@ TEST(Entry, AToolThatIsTooFastForTheBendIsSlowedDownGently) {
     ConstraintController controller(settings);
     const double radius_m = guide.at(0.0).shape.radius_m;
     for (int n = 0; n < 60; ++n) {
-      const KinematicState tool{{radius_m, 0, 0}, {0, way * (limit + 0.04), 0}, {}};
+      const KinematicState tool{{radius_m, 0, 0}, {0, way * (limit + 0.04), 0}, Vec3::Zero()};
       (void)controller.step(guide, tool, Vec3::Zero(), kDt_s);
       const double left = std::max(0.0, 0.04 - settings.bend_m_per_s2 * (n + 1) * kDt_s);
       EXPECT_NEAR(controller.active().limit.m_per_s, limit + left, 1e-6) << n;
@@ -178,7 +178,7 @@ TEST(Entry, AToolThatNobodyMovesIsHeldWhereItCameToRest) {
   ConstraintController controller(settings);
   // The hold alone: what is asked for along the curve less the virtual damping's.
   const auto hold = [&](double x, double speed, double force_n) {
-    const KinematicState tool{{0.02 + x, 0, 0}, {speed, 0, 0}, {}};
+    const KinematicState tool{{0.02 + x, 0, 0}, {speed, 0, 0}, Vec3::Zero()};
     const double a = controller.step(guide, tool, {force_n, 0, 0}, kDt_s).x();
     const double force = force_n - std::clamp(force_n, -0.15, 0.15);
     return a - (force - settings.damping_n_s_per_m * speed) / settings.mass_kg;
@@ -206,7 +206,7 @@ TEST(Entry, AnOpenedCorridorGivesItsFreedomByAShareThatGrowsSmoothly) {
   const GuidePath guide = make_guide(straight_line(0.05), 1.0, settings);
   const Vec3 push(0.0, 1.15, 0.0);
   const double free = 1.0 / settings.mass_kg;
-  const KinematicState tool{{0.02, 0, 0}, {}, {}};
+  const KinematicState tool{{0.02, 0, 0}, Vec3::Zero(), Vec3::Zero()};
   ConstraintController controller(settings);
   (void)controller.step(guide, tool, push, kDt_s);
   EXPECT_NEAR(controller.step(guide, tool, push, kDt_s).y(), 0.0, 1e-9) << "guided";
@@ -229,7 +229,7 @@ TEST(Entry, EnteringStartsOnTheNearestCurveAgain) {
   const GuidePath guide = make_guide(figure_eight(), 1.0, settings);
   ConstraintController controller(settings);
   const auto arc_at = [&](const Vec2& tool) {
-    const KinematicState at{{tool.x(), tool.y(), 0}, {}, {}};
+    const KinematicState at{{tool.x(), tool.y(), 0}, Vec3::Zero(), Vec3::Zero()};
     (void)controller.step(guide, at, Vec3::Zero(), kDt_s);
     return controller.active().piece.arc_m;
   };

@@ -79,11 +79,11 @@ TEST(Guidance, ASampledErrorDecaysByThePolesThatWereChosen) {
 TEST(Guidance, TheWayBackIsAtTheSpeedThatWasSaidFromEitherSide) {
   const ConstraintSettings settings;
   for (const double side : {-1.0, 1.0}) {
-    const KinematicState returning{{0, side * 5e-3, side * 5e-3}, {0, -side * 0.05, -side * 0.05}, {}};
-    EXPECT_NEAR(guided_acceleration(on_a_line(returning.position_m), settings, returning, {}).norm(), 0.0,
+    const KinematicState returning{{0, side * 5e-3, side * 5e-3}, {0, -side * 0.05, -side * 0.05}, Vec3::Zero()};
+    EXPECT_NEAR(guided_acceleration(on_a_line(returning.position_m), settings, returning, Vec3::Zero()).norm(), 0.0,
                 1e-9);
-    const KinematicState slower{{0, side * 5e-3, 0}, {0, -side * 0.049, 0}, {}};
-    EXPECT_LT(side * guided_acceleration(on_a_line(slower.position_m), settings, slower, {}).y(), -0.1);
+    const KinematicState slower{{0, side * 5e-3, 0}, {0, -side * 0.049, 0}, Vec3::Zero()};
+    EXPECT_LT(side * guided_acceleration(on_a_line(slower.position_m), settings, slower, Vec3::Zero()).y(), -0.1);
   }
 }
 
@@ -91,9 +91,9 @@ TEST(Guidance, OnACircleTheToolIsTurnedAsFastAsItRuns) {
   const ConstraintSettings settings;
   for (const bool anticlockwise : {false, true}) {
     for (const double speed : {-0.05, 0.03}) {
-      const KinematicState tool{{5e-3, 0, 0}, {0, speed, 0}, {}};
+      const KinematicState tool{{5e-3, 0, 0}, {0, speed, 0}, Vec3::Zero()};
       const ActiveConstraint active = on_a_circle(5e-3, anticlockwise, tool.position_m);
-      const Vec3 a = guided_acceleration(active, settings, tool, {});
+      const Vec3 a = guided_acceleration(active, settings, tool, Vec3::Zero());
       EXPECT_NEAR(a.x(), -speed * speed / 5e-3, 1e-9) << anticlockwise;
       EXPECT_NEAR(a.y(), -settings.damping_n_s_per_m / settings.mass_kg * speed, 1e-9);
     }
@@ -104,21 +104,21 @@ TEST(Guidance, ACircleThatMovesUnderTheToolIsAnErrorsVelocity) {
   const ConstraintSettings settings;
   ActiveConstraint active = on_a_line(Vec3::Zero());
   active.drift_m_per_s = 2e-3;
-  const Vec3 drifting = guided_acceleration(active, settings, {}, {});
-  const KinematicState moving{{}, {0, 2e-3, 0}, {}};
-  EXPECT_EQ(drifting.y(), guided_acceleration(on_a_line(Vec3::Zero()), settings, moving, {}).y());
+  const Vec3 drifting = guided_acceleration(active, settings, {}, Vec3::Zero());
+  const KinematicState moving{Vec3::Zero(), {0, 2e-3, 0}, Vec3::Zero()};
+  EXPECT_EQ(drifting.y(), guided_acceleration(on_a_line(Vec3::Zero()), settings, moving, Vec3::Zero()).y());
   EXPECT_LT(drifting.y(), -0.4);
   const ConstraintMode corridor{0.5e-3, 0.0};
   active.phi_m = 0.7e-3;  // beyond the wall, which must not move either
-  const Vec3 a = region_acceleration(active, settings, corridor, {}, {});
+  const Vec3 a = region_acceleration(active, settings, corridor, {}, Vec3::Zero());
   EXPECT_NEAR(a.y(), -150.0 * 150.0 * 0.2e-3 - 2.0 * 150.0 * 2e-3, 1e-9);
 }
 
 TEST(Guidance, AReferenceIsFollowedInPlaceSpeedAndAcceleration) {
   const ConstraintSettings settings;
   const ConstraintReference reference{{0.2e-3, -0.1e-3}, {3e-3, 4e-3}, {0.5, 0.7}};
-  const KinematicState on_it{{0, 0.2e-3, -0.1e-3}, {0, 3e-3, 4e-3}, {}};
-  const Vec3 a = guided_acceleration(on_a_line(on_it.position_m), settings, on_it, {}, reference);
+  const KinematicState on_it{{0, 0.2e-3, -0.1e-3}, {0, 3e-3, 4e-3}, Vec3::Zero()};
+  const Vec3 a = guided_acceleration(on_a_line(on_it.position_m), settings, on_it, Vec3::Zero(), reference);
   EXPECT_LT((a - Vec3(0, 0.5, 0.7)).norm(), 1e-12);
 }
 
@@ -126,8 +126,8 @@ TEST(Guidance, AlongTheCurveTheHandMovesTheVirtualMassLessDeadBandAndDamping) {
   const ConstraintSettings settings;
   for (const double way : {-1.0, 1.0}) {
     const auto a = [&](double force_n, double speed) {
-      const KinematicState tool{{}, {way * speed, 0, 0}, {}};
-      return way * guided_acceleration(on_a_line({}), settings, tool, {way * force_n, 0, 0}).x();
+      const KinematicState tool{Vec3::Zero(), {way * speed, 0, 0}, Vec3::Zero()};
+      return way * guided_acceleration(on_a_line(Vec3::Zero()), settings, tool, {way * force_n, 0, 0}).x();
     };
     EXPECT_NEAR(a(1.0, 0.0), (1.0 - 0.15) / 0.5, 1e-12);
     EXPECT_EQ(a(0.149, 0.0), 0.0);
@@ -141,8 +141,8 @@ TEST(Guidance, ABendHoldsTheToolBackEitherWayAndItsSlopeLeadsIntoItOnly) {
   for (const double way : {-1.0, 1.0}) {
     // `slope`: of the limit along the tool's own way.
     const auto a = [&](double speed, double slope, double force_n) {
-      const KinematicState tool{{}, {way * speed, 0, 0}, {}};
-      ActiveConstraint active = on_a_line({}, 0.02);
+      const KinematicState tool{Vec3::Zero(), {way * speed, 0, 0}, Vec3::Zero()};
+      ActiveConstraint active = on_a_line(Vec3::Zero(), 0.02);
       active.limit.slope_per_s = way * slope;
       return way * guided_acceleration(active, settings, tool, {way * force_n, 0, 0}).x();
     };
@@ -162,7 +162,7 @@ TEST(Guidance, AToolAtTheLimitBrakesAsTheLimitDoes) {
   const GuidePath guide = make_guide(testing::straight_line(0.05), 1.0, settings);
   for (const double way : {-1.0, 1.0}) {
     ConstraintGenerator generator;
-    KinematicState tool{{0.025 + way * 5e-3, 0, 0}, Vec3::Zero(), {}};
+    KinematicState tool{{0.025 + way * 5e-3, 0, 0}, Vec3::Zero(), Vec3::Zero()};
     tool.velocity_m_per_s.x() = way * guide.speed_limit(tool.position_m.x()).m_per_s;
     double worst_m_per_s = 0.0;
     for (int n = 0; n < 1000; ++n) {
@@ -181,9 +181,9 @@ TEST(Guidance, AToolAtTheLimitBrakesAsTheLimitDoes) {
 TEST(Guidance, AnEndIsAWallInItsOwnWay) {
   const ConstraintSettings settings;
   for (const double side : {-1.0, 1.0}) {
-    ActiveConstraint active = on_a_line({});
+    ActiveConstraint active = on_a_line(Vec3::Zero());
     active.beyond_end_m = side * 0.2e-3;
-    const KinematicState outwards{{}, {side * 2e-3, 0, 0}, {}};
+    const KinematicState outwards{Vec3::Zero(), {side * 2e-3, 0, 0}, Vec3::Zero()};
     EXPECT_NEAR(side * guided_acceleration(active, settings, outwards, {side * 3.0, 0, 0}).x(),
                 -60.0 * 60.0 * 0.2e-3 - 2.0 * 60.0 * 2e-3, 1e-9);
     EXPECT_NEAR(side * guided_acceleration(active, settings, {}, {-side * 3.0, 0, 0}).x(), -2.85 / 0.5, 1e-9)
@@ -197,7 +197,7 @@ TEST(Guidance, AnEndIsAWallInItsOwnWay) {
 TEST(Region, HandMovesTheMassAcrossAndAlongAndNoBendHoldsIt) {
   const ConstraintSettings settings;
   const ConstraintMode mode{0.5e-3, 0.0};
-  const KinematicState tool{{0, 0.1e-3, 0}, {0.03, 0.01, 0}, {}};
+  const KinematicState tool{{0, 0.1e-3, 0}, {0.03, 0.01, 0}, Vec3::Zero()};
   ActiveConstraint active = on_a_line(tool.position_m, 1e-3);
   const Vec3 a = region_acceleration(active, settings, mode, tool, {1.0, -2.0, 5.0});
   EXPECT_NEAR(a.x(), (0.85 - 2.0 * 0.03) / 0.5, 1e-12);
@@ -205,9 +205,9 @@ TEST(Region, HandMovesTheMassAcrossAndAlongAndNoBendHoldsIt) {
   EXPECT_EQ(a.z(), 0.0);
   EXPECT_EQ(region_acceleration(active, settings, mode, {}, {0.1, 0.1, 0}).norm(), 0.0)
       << "less than is felt";
-  const KinematicState above{{0, 0, 30e-6}, {0, 0, 1e-3}, {}};
-  EXPECT_EQ(region_acceleration(on_a_line({}), settings, mode, above, {}).z(),
-            guided_acceleration(on_a_line({}), settings, above, {}).z())
+  const KinematicState above{{0, 0, 30e-6}, {0, 0, 1e-3}, Vec3::Zero()};
+  EXPECT_EQ(region_acceleration(on_a_line(Vec3::Zero()), settings, mode, above, Vec3::Zero()).z(),
+            guided_acceleration(on_a_line(Vec3::Zero()), settings, above, Vec3::Zero()).z())
       << "height is held as ever";
 }
 
@@ -216,7 +216,7 @@ TEST(Region, AWallStandsToEitherSide) {
   const ConstraintMode mode{0.5e-3, 0.0};
   for (const double side : {-1.0, 1.0}) {
     const auto a = [&](double off_m, double rate, double force_n) {
-      const KinematicState tool{{0, side * off_m, 0}, {0, side * rate, 0}, {}};
+      const KinematicState tool{{0, side * off_m, 0}, {0, side * rate, 0}, Vec3::Zero()};
       return side *
              region_acceleration(on_a_line(tool.position_m), settings, mode, tool, {0, side * force_n, 0})
                  .y();
@@ -234,13 +234,13 @@ TEST(Region, TheSpringComesBackWithoutOvershoot) {
   const ConstraintMode mode{0.5e-3, 1000.0};
   const double w = std::sqrt(mode.stiffness_n_per_m / settings.mass_kg);
   constexpr double kFine_s = 1e-5, kOff_m = 0.3e-3;
-  KinematicState tool{{0, kOff_m, 0}, {}, {}};
+  KinematicState tool{{0, kOff_m, 0}, Vec3::Zero(), Vec3::Zero()};
   double overshoot_m = 0.0;
   for (int n = 0; n < 20000; ++n) {
     const double wt = w * n * kFine_s;
     ASSERT_NEAR(tool.position_m.y(), kOff_m * (1.0 + wt) * std::exp(-wt), 0.005 * kOff_m) << n;
     overshoot_m = std::max(overshoot_m, -tool.position_m.y());
-    tool.acceleration_m_per_s2 = region_acceleration(on_a_line(tool.position_m), settings, mode, tool, {});
+    tool.acceleration_m_per_s2 = region_acceleration(on_a_line(tool.position_m), settings, mode, tool, Vec3::Zero());
     tool = control::advanced(tool, kFine_s);
   }
   EXPECT_LT(overshoot_m, 1e-9);

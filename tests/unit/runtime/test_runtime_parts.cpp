@@ -152,8 +152,8 @@ TEST(Resources, AFileStandsBeforeWhatIsShipped) {
   EXPECT_EQ(find_resource("things", own, ".toml"), own);
   EXPECT_EQ(
       refusal([] { (void)find_resource("things", "c", ".toml"); }),
-      std::pair(std::string("'c' is neither a file nor one of the shipped things: a, b"), ErrorKind::kUsage));
-  EXPECT_EQ(refusal([] { (void)find_resource("nothing", "../things/a", ".toml"); }).second, ErrorKind::kUsage)
+      std::pair(std::string("'c' is neither a file nor one of the shipped things: a, b"), ErrorKind::kInput));
+  EXPECT_EQ(refusal([] { (void)find_resource("nothing", "../things/a", ".toml"); }).second, ErrorKind::kInput)
       << "a name is no way";
   unsetenv("TELEKERF_DATA");
 }

@@ -110,7 +110,7 @@ TEST(Settings, NumbersAsPeopleWriteThem) {
   EXPECT_EQ(loaded("--seed 1e15").seed, 1'000'000'000'000'000U);
   EXPECT_EQ(loaded("--columns a,b").columns, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(loaded("--columns a b --block 5").columns, (std::vector<std::string>{"a", "b"}));
-  EXPECT_EQ(loaded(std::vector<std::string>{"--robot", ""}).robot, "");
+  EXPECT_EQ(loaded(std::vector<std::string>{"--drive", ""}).drive, "");
   EXPECT_FALSE(loaded("--engage=false").engage);
 }
 
@@ -159,14 +159,15 @@ TEST(Settings, ThePrintedFileReadsBackAsItWas) {
   Settings settings;
   declare(first, settings);
   settings.load(std::vector<std::string>{"--block", "5", "--stream-hz", "333.25", "--colour", "green",
-                                         "--loss", "0.125", "--robot", "my \"robot\"\\", "--start", "1,2",
+                                         "--loss", "0.125", "--drive", "my \"robot\"\\", "--start", "1,2",
                                          "--columns", "a,b"});
   Sample second;
   Settings again;
   declare(second, again);
   again.load(ConfigFile(settings.toml(), "printed"));
   EXPECT_EQ(again.toml(), settings.toml());
-  EXPECT_EQ(second.robot, first.robot);
+  EXPECT_EQ(second.drive, first.drive);
+  EXPECT_EQ(second.drive, "my \"robot\"\\");
   EXPECT_EQ(second.loss, 0.125);
   EXPECT_EQ(second.colour, Colour::kGreen);
 }
