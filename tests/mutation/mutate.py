@@ -80,8 +80,11 @@ class Worker:
                 (self.source / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(TOP / name, self.source / name)
         self.log.write_text("")
-        configured = run(["cmake", "-S", self.source, "-B", self.build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"],
-                         self.folder, 300, self.log)
+        # As build/ is, so that ccache finds what was compiled there.
+        cache = TOP / "build" / "CMakeCache.txt"
+        werror = cache.exists() and "TELEKERF_WERROR:BOOL=ON" in cache.read_text(encoding="utf-8")
+        configured = run(["cmake", "-S", self.source, "-B", self.build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                          f"-DTELEKERF_WERROR={'ON' if werror else 'OFF'}"], self.folder, 300, self.log)
         if configured != 0 or self.compile([]) != 0:
             sys.exit(f"mutation: the tree as it is does not build: see {self.log}")
         tests = json.loads(subprocess.run(["ctest", "--show-only=json-v1", "-L", "unit"], cwd=self.build, check=True,
@@ -96,7 +99,7 @@ class Worker:
             self.seconds[name] = time.monotonic() - begun
 
     def compile(self, targets):
-        return run(["ninja", "-C", self.build, "-j", str(self.compile_jobs), *targets], self.folder, 900, self.log)
+        return run(["ninja", "-C", self.build, "-j", str(self.compile_jobs), *targets], self.folder, 7200, self.log)
 
     def test(self, name, seconds):
         return run([self.build / "bin" / name, "--gtest_fail_fast", "--gtest_brief=1"], self.build, seconds, self.log)
