@@ -32,9 +32,11 @@ class Sender {
     std::vector<Vec3> samples(kBlock);
     for (Vec3& sample : samples) sample = place(index_++);
     block.payload.size =
-        static_cast<std::uint16_t>(encoder_.encode(samples, 0, {}, block.payload.room()).value_or(0));
+        static_cast<std::uint16_t>(encoder_.encode(samples, button, {}, block.payload.room()).value_or(0));
     return block;
   }
+
+  std::uint64_t button = 0;  ///< bit n: pressed at sample n of the blocks to come
 
  private:
   std::uint32_t epoch_;

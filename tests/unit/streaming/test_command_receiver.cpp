@@ -223,5 +223,36 @@ TEST_F(CommandReceiverTest, SaysOfTheStreamWhatItsNewestBlockSaid) {
   EXPECT_EQ(header.echo_received_ns, now_ns_ - kBlock * kMs);
 }
 
+TEST_F(CommandReceiverTest, AGapWithBothEndsKnownIsConcealed) {
+  change_ = [](CommandBlock& block) {
+    block.law = Law::kAnchored;
+    block.anchor = {place(static_cast<std::int64_t>(block.first_tick)), Vec3(1e-2, 0, 0)};
+  };
+  for (int b = 0; b < 8; ++b) {
+    const CommandBlock block = next();
+    if (b < 3 || b > 5) receiver_.receive({block, now_ns_ + b}, 4);
+  }
+  // Block 6 brings a copy of block 5: two blocks are gone.
+  int concealed = 0;
+  for (int n = 0; n < 7 * kBlock; ++n, now_ns_ += kMs) {
+    played_ = receiver_.play(now_ns_, kTool);
+    ASSERT_TRUE(played_.cursor);
+    if (*played_.cursor < 0.0) continue;
+    ASSERT_NE(played_.sample, nullptr) << *played_.cursor;
+    EXPECT_EQ(played_.sample->concealed, played_.index >= 3 * kBlock && played_.index < 5 * kBlock);
+    concealed += played_.sample->concealed ? 1 : 0;
+  }
+  EXPECT_EQ(concealed, 2 * kBlock);
+}
+
+TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeStandsUntilThereIsSomethingToPlay) {
+  run(20);
+  for (int n = 0; n < 60; ++n, now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
+  int missing = 0;
+  run(8, [&](const Played& played) { missing += played.sample == nullptr ? 1 : 0; });
+  EXPECT_NEAR(missing, 53, 2);
+  EXPECT_NE(played_.sample, nullptr);
+}
+
 }  // namespace
 }  // namespace telekerf::streaming
