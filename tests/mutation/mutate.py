@@ -104,11 +104,9 @@ class Worker:
     def test(self, name, seconds):
         return run([self.build / "bin" / name, "--gtest_fail_fast", "--gtest_brief=1"], self.build, seconds, self.log)
 
-    def linking(self):
-        """The unit tests that a build would link anew, quickest first."""
-        plan = subprocess.run(["ninja", "-C", self.build, "-n"], check=True, capture_output=True, text=True).stdout
-        linked = set(re.findall(r"Linking CXX executable bin/(\S+)", plan))
-        return sorted((name for name in self.tests if name in linked), key=self.seconds.get)
+    def linked(self):
+        """When each unit test was linked."""
+        return {name: (self.build / "bin" / name).stat().st_mtime_ns for name in self.tests}
 
     def judge(self, mutant, quick):
         """(`unbuildable`, `noticed` or `survived`, by which test)."""
@@ -120,11 +118,12 @@ class Worker:
         self.log.write_text(f"{mutant}\n")
         try:
             file.write_text("\n".join(lines), encoding="utf-8")
-            names = self.linking()
-            # One by one, the quickest first: most mutants are noticed before the larger tests are linked.
-            if self.compile(names) != 0:
+            before = self.linked()
+            if self.compile(self.tests) != 0:
                 return "unbuildable", ""
-            for name in names:
+            after = self.linked()
+            # The quickest first: most mutants are noticed before it is the turn of the larger ones.
+            for name in sorted((name for name in self.tests if after[name] != before[name]), key=self.seconds.get):
                 if self.test(name, 20 + 5 * self.seconds[name]) != 0:
                     return "noticed", name
             if not quick:
