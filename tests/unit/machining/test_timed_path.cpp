@@ -30,6 +30,15 @@ TEST(TimedPath, ConstantSpeedWithTheBeamOnAndRestAtBothEnds) {
   }
 }
 
+TEST(TimedPath, WhatWouldTakeHoursIsRefused) {
+  TimedPathSettings settings;
+  settings.speed_m_per_s = 1e-7;
+  settings.ramp_m_per_s2 = 1e-4;
+  const auto plan = make_timed_path(kSquare, settings);
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error(), "the path takes too long at this speed");
+}
+
 TEST(TimedPath, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
   for (const CornerPolicy corner : {CornerPolicy::kRounded, CornerPolicy::kSlow}) {
     TimedPathSettings settings;

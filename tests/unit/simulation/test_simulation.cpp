@@ -39,6 +39,15 @@ TEST(Lap, SameSeedSameReportBitForBit) {
   EXPECT_NE(first, reporting::make_report(simulate(settings)).dump());
 }
 
+TEST(Lap, HasOneRowAControlStepOfEachSideAndEndsWhereItsTimeIsOver) {
+  SimulationSettings settings = demo("lan");
+  settings.duration_s = 2.0;
+  settings.slave.node.control_hz = 2000.0;
+  const RunRecord record = simulate(settings);
+  EXPECT_EQ(record.master.size(), 2000u);
+  EXPECT_EQ(record.slave.size(), 4000u);
+}
+
 TEST(Lap, JitterAndLossCostDelayButNoLaserOutsideTheCorridor) {
   SimulationSettings settings;
   settings.network = netem::simple_profile(0.2, 0.02, 0.05);

@@ -186,6 +186,10 @@ TEST_F(Corrected, RunsBackByASampleAtMostEvery20Milliseconds) {
   EXPECT_DOUBLE_EQ(advance(1100.0, 58.8), 1075.4);
   EXPECT_DOUBLE_EQ(advance(1200.0, 100.0), 1175.4) << "1.4 too far is borne";
   EXPECT_EQ(clock_.corrections(), 2u);
+  clock_.reset();
+  arrive(clock_, {5.0});
+  EXPECT_EQ(begin(), 974.0);
+  EXPECT_EQ(advance(1050.0, 51.5), 1025.5) << "and so is one and a half to the very bit";
 }
 
 TEST_F(Corrected, CatchesUpByASampleAtMostEvery200Milliseconds) {

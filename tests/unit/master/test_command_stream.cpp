@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a command block says besides its samples.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <vector>
+
+#include "master/command_stream.h"
+
+namespace telekerf::master {
+namespace {
+
+constexpr int kBlock = 16;
+
+class CommandStreamTest : public testing::Test {
+ protected:
+  CommandStreamTest() { master_.contour_id = 3; }
+  static CommandStreamSettings positions() {
+    CommandStreamSettings settings;
+    settings.law = Law::kLocal;
+    settings.codec = {.block = kBlock, .keep = 4, .redundancy = 2, .sample_period_ns = 1'000'000};
+    return settings;
+  }
+  /// One block's ticks.
+  CommandBlock block() {
+    std::optional<CommandBlock> out;
+    for (int n = 0; n < kBlock; ++n) {
+      EXPECT_FALSE(out);
+      master_.tool.position_m.x() += 1e-5;
+      out = stream_.step(static_cast<std::int64_t>(tick_) * 1'000'000, tick_, master_);
+      ++tick_;
+    }
+    EXPECT_TRUE(out);
+    return out.value_or(CommandBlock{});
+  }
+
+  CommandStream stream_{positions(), 7};
+  MasterSample master_;
+  Tick tick_ = 0;
+};
+
+TEST_F(CommandStreamTest, EachBlockSaysWhetherTheSlaveIsLedAndWhetherItWasInThoseBefore) {
+  const std::vector<bool> wanted = {false, true, true, false, true, true, true, true, true, true, true, true};
+  unsigned before = 0;
+  for (const bool engaged : wanted) {
+    master_.engaged = engaged;
+    const CommandBlock sent = block();
+    EXPECT_EQ(sent.engaged, engaged) << sent.sequence;
+    EXPECT_EQ(sent.engaged_before, before & 0x7FU) << sent.sequence;
+    before = (before << 1U) | (engaged ? 1U : 0U);
+  }
+}
+
+TEST_F(CommandStreamTest, ABlockNamesItsSenderItsPlaceInTimeAndWhatItIsFor) {
+  for (std::uint32_t n = 0; n < 3; ++n) {
+    const CommandBlock sent = block();
+    EXPECT_EQ(sent.epoch, 7u);
+    EXPECT_EQ(sent.sequence, n + 1);
+    EXPECT_EQ(sent.first_tick, n * kBlock);
+    EXPECT_EQ(sent.sample_period_ns, 1'000'000u);
+    EXPECT_EQ(sent.contour_id, 3u);
+    EXPECT_EQ(sent.beta, 1.0);
+    EXPECT_EQ(sent.law, Law::kLocal);
+    EXPECT_EQ(sent.sent_ns, static_cast<std::int64_t>(tick_ - 1) * 1'000'000);
+    EXPECT_NEAR(sent.anchor.position_m.x(), 1e-5 * (n * kBlock + 1), 1e-9);
+  }
+}
+
+TEST_F(CommandStreamTest, TheButtonIsOnItsSamplesAloneAndNeverBeforeTheSlaveIsLed) {
+  master_.button = true;
+  EXPECT_EQ(block().button, 0u) << "nobody is led";
+  master_.engaged = true;
+  EXPECT_EQ(block().button, 0xFFFFu);
+  std::optional<CommandBlock> out;
+  for (int n = 0; n < kBlock; ++n, ++tick_) {
+    master_.button = n >= 5 && n < 9;
+    out = stream_.step(static_cast<std::int64_t>(tick_) * 1'000'000, tick_, master_);
+  }
+  ASSERT_TRUE(out);
+  EXPECT_EQ(out->button, 0b0000'0001'1110'0000u);
+  master_.engaged = false;
+  master_.button = true;
+  EXPECT_EQ(block().button, 0u);
+}
+
+TEST_F(CommandStreamTest, AnotherScaleComesWithABlockAndWhatWasBeforeIsNothingToFollow) {
+  master_.engaged = true;
+  block();
+  block();
+  master_.beta = 0.25;
+  master_.tool.position_m = Vec3(4e-3, 0, 0);
+  const CommandBlock sent = block();
+  EXPECT_EQ(sent.beta, 0.25);
+  EXPECT_TRUE(sent.engaged);
+  EXPECT_EQ(sent.engaged_before, 0u) << "copies of blocks with the scale before";
+  EXPECT_NEAR(sent.anchor.position_m.x(), 0.25 * 4.01e-3, 1e-9);
+  EXPECT_EQ(block().engaged_before, 1u);
+}
+
+}  // namespace
+}  // namespace telekerf::master
