@@ -18,7 +18,7 @@
 #   ./telekerf check mutation [--count N] [--seed S] [--folder F]
 #
 #   Not among the parts, as it takes hours: puts N small faults (100) into the code, one at a time, and counts those
-#   that the tests notice. The last line is `score NN %`; --help lists all flags.
+#   that the tests notice. The last line is `score NN %`.
 
 readonly check_parts="werror headers examples fuzz bench asan tsan tidy"
 
