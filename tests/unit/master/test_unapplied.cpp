@@ -56,6 +56,35 @@ TEST(ReferenceModelEstimator, LearnsAShareOfWhatAppliedSamplesAreOffAndNothingEl
   EXPECT_EQ(estimator.take_correction_m().x(), 0.0);
 }
 
+TEST(DelayedInnovation, PullsPositionAndVelocityByItsGainAndIsMovedByWhatTheBlockBecame) {
+  CommandHistory history;
+  fill(history, 100);
+  DelayedInnovation estimator(settings_of());
+  const auto at = [&] { return estimator.predicted_state(history, 100); };
+  estimator.reset(10, {});
+  for (std::int64_t index = 10; index < 100; ++index) estimator.predict(history, index);
+  KinematicState change;
+  change.position_m = {1e-3, 2e-3, 3e-3};
+  change.velocity_m_per_s = {0.1, 0.2, 0.3};
+  estimator.revise(history, 100, change);
+  EXPECT_EQ(at().position_m, change.position_m);
+  EXPECT_EQ(at().velocity_m_per_s, change.velocity_m_per_s);
+
+  for (const std::int64_t index : {9, 100}) estimator.correct(history, off_by(50e-6, index, true), 100);
+  estimator.correct(history, off_by(50e-6, 50, false), 100);
+  EXPECT_EQ(at().position_m, change.position_m) << "before it began, never sent, not applied";
+  // 1/(e D), D = 50 ms; of what was thought at 50, which was zero.
+  const SlaveSample sample{50, 50, true, Vec3(50e-6, 0, 0), Vec3(0, 2e-3, 0)};
+  estimator.correct(history, sample, 100);
+  const double share = kH / (std::exp(1.0) * 0.05);
+  EXPECT_NEAR(at().position_m.x(), 1e-3 + share * 50e-6, 1e-15);
+  EXPECT_NEAR(at().velocity_m_per_s.y(), 0.2 + share * 2e-3, 1e-15);
+  EXPECT_EQ(estimator.innovation_m().x(), 50e-6);
+  // A delay below 20 ms counts as that.
+  estimator.correct(history, {95, 95, true, Vec3(50e-6, 0, 0), Vec3::Zero()}, 100);
+  EXPECT_NEAR(at().position_m.x(), 1e-3 + share * 50e-6 * (1.0 + 0.05 / 0.02), 1e-15);
+}
+
 class Predictor : public testing::Test {
  protected:
   Predictor() {
