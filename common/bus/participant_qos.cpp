@@ -18,6 +18,7 @@
 #include <optional>
 #include <random>
 
+#include "common/bus/qos.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::bus {
@@ -31,8 +32,6 @@ using eprosima::fastrtps::Duration_t;
 
 constexpr const char* kDiscoveryMulticast = "239.255.0.1";  // RTPS default
 constexpr std::uint32_t kParticipantsPerPeer = 16;          // ports tried at a peer that names none
-
-Duration_t milliseconds(double value) { return {static_cast<long double>(value * 1e-3)}; }
 
 std::string resolved(const std::string& host) {
   addrinfo hints{};

@@ -10,8 +10,6 @@ using eprosima::fastrtps::Duration_t;
 
 constexpr int kEvents = 256;  // kept for a reader that is behind
 
-Duration_t milliseconds(double value) { return {static_cast<long double>(value * 1e-3)}; }
-
 /// What both ends of an intent agree on.
 template <class Qos>
 Qos qos_of(Intent intent) {

@@ -9,6 +9,10 @@
 
 namespace telekerf::bus {
 
+inline eprosima::fastrtps::Duration_t milliseconds(double value) {
+  return {static_cast<long double>(value * 1e-3)};
+}
+
 eprosima::fastdds::dds::DataWriterQos writer_qos(Intent intent);
 eprosima::fastdds::dds::DataReaderQos reader_qos(Intent intent);
 

@@ -9,7 +9,7 @@ namespace {
 
 /// Farther than this from the last foot point, or from where the last circle says, it is searched along the
 /// curve.
-constexpr double kLost_m = 0.5e-3;
+constexpr double kSearch_m = 0.5e-3;
 /// A search goes two millimetres along the curve: so often at most, and it has settled once it moves by less.
 constexpr int kSearches = 8;
 constexpr double kSettled_m = 1e-6;
@@ -48,11 +48,11 @@ ActiveConstraint ConstraintGenerator::at(const GuidePath& guide, const Vec2& too
   } else {
     // Along the last circle to the tool's foot point on it: a tick moves it by micrometres.
     const double step = last_->shape.tangent(tool_m).dot(tool_m - last_->point_m);
-    active.piece = guide.at(last_->arc_m + std::clamp(step, -kLost_m, kLost_m));
+    active.piece = guide.at(last_->arc_m + std::clamp(step, -kSearch_m, kSearch_m));
     const double left = active.piece.shape.tangent(tool_m).dot(tool_m - active.piece.point_m);
     const bool at_end =
         !guide.closed() && (active.piece.arc_m <= 0.0 || active.piece.arc_m >= guide.length_m());
-    const bool lost = std::abs(step) > kLost_m || std::abs(left) > kLost_m;
+    const bool lost = std::abs(step) > kSearch_m || std::abs(left) > kSearch_m;
     if (lost && !at_end) active.piece = guide.at(searched(guide, tool_m, active.piece.arc_m));
   }
   flatten(active.piece, tool_m);

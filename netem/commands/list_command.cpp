@@ -42,10 +42,10 @@ int print_list() {
 }  // namespace
 
 void add_list_command(Program& program) {
-  struct Options {};
+  struct ListOptions {};
   program.add(
-      "list", "Shows the shipped profiles", Options{}, [](Options&, Settings&) {},
-      [](const Options&) { return print_list(); });
+      "list", "Shows the shipped profiles", ListOptions{}, [](ListOptions&, Settings&) {},
+      [](const ListOptions&) { return print_list(); });
 }
 
 }  // namespace telekerf::netem

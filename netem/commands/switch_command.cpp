@@ -13,13 +13,13 @@
 namespace telekerf::netem {
 namespace {
 
-struct Options {
+struct SwitchOptions {
   std::string profile;
   BusFlags bus;
   NetemFlags netem;
 };
 
-int run(Options& options) {
+int run_switch(SwitchOptions& options) {
   (void)load_profile(options.profile);  // refused here rather than by everyone in the cell
   // The others stand in other folders.
   if (std::filesystem::is_regular_file(options.profile))
@@ -39,14 +39,14 @@ int run(Options& options) {
 
 void add_switch_command(Program& program) {
   program.add(
-      "switch", "Puts another network in place in a running cell", Options{},
-      [](Options& o, Settings& s) {
+      "switch", "Puts another network in place in a running cell", SwitchOptions{},
+      [](SwitchOptions& o, Settings& s) {
         s.add("profile", o.profile, kProfile, "a shipped name, or a file that every process can read")
             .as_argument();
         o.bus.add_parameters(s);
         o.netem.add_parameters(s);
       },
-      run);
+      run_switch);
 }
 
 }  // namespace telekerf::netem

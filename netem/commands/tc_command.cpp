@@ -10,13 +10,13 @@
 namespace telekerf::netem {
 namespace {
 
-struct Options {
+struct TcOptions {
   std::string profile;
   std::string device;
   Direction direction = Direction::kForward;
 };
 
-int run(const Options& options) {
+int run_tc(const TcOptions& options) {
   constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-@";
   constexpr std::size_t kLongest = 15;  // the kernel's limit
   if (options.device.empty() || options.device.size() > kLongest ||
@@ -40,13 +40,13 @@ int run(const Options& options) {
 
 void add_tc_command(Program& program) {
   program.add(
-      "tc", "Prints the profile as tc commands and names what tc cannot express", Options{},
-      [](Options& o, Settings& s) {
+      "tc", "Prints the profile as tc commands and names what tc cannot express", TcOptions{},
+      [](TcOptions& o, Settings& s) {
         s.add("profile", o.profile, kProfile, "a shipped name, a TOML file or a trace").as_argument();
         s.add("dev", o.device, TextForm{"DEVICE"}, "network device").must_be_given();
         s.add("direction", o.direction, kDirections, "which way");
       },
-      run);
+      run_tc);
 }
 
 }  // namespace telekerf::netem

@@ -8,9 +8,9 @@
 
 #include "common/runtime/startup_error.h"
 #include "netem/commands/commands.h"
-#include "netem/core/random.h"
 #include "netem/commands/link_command.h"
 #include "netem/core/emulator.h"
+#include "netem/core/random.h"
 #include "netem/core/trace.h"
 #include "netem/drivers/tun_link.h"
 
@@ -94,19 +94,19 @@ void add_trace_command(Program& program) {
 }
 
 void add_replay_command(Program& program) {
-  struct Options {
+  struct TraceOptions {
     LinkOptions link;
     bool linked = false;
   };
   program.add(
       "replay", "Plays a recorded trace: in virtual time as CSV, or with --link between two networks",
-      Options{},
-      [](Options& o, Settings& s) {
+      TraceOptions{},
+      [](TraceOptions& o, Settings& s) {
         s.add("trace", o.link.profile, kFile, "CSV as printed by `telekerf-netem trace`").as_argument();
         s.add("link", o.linked, "drive the TUN link with it, both directions");
         add_link_parameters(o.link, s);
       },
-      [](const Options& o) { return o.linked ? run_link(o.link) : print_replay(o.link.profile); });
+      [](const TraceOptions& o) { return o.linked ? run_link(o.link) : print_replay(o.link.profile); });
 }
 
 }  // namespace telekerf::netem

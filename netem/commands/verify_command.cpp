@@ -13,7 +13,7 @@
 namespace telekerf::netem {
 namespace {
 
-struct Options {
+struct VerifyOptions {
   std::string profile;
   Traffic traffic;
   bool json = false;
@@ -49,7 +49,7 @@ void print_table(const StageReport& report) {
   }
 }
 
-int run(const Options& options) {
+int run_verify(const VerifyOptions& options) {
   const Profile profile = load_profile(options.profile);
   const auto reports = verify(profile, options.traffic);
   const bool good =
@@ -75,15 +75,15 @@ int run(const Options& options) {
 
 void add_verify_command(Program& program) {
   program.add(
-      "verify", "Sends virtual packets and holds what happens to them against the profile", Options{},
-      [](Options& o, Settings& s) {
+      "verify", "Sends virtual packets and holds what happens to them against the profile", VerifyOptions{},
+      [](VerifyOptions& o, Settings& s) {
         s.add("profile", o.profile, kProfile, "a shipped name, a TOML file or a trace").as_argument();
         s.add("packets", o.traffic.packets, {.min = 100, .max = 20e6}, "in each direction (and stage)");
         s.add("seed", o.traffic.seed, kSeeds, "of the random numbers");
         s.add("rate_hz", o.traffic.rate_hz, {.min = 0.1, .max = 1e6, .unit = "Hz"}, "packets a second");
         s.add("json", o.json, "one JSON object instead of a table");
       },
-      [](const Options& o) { return run(o); });
+      [](const VerifyOptions& o) { return run_verify(o); });
 }
 
 }  // namespace telekerf::netem

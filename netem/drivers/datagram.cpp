@@ -18,7 +18,7 @@ constexpr std::uint8_t kInlineQos = 0x02;
 constexpr std::uint8_t kHasData = 0x04;
 constexpr std::size_t kMaxDatagram = 65535;
 
-std::uint8_t octet(std::span<const std::byte> bytes, std::size_t at) {
+std::uint8_t octet_at(std::span<const std::byte> bytes, std::size_t at) {
   return std::to_integer<std::uint8_t>(bytes[at]);
 }
 
@@ -26,23 +26,23 @@ std::uint8_t octet(std::span<const std::byte> bytes, std::size_t at) {
 
 std::optional<std::uint8_t> site_of(std::span<const std::byte> datagram) noexcept {
   if (datagram.size() < kHeader || std::memcmp(datagram.data(), "RTPS", 4) != 0) return std::nullopt;
-  return octet(datagram, kPrefix + kSiteByte);
+  return octet_at(datagram, kPrefix + kSiteByte);
 }
 
 Range stream_payload(std::span<const std::byte> datagram) noexcept {
   if (datagram.size() > kMaxDatagram) return {};
   std::size_t at = kHeader;
   while (at + kSubmessageHeader <= datagram.size()) {
-    const std::uint8_t flags = octet(datagram, at + 1);
-    const unsigned first = octet(datagram, at + 2);
-    const unsigned second = octet(datagram, at + 3);
+    const std::uint8_t flags = octet_at(datagram, at + 1);
+    const unsigned first = octet_at(datagram, at + 2);
+    const unsigned second = octet_at(datagram, at + 3);
     const std::size_t length = (flags & kLittleEndian) != 0 ? first | second << 8 : second | first << 8;
     // A length of zero means "to the end" of the datagram.
     const std::size_t end = length == 0 ? datagram.size() : at + kSubmessageHeader + length;
     if (end > datagram.size()) return {};
-    if (octet(datagram, at) == kData && (flags & kHasData) != 0 && (flags & kInlineQos) == 0 &&
-        at + kDataPayload <= end && octet(datagram, at + kDataWriter + 1) == kStreamEntity &&
-        octet(datagram, at + kDataWriter) == 0) {
+    if (octet_at(datagram, at) == kData && (flags & kHasData) != 0 && (flags & kInlineQos) == 0 &&
+        at + kDataPayload <= end && octet_at(datagram, at + kDataWriter + 1) == kStreamEntity &&
+        octet_at(datagram, at + kDataWriter) == 0) {
       return {static_cast<std::uint16_t>(at + kDataPayload), static_cast<std::uint16_t>(end)};
     }
     at = end;

@@ -7,6 +7,8 @@
 
 namespace telekerf::netem {
 
+inline constexpr double kNs = 1e-9;  ///< a nanosecond in seconds
+
 /// log(2 / false-alarm probability of one check): a verification makes fewer than 100 checks and shall raise
 /// one false alarm in 10^6.
 inline constexpr double kLogAlarm = 19.1;

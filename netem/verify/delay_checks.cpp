@@ -7,13 +7,13 @@
 #include <cmath>
 
 #include "netem/core/delay_table.h"
+#include "netem/verify/bounds.h"
 
 namespace telekerf::netem {
 namespace {
 
 /// Means and deviations are taken within these normal scores of the nominal law.
 constexpr double kWinsorScore = 3.5;
-constexpr double kNs = 1e-9;
 
 void check_quantiles(const DelayParameters& law, std::vector<std::int64_t> drawn_ns, Checks& checks) {
   std::sort(drawn_ns.begin(), drawn_ns.end());

@@ -7,11 +7,10 @@
 #include <cmath>
 
 #include "netem/core/compiled_profile.h"
+#include "netem/verify/bounds.h"
 
 namespace telekerf::netem {
 namespace {
-
-constexpr double kNs = 1e-9;
 
 void check_slots(const Slots& slots, const Run& run, Checks& checks) {
   const std::int64_t period_ns = std::llround(slots.period_s * 1e9);

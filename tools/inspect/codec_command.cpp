@@ -15,7 +15,7 @@
 namespace telekerf::inspect {
 namespace {
 
-struct Options {
+struct CodecOptions {
   std::string trace;
   codec::CodecChoice codec = codec::kDefaultCodec;
   std::string decoded;
@@ -27,7 +27,7 @@ struct Options {
   double rate_hz = 1000.0;
 };
 
-int run(const Options& options) {
+int run_codec(const CodecOptions& options) {
   if (options.keep && options.max_rms) throw usage_error("--keep and --max-rms: give one of them");
   const auto trace = codec::read_trace(options.trace, options.rate_hz, options.columns);
   codec::StreamSettings stream = options.stream;
@@ -74,7 +74,7 @@ int run(const Options& options) {
   return 0;
 }
 
-void add_parameters(Options& o, Settings& s) {
+void add_codec_parameters(CodecOptions& o, Settings& s) {
   auto& stream = o.stream;
   s.add("trace", o.trace, kFile, "CSV, columns of numbers").as_argument();
   s.add("codec", o.codec, codec::kCodecs, "which one");
@@ -99,8 +99,8 @@ void add_parameters(Options& o, Settings& s) {
 }  // namespace
 
 void add_codec_command(Program& program) {
-  program.add("codec", "Sends a trace through a codec: bits, bytes on the wire, error, delay", Options{},
-              add_parameters, run);
+  program.add("codec", "Sends a trace through a codec: bits, bytes on the wire, error, delay", CodecOptions{},
+              add_codec_parameters, run_codec);
 }
 
 }  // namespace telekerf::inspect

@@ -22,7 +22,7 @@
 namespace telekerf::inspect {
 namespace {
 
-struct Options {
+struct ContourOptions {
   std::string input;
   vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
   std::vector<double> start;
@@ -53,7 +53,7 @@ std::size_t harmonics_of(const std::string& text) {
   return static_cast<std::size_t>(value);
 }
 
-vision::LoadRequest request_of(const Options& o) {
+vision::LoadRequest request_of(const ContourOptions& o) {
   vision::LoadRequest request;
   request.extraction.mode = o.mode;
   if (!o.start.empty()) request.extraction.start_px = Vec2(o.start[0], o.start[1]);
@@ -67,7 +67,7 @@ vision::LoadRequest request_of(const Options& o) {
   return request;
 }
 
-nlohmann::json descriptors_of(const geometry::Polyline& line, const Options& o) {
+nlohmann::json descriptors_of(const geometry::Polyline& line, const ContourOptions& o) {
   nlohmann::json json{{"harmonics", nullptr}, {"efd_max_deviation_m", nullptr}};
   const std::size_t asked = harmonics_of(o.harmonics);
   if (!line.closed) return json;  // only closed contours have descriptors
@@ -85,7 +85,7 @@ nlohmann::json descriptors_of(const geometry::Polyline& line, const Options& o) 
   return json;
 }
 
-int inspect(const Options& o) {
+int inspect(const ContourOptions& o) {
   const std::string file = find_resource("pictures", o.input, ".png").string();
   const auto loaded = vision::load_contours(file, request_of(o));
   if (!loaded) throw input_error(loaded.error());
@@ -123,7 +123,7 @@ int inspect(const Options& o) {
   return 0;
 }
 
-void add_parameters(Options& o, Settings& s) {
+void add_contour_parameters(ContourOptions& o, Settings& s) {
   const Bounds pixels{.min = -1e6, .max = 1e6, .unit = "pixels"};
   const Bounds length_mm{.min = 1e-3, .max = 1e6, .unit = "mm"};
   s.add("input", o.input, kPicture, "PNG, JPEG, ..., SVG or DXF file, or the name of a shipped picture")
@@ -147,7 +147,7 @@ void add_parameters(Options& o, Settings& s) {
 
 void add_contour_command(Program& program) {
   program.add("contour", "Turns a picture or drawing into an ordered path, with its size and quality",
-              Options{}, add_parameters, inspect);
+              ContourOptions{}, add_contour_parameters, inspect);
 }
 
 }  // namespace telekerf::inspect

@@ -18,7 +18,7 @@
 namespace telekerf::inspect {
 namespace {
 
-struct Options {
+struct EfdOptions {
   std::string points;
   std::size_t harmonics = 20;
 };
@@ -51,12 +51,12 @@ int inspect(const std::string& path, std::size_t harmonics) {
 
 void add_efd_command(Program& program) {
   program.add(
-      "efd", "Prints the elliptic Fourier descriptors of a closed polygon", Options{},
-      [](Options& o, Settings& s) {
+      "efd", "Prints the elliptic Fourier descriptors of a closed polygon", EfdOptions{},
+      [](EfdOptions& o, Settings& s) {
         s.add("points", o.points, kFile, "CSV with x,y a line").as_argument();
         s.add("harmonics", o.harmonics, {.min = 1, .max = 4096}, "how many");
       },
-      [](const Options& o) { return inspect(o.points, o.harmonics); });
+      [](const EfdOptions& o) { return inspect(o.points, o.harmonics); });
 }
 
 }  // namespace telekerf::inspect

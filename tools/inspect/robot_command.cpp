@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using robot::Mat3;
 
-struct Options {
+struct RobotOptions {
   std::string robot;
   std::vector<double> ik, fk, jacobian;
   bool workspace = false;
@@ -79,7 +79,7 @@ Json hall(const robot::RobotModel& model) {
           {"after", {{"rms_m", after.rms_m}, {"worst_m", after.worst_m}}}};
 }
 
-int run(const Options& options) {
+int run_robot(const RobotOptions& options) {
   if (!options.ik.empty() + !options.fk.empty() + !options.jacobian.empty() + options.workspace +
           options.hall !=
       1)
@@ -111,7 +111,7 @@ int run(const Options& options) {
   return 0;
 }
 
-void add_parameters(Options& o, Settings& s) {
+void add_robot_parameters(RobotOptions& o, Settings& s) {
   const Bounds metres{.min = -10, .max = 10, .unit = "m"};
   s.add("robot", o.robot, kRobot, "a shipped name or the path of a robot file").as_argument();
   s.add("ik", o.ik, 3, metres, "joints of tool position X Y Z");
@@ -125,8 +125,8 @@ void add_parameters(Options& o, Settings& s) {
 }  // namespace
 
 void add_robot_command(Program& program) {
-  program.add("robot", "Kinematics and workspace of a robot (metres, base frame)", Options{}, add_parameters,
-              run);
+  program.add("robot", "Kinematics and workspace of a robot (metres, base frame)", RobotOptions{},
+              add_robot_parameters, run_robot);
 }
 
 }  // namespace telekerf::inspect

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWidestBand = 12;  // half octaves tried above and below the promised error
 
-const auto write_body = [](auto& out, const AxisCode& code, int) noexcept {
+const auto write_held = [](auto& out, const AxisCode& code, int) noexcept {
   out.signed_golomb(code.values[0], kFirstOrder);
   write_runs(out, code);
 };
@@ -30,7 +30,7 @@ CodedAxis encode(std::span<double> samples, const EncoderTools& tools, bool webe
   if (settings.max_rms == 0.0) {
     kept = code.step_offset == 0;  // only an adaptive stream tells another step
     if (kept) hold_within(samples, band_of(settings.threshold, weber), step, code);
-    return coded_or_raw(code, kept, samples, tools, write_body);
+    return coded_or_raw(code, kept, samples, tools, write_held);
   }
   double largest = 0.0;
   for (const double x : samples) largest = std::max(largest, std::abs(x));
@@ -40,12 +40,12 @@ CodedAxis encode(std::span<double> samples, const EncoderTools& tools, bool webe
     const double threshold = weber && largest > 0.0 ? band / largest : band;
     kept = hold_within(samples, band_of(threshold, weber), step, code) <= allowed_energy(samples, settings);
   }
-  return coded_or_raw(code, kept, samples, tools, write_body);
+  return coded_or_raw(code, kept, samples, tools, write_held);
 }
 
 void write(BitWriter& out, const CodedAxis& axis, const AxisContext& context, const Grid&,
            int block) noexcept {
-  write_multiples(out, axis.code, context.adaptive, block, write_body);
+  write_multiples(out, axis.code, context.adaptive, block, write_held);
 }
 
 bool read(BitReader& in, const AxisContext& context, const Grid& grid, Successor&,

@@ -43,7 +43,7 @@ std::int64_t difference(const AxisCode& code, int degree, std::size_t n) noexcep
 }
 
 template <typename Sink>
-void write_differences(Sink& out, const AxisCode& code, int degree, int order, int block) noexcept {
+void write_residuals(Sink& out, const AxisCode& code, int degree, int order, int block) noexcept {
   out.bits(static_cast<std::uint64_t>(degree), 2);
   out.bits(static_cast<std::uint64_t>(order), 5);
   out.signed_golomb(code.values[0], kFirstOrder);
@@ -70,14 +70,14 @@ void write_dpcm(Sink& out, const AxisCode& code, int block) noexcept {
     const int guess = rice_order(code, degree, block);
     for (int order = std::max(guess - 1, 0); order <= std::min(guess + 1, kMaxRiceOrder); ++order) {
       BitCounter counter;
-      write_differences(counter, code, degree, order, block);
+      write_residuals(counter, code, degree, order, block);
       if (counter.count() >= best_bits) continue;
       best_bits = counter.count();
       best_degree = degree;
       best_order = order;
     }
   }
-  write_differences(out, code, best_degree, best_order, block);
+  write_residuals(out, code, best_degree, best_order, block);
 }
 
 bool read_dpcm(BitReader& in, AxisCode& code, int block) noexcept {
@@ -108,7 +108,7 @@ double round_all(std::span<const double> samples, double step, AxisCode& code) n
   return energy;
 }
 
-const auto write_body = [](auto& out, const AxisCode& code, int block) noexcept {
+const auto write_coded = [](auto& out, const AxisCode& code, int block) noexcept {
   write_dpcm(out, code, block);
 };
 
@@ -120,13 +120,13 @@ CodedAxis encode(std::span<double> samples, const EncoderTools& tools, const Axi
   if (tools.settings.max_rms == 0.0) {
     kept = least == 0;  // only an adaptive stream tells another step
     if (kept) round_all(samples, tools.grid.step(0), code);
-    return coded_or_raw(code, kept, samples, tools, write_body);
+    return coded_or_raw(code, kept, samples, tools, write_coded);
   }
   for (int offset = least + kCoarser; offset >= least && !kept; --offset) {
     code.step_offset = offset;
     kept = round_all(samples, tools.grid.step(offset), code) <= allowed_energy(samples, tools.settings);
   }
-  return coded_or_raw(code, kept, samples, tools, write_body);
+  return coded_or_raw(code, kept, samples, tools, write_coded);
 }
 
 }  // namespace
@@ -135,8 +135,9 @@ const AxisCodec kDpcmCodec{
     .kind = kDpcm,
     .step_per_rms = kTimeDomainStepPerRms,
     .encode = encode,
-    .write = [](BitWriter& out, const CodedAxis& axis, const AxisContext& context, const Grid&,
-                int block) noexcept { write_multiples(out, axis.code, context.adaptive, block, write_body); },
+    .write =
+        [](BitWriter& out, const CodedAxis& axis, const AxisContext& context, const Grid&,
+           int block) noexcept { write_multiples(out, axis.code, context.adaptive, block, write_coded); },
     .read =
         [](BitReader& in, const AxisContext& context, const Grid& grid, Successor&,
            std::span<double> samples) noexcept {

@@ -13,8 +13,8 @@ namespace telekerf::vision {
 namespace {
 
 // East, south, west, north: y downwards, so this order is clockwise as seen.
-constexpr std::array<int, 4> kDx{1, 0, -1, 0};
-constexpr std::array<int, 4> kDy{0, 1, 0, -1};
+constexpr std::array<int, 4> kStepX{1, 0, -1, 0};
+constexpr std::array<int, 4> kStepY{0, 1, 0, -1};
 constexpr unsigned char kVisited = 127;  ///< the pixel's western side has been walked along
 
 /// Walks the sides between drawn and empty pixels with the drawing on the left. Pixels that touch by a corner
@@ -86,22 +86,22 @@ class BorderWalk {
     bool whole = true;
     do {
       if (side == 2) drawn_.at<unsigned char>(y, x) = kVisited;
-      const int ex = x + kDx[side];
-      const int ey = y + kDy[side];
+      const int ex = x + kStepX[side];
+      const int ey = y + kStepY[side];
       if (ex < 0 || ey < 0 || ex >= drawn_.cols || ey >= drawn_.rows) {
         whole = false;
       } else {
         const double inside = field_.value(x, y);
         const double outside = field_.value(ex, ey);
         const double t = inside / (inside - outside);
-        points.emplace_back(x + t * kDx[side], y + t * kDy[side]);
+        points.emplace_back(x + t * kStepX[side], y + t * kStepY[side]);
       }
       const int ahead = (side + 3) % 4;
-      const int ax = x + kDx[ahead];
-      const int ay = y + kDy[ahead];
-      if (drawn(ax + kDx[side], ay + kDy[side])) {  // round an inner corner
-        x = ax + kDx[side];
-        y = ay + kDy[side];
+      const int ax = x + kStepX[ahead];
+      const int ay = y + kStepY[ahead];
+      if (drawn(ax + kStepX[side], ay + kStepY[side])) {  // round an inner corner
+        x = ax + kStepX[side];
+        y = ay + kStepY[side];
         side = (side + 1) % 4;
       } else if (drawn(ax, ay)) {
         x = ax;

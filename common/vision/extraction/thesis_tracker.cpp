@@ -13,8 +13,8 @@ namespace telekerf::vision {
 namespace {
 
 constexpr double kStep_px = 1.0;
-constexpr double kCoherent = 0.25;    ///< of the structure tensor, 0 isotropic .. 1 one direction
-constexpr double kMaxOverlap = 10.0;  ///< widths: two strokes may run on each other for so long
+constexpr double kCoherent = 0.25;   ///< of the structure tensor, 0 isotropic .. 1 one direction
+constexpr double kMaxShared = 10.0;  ///< widths: two strokes may run on each other for so long
 
 class Window {
  public:
@@ -181,7 +181,7 @@ class Window {
         break;
       }
       on_passed = passed_at(p) && !wide ? on_passed + kStep_px : 0.0;
-      if (on_passed > kMaxOverlap * width_ + 6.0) {  // back on its own track: that part is no news
+      if (on_passed > kMaxShared * width_ + 6.0) {  // back on its own track: that part is no news
         const auto old = static_cast<std::size_t>(on_passed / kStep_px);
         points.resize(points.size() - std::min(points.size() - 1, old));
         track.junction.resize(points.size());

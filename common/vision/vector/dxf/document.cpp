@@ -18,9 +18,9 @@ namespace {
 
 using Affine = Eigen::Affine2d;
 
-class Reader {
+class DxfReader {
  public:
-  Reader(const DxfContents& contents, const VectorLimits& limits)
+  DxfReader(const DxfContents& contents, const VectorLimits& limits)
       : contents_(contents),
         max_groups_(limits.max_bytes / 4),
         out_(limits, Vec2::Constant(contents.metres)) {}
@@ -111,7 +111,7 @@ tl::expected<VectorDrawing, std::string> read_dxf(std::string_view text, const V
   }
   const auto contents = contents_of(text);
   if (!contents) return tl::unexpected(contents.error());
-  Reader reader(*contents, limits);
+  DxfReader reader(*contents, limits);
   for (const DxfPart& section : contents->drawn) reader.draw(section, Affine::Identity());
   return reader.drawing();
 }

@@ -24,9 +24,9 @@ namespace {
 using Affine = Eigen::Affine2d;
 constexpr int kMaxDepth = 100;
 
-class Reader {
+class SvgReader {
  public:
-  Reader(const tinyxml2::XMLElement& root, const SvgPage& page, const VectorLimits& limits)
+  SvgReader(const tinyxml2::XMLElement& root, const SvgPage& page, const VectorLimits& limits)
       : max_elements_(limits.max_points), viewport_(page.units), out_(limits, {page.metres, -page.metres}) {
     find_names(root, 0);
   }
@@ -183,7 +183,7 @@ tl::expected<VectorDrawing, std::string> read_svg(std::string_view text, const V
   }
   const auto page = page_of(*root);
   if (!page) return tl::unexpected(page.error());
-  Reader reader(*root, *page, limits);
+  SvgReader reader(*root, *page, limits);
   reader.children(*root, page->view, 0);
   auto out = reader.drawing();
   if (!out) return out;
