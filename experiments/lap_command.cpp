@@ -17,16 +17,26 @@ namespace {
 struct Options {
   simulation::SimulationSettings lap;
   std::string netem = "thesis-constant";
+  bool record = false;
   std::string out = "out/lap";
 };
 
 int run(Options& options) {
+  simulation::SimulationSettings& lap = options.lap;
+  lap.slave.mismatch = lap.master.mismatch;
+  lap.slave.node.control_hz = lap.master.node.control_hz;
+  lap.slave.node.stream_hz = lap.master.node.stream_hz;
   options.lap.network = netem::load_profile(options.netem);
   const RunRecord record = simulation::simulate(options.lap);
   make_folder("--out", options.out);
+  if (options.record) {
+    write_contour(options.out, record);
+    write_master(options.out, record);
+    write_slave(options.out, record);
+  }
   const auto report = reporting::write_report(options.out, record);
   fmt::print("{}\n", json_text(report));
-  return reporting::stayed_inside(report) ? 0 : 1;
+  return reporting::succeeded(report) ? 0 : 1;
 }
 
 void add_parameters(Options& o, Settings& s) {
@@ -40,8 +50,19 @@ void add_parameters(Options& o, Settings& s) {
   s.add("seed", lap.seed, kSeeds, "of everything random");
   s.add("beta", lap.master.beta, {.min = master::kSmallestBeta, .max = master::kLargestBeta},
         "slave motion = beta x master motion");
+  s.add("mismatch", lap.master.mismatch, {.min = 0, .max = 0.5},
+        "how far the simulated robots are off their files, as a share");
+  s.add("control_hz", lap.master.node.control_hz, {.min = 200, .max = 20000, .unit = "Hz"},
+        "control rate of both sides, a multiple of stream_hz");
+  s.add("stream_hz", lap.master.node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
+        "samples a second in either stream");
   lap.master.add_stream_parameters(s);
+  lap.master.add_guidance_parameters(s);
+  s.prefix("slave_");
+  lap.slave.add_node_parameters(s);
+  s.prefix("");
   s.add("duration_s", lap.duration_s, {.min = 1, .max = 600, .unit = "s"}, "length of the run");
+  s.add("record", o.record, "leaves the record beside the report: contour.csv, master.csv, slave.csv");
   s.add("out", o.out, kFolder, "folder for the results");
 }
 

@@ -21,7 +21,7 @@ struct CommandStreamSettings : LawSettings {
   int ticks_per_sample = 1;
   Vec3 wrong_position_m = Vec3::Zero();  ///< by which the first idea of the slave is wrong, for trials
   Vec3 wrong_velocity_m_per_s = Vec3::Zero();
-  control::BumplessTransferSettings approach{.rate_rad_per_s = 20.0, .max_acceleration_m_per_s2 = 1.0};
+  control::BumplessTransferSettings approach{.rate_rad_per_s = 40.0, .max_acceleration_m_per_s2 = 5.0};
 };
 
 /// The master's tool, its own workpiece frame; the acceleration is the one commanded to it.

@@ -4,10 +4,13 @@
 namespace telekerf::master {
 namespace {
 
-constexpr double kAligned_m = 20e-6;
+constexpr double kAligned_m = 2e-6;
 /// A slave that has acknowledged no command for this long is released for that long.
 constexpr double kUnacknowledged_s = 0.3;
 constexpr double kReleaseHold_s = 0.2;
+/// One that has acknowledged none since it was taken hold of: the first answer takes a round trip, and until then what
+/// the slave says was due is no more than a count of its own steps.
+constexpr double kUnanswered_s = 5.0;
 /// Further from the goal than this, the slave is approached anew instead of pulled with all force.
 constexpr double kLost_m = 2e-3;
 
@@ -20,6 +23,7 @@ void Engagement::received(std::span<const streaming::SlaveSample> samples, bool 
   for (const streaming::SlaveSample& sample : samples) {
     if (sample.applied) {
       unacknowledged_ = 0;
+      answered_ = answered_ || sample.index >= engaged_index_;
     } else if (sample.index > engaged_index_) {
       ++unacknowledged_;
     }
@@ -27,7 +31,7 @@ void Engagement::received(std::span<const streaming::SlaveSample> samples, bool 
 }
 
 Engagement::Phase Engagement::begin_block(std::int64_t index, bool wanted) noexcept {
-  if (engaged_ && unacknowledged_ * period_s_ > kUnacknowledged_s) {
+  if (engaged_ && unacknowledged_ * period_s_ > (answered_ ? kUnacknowledged_s : kUnanswered_s)) {
     // It holds, for it was led astray or cut off: let go, and take hold of it again where it rests.
     released_until_ = index + static_cast<std::int64_t>(kReleaseHold_s / period_s_);
     unacknowledged_ = 0;
@@ -38,6 +42,7 @@ Engagement::Phase Engagement::begin_block(std::int64_t index, bool wanted) noexc
   if (was_engaged) return Phase::kHolds;
   engaged_index_ = index;
   unacknowledged_ = 0;
+  answered_ = false;
   return Phase::kBegins;
 }
 

@@ -57,6 +57,7 @@ class Engagement {
   bool engaged_ = false;
   std::uint8_t before_ = 0;
   int unacknowledged_ = 0;           ///< samples since it applied anything, while engaged
+  bool answered_ = false;            ///< it has applied a command of this engagement
   std::int64_t engaged_index_ = 0;   ///< where the engagement began
   std::int64_t released_until_ = 0;  ///< index
   control::BumplessTransfer approach_;

@@ -23,7 +23,7 @@ constexpr bool streams_accelerations(Law law) noexcept { return law != Law::kLoc
 
 struct LawSettings {
   Law law = Law::kAnchored;
-  double tracking_rad_s = 150.0;  ///< w of the law, critically damped: K_v = 2 w, K_p = w^2
+  double tracking_rad_s = 400.0;  ///< w of the law, critically damped: K_v = 2 w, K_p = w^2
   double timing_error_s = 1e-3;   ///< of the slave's answer, to be borne when the loop spans the delay
   double max_acceleration_m_per_s2 = 10.0;  ///< of a command; what is stored is what was clipped
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "master/master_node.h"
 
+#include <cmath>
+
 #include "common/control/tracking_law.h"
 #include "master/constraint/reach.h"
 
@@ -8,27 +10,29 @@ namespace telekerf::master {
 
 namespace {
 
-control::JointAccelerationSettings joints_of(const MasterSettings& settings) {
-  return {.observer = {.period_s = 1.0 / settings.control_hz,
-                       .bandwidth_rad_per_s = settings.observer_rad_s,
-                       .velocity_bandwidth_rad_per_s = 3.0 * settings.observer_rad_s}};
-}
+/// The observer answers a push across the curve as fast as it can; what the hand does along the curve need
+/// not be known so fast, and is told from the sensor's noise the better.
+constexpr double kHand_rad_per_s = 400.0;
 
-ConstraintSettings constraint_of(const MasterSettings& settings) {
-  ConstraintSettings constraint = settings.constraint;
-  constraint.period_s = 1.0 / settings.control_hz;
-  return constraint;
+MasterSettings with_bandwidth(MasterSettings settings, const control::LoopBandwidths& bandwidths) {
+  settings.constraint.period_s = 1.0 / settings.control_hz;
+  settings.constraint.bandwidth_rad_s = bandwidths.law_rad_per_s;
+  return settings;
 }
 
 }  // namespace
 
 MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch)
     : model_(model),
-      settings_(settings),
-      joints_(model, joints_of(settings)),
+      bandwidths_(control::design_loop(control::loop_conditions(model, settings.control_hz),
+                                       settings.constraint_rad_s, settings.observer_rad_s)),
+      settings_(with_bandwidth(settings, bandwidths_)),
+      joints_(model, control::joints_of(model, bandwidths_, settings.control_hz)),
+      approach_law_(control::sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1.0 / settings.control_hz)),
+      hand_share_(1.0 - std::exp(-kHand_rad_per_s / settings.control_hz)),
       dt_s_(1.0 / settings.control_hz),
       modes_(settings.approach_m_per_s, dt_s_),
-      constraint_(constraint_of(settings)),
+      constraint_(settings_.constraint),
       stream_(settings.command, epoch),
       states_(settings.stale_s, epoch, settings.command.ticks_per_sample) {}
 
@@ -64,9 +68,8 @@ bool MasterNode::slave_ready(std::int64_t now_ns, const GuidePath* guide) const 
 
 Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode,
                         MasterOutputs& out) noexcept {
-  const bool guided = modes_.mode() == MasterMode::kGuiding || modes_.mode() == MasterMode::kEngaged;
-  if (!guided) {
-    return control::tracking_acceleration(modes_.goal(), tool, settings_.constraint.bandwidth_rad_s);
+  if (!guided()) {
+    return control::tracking_acceleration(modes_.goal(), tool, approach_law_);
   }
   if (mode) constraint_.set_mode(*mode);
   const Vec3 wanted = constraint_.step(*modes_.guide(), tool, out.hand_n, dt_s_);
@@ -79,7 +82,8 @@ Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<Constrai
 MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) noexcept {
   MasterOutputs out;
   const KinematicState tool = observe(inputs.joints);
-  if (joints_.posed()) out.hand_n = joints_.reaction_force_n();
+  if (joints_.posed()) hand_n_ += hand_share_ * (joints_.reaction_force_n() - hand_n_);
+  out.hand_n = hand_n_;
   receive(inputs.states);
   const Situation situation{.guide = inputs.guide,
                             .tool_m = tool.position_m,
@@ -99,10 +103,11 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   out.mode = modes_.mode();
   out.tool_m = tool.position_m;
   out.velocity_m_per_s = tool.velocity_m_per_s;
-  out.acceleration_m_per_s2 = wanted;
+  // The slave is to follow the curve, not the way back to it from where the hand has pushed the pen.
+  out.acceleration_m_per_s2 = guided() ? Vec3(wanted - constraint_.correction_m_per_s2()) : wanted;
   if (modes_.guide() != nullptr && joints_.posed()) {
     out.command = stream_.step(now_ns, tick_,
-                               {.tool = {tool.position_m, tool.velocity_m_per_s, wanted},
+                               {.tool = {tool.position_m, tool.velocity_m_per_s, out.acceleration_m_per_s2},
                                 .beta = modes_.guide()->beta,
                                 .contour_id = modes_.guide()->contour_id,
                                 .button = inputs.button,

@@ -6,6 +6,8 @@
 #include <span>
 
 #include "common/control/joint_acceleration_control.h"
+#include "common/control/loop_design.h"
+#include "common/control/tracking_law.h"
 #include "common/protocol/messages.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
@@ -21,7 +23,8 @@ namespace telekerf::master {
 struct MasterSettings {
   double control_hz = 1000.0;
   double stream_hz = 1000.0;
-  double observer_rad_s = 500.0;   ///< of the disturbance observer
+  double constraint_rad_s = 0.0;   ///< bandwidth across the curve; 0: chosen from the robot (loop_design.h)
+  double observer_rad_s = 0.0;     ///< of the disturbance observer; 0: likewise
   double approach_m_per_s = 0.05;  ///< mean speed at which the tool is brought to the curve
   double stale_s = 0.5;            ///< no state of the slave for this long: disengage
   CommandStreamSettings command;   ///< law, observer and codec of the command stream
@@ -44,19 +47,23 @@ struct MasterOutputs {
   MasterMode mode = MasterMode::kIdle;
   Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
   Vec3 velocity_m_per_s = Vec3::Zero();
-  Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< commanded to the tool
-  Vec3 hand_n = Vec3::Zero();                 ///< estimated force of the hand
-  double constraint_n = 0.0;                  ///< how hard the constraint answers, across the curve
-  double corridor_m = 0.0;                    ///< half width within which the hand is free; 0: guidance
-  ActiveConstraint active;                    ///< the circle in force, while the hand is guided
-  bool saturated = false;                     ///< a motor was at its limit
-  Observed observed;                          ///< the slave, as the network observer predicts it
-  SlaveForce slave_force;                     ///< on the slave's tool, as its states tell it
+  Vec3 acceleration_m_per_s2 =
+      Vec3::Zero();            ///< commanded to the tool, without what leads it back to the curve
+  Vec3 hand_n = Vec3::Zero();  ///< estimated force of the hand
+  double constraint_n = 0.0;   ///< how hard the constraint answers, across the curve
+  double corridor_m = 0.0;     ///< half width within which the hand is free; 0: guidance
+  ActiveConstraint active;     ///< the circle in force, while the hand is guided
+  bool saturated = false;      ///< a motor was at its limit
+  Observed observed;           ///< the slave, as the network observer predicts it
+  SlaveForce slave_force;      ///< on the slave's tool, as its states tell it
 };
 
 class MasterNode {
  public:
   MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch);
+
+  /// As chosen for the robot, or as given.
+  const control::LoopBandwidths& bandwidths() const noexcept { return bandwidths_; }
 
   MasterOutputs step(std::int64_t now_ns, const MasterInputs& inputs) noexcept;
   /// Emergency stop and its end alone; step() does it itself. For a robot that does not tell yet where it
@@ -72,14 +79,21 @@ class MasterNode {
   KinematicState observe(const robot::JointReading& joints) noexcept;
   void receive(std::span<const Received<StateBlock>> states) noexcept;
   bool slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept;
+  bool guided() const noexcept {
+    return modes_.mode() == MasterMode::kGuiding || modes_.mode() == MasterMode::kEngaged;
+  }
   /// Acceleration that the tool is to have, by the mode; fills in what the constraint says.
   Vec3 wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode,
               MasterOutputs& out) noexcept;
 
   robot::RobotModel model_;
+  control::LoopBandwidths bandwidths_;
   MasterSettings settings_;
   control::JointAccelerationControl joints_;
+  control::SampledGains approach_law_;
+  double hand_share_;
   double dt_s_;
+  Vec3 hand_n_ = Vec3::Zero();
   Tick tick_ = 0;
   bool located_ = false;  ///< the robot has told where it stands
 

@@ -22,7 +22,10 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
       requests_(settings_.engage, settings_.beta),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
       node_(model_, settings_.node, settings_.epoch),
-      recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
+      recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
+  control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
+                          "constraint_rad_s", "observer_rad_s");
+}
 
 std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
   const double beta = requests_.wanted_beta();

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/runtime/startup_error.h"
@@ -16,6 +17,10 @@ namespace {
 
 /// Finest step of coded accelerations, m/s^2.
 constexpr double kAccelerationQuantum = 1e-2;
+/// Silence after which a slave stops, unless it is told otherwise.
+constexpr double kLongestBlock_s = 0.15;
+/// w / stream rate: at 1 the law's sampled loop is no longer stable.
+constexpr double kFastestLaw = 0.8;
 
 }  // namespace
 
@@ -34,6 +39,10 @@ void StationSettings::add_parameters(Settings& settings) {
   settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
                "samples a second in the command stream");
   add_stream_parameters(settings);
+  add_guidance_parameters(settings);
+}
+
+void StationSettings::add_guidance_parameters(Settings& settings) {
   settings.add("half_window", node.constraint.half_window, {.min = 1, .max = 32},
                "points to either side of the circle fit");
   settings.add("curve", node.constraint.curve, kCurves, "what the hand is guided along");
@@ -41,14 +50,14 @@ void StationSettings::add_parameters(Settings& settings) {
                "half width of a corridor in which the hand is free, 0: guided on the curve");
   settings.add("corridor_stiffness_n_per_m", node.constraint.stiffness_n_per_m,
                {.min = 0, .max = 20000, .unit = "N/m"}, "spring inside the corridor, towards the curve");
-  settings.add("constraint_rad_s", node.constraint.bandwidth_rad_s, {.min = 10, .max = 400, .unit = "rad/s"},
-               "bandwidth across the curve");
+  settings.add("constraint_rad_s", node.constraint_rad_s, {.min = 0, .max = 5000, .unit = "rad/s"},
+               "bandwidth across the curve, 0: chosen from robot, rate and drive");
   settings.add("virtual_mass_kg", node.constraint.mass_kg, {.min = 0.1, .max = 20, .unit = "kg"},
                "that the hand moves along the curve");
   settings.add("virtual_drag_ns_per_m", node.constraint.damping_n_s_per_m,
                {.min = 0, .max = 200, .unit = "N s/m"}, "damping along the curve");
-  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000, .unit = "rad/s"},
-               "of the disturbance observer");
+  settings.add("observer_rad_s", node.observer_rad_s, {.min = 0, .max = 15000, .unit = "rad/s"},
+               "of the disturbance observer, 0: chosen likewise");
   settings.add("hand_speed_mm_s", hand_speed_mm_s, {.min = 0.1, .max = 200, .unit = "mm/s"},
                "mean speed of the simulated hand");
   settings.add("hand_sideways_n", hand.max_sideways_n, {.min = 0, .max = 30, .unit = "N"},
@@ -60,8 +69,21 @@ void StationSettings::add_stream_parameters(Settings& settings) {
   settings.add("estimator", node.command.observer.estimator, kEstimators,
                "how the slave's state is predicted");
   settings.add("codec", codec, codec::kCodecs, "of the command stream");
-  settings.add("tracking_rad_s", node.command.tracking_rad_s, {.min = 1, .max = 400, .unit = "rad/s"},
-               "bandwidth of the law that makes the commands");
+  settings.add("tracking_rad_s", tracking_rad_s, {.min = 0, .max = 5000, .unit = "rad/s"},
+               "bandwidth of the law that makes the commands, 0: 400, less on a slow stream");
+  settings.add("timing_error_s", node.command.timing_error_s, {.min = 1e-4, .max = 1, .unit = "s"},
+               "of the slave's answer, that remote-acceleration's loop across the delay bears");
+  settings.add("thesis_cutoff_rad_s", node.command.observer.thesis_cutoff_rad_s,
+               {.min = 0.1, .max = 1000, .unit = "rad/s"}, "estimator thesis: g of eq. 93's low-pass");
+  settings.add("innovation_gain_per_s", node.command.observer.innovation_gain_per_s,
+               {.min = 0, .max = 1000, .unit = "1/s"},
+               "estimator delayed-innovation: gain, 0: 1/(e D) of the delay D that is seen");
+  settings.add("predictor_rad_s", node.command.observer.predictor_rad_s,
+               {.min = 0.1, .max = 1000, .unit = "rad/s"},
+               "estimator predictor of remote-acceleration: poles of position and velocity");
+  settings.add("disturbance_rad_s", node.command.observer.disturbance_rad_s,
+               {.min = 0, .max = 1000, .unit = "rad/s"},
+               "estimator predictor of remote-acceleration: pole of the disturbance");
   settings.add("block", node.command.codec.block, {.min = 4, .max = 64},
                "samples a block of the command stream");
   settings.add("keep", node.command.codec.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
@@ -81,11 +103,26 @@ StationSettings StationSettings::validated() const {
                                           node.control_hz, node.stream_hz));
   }
   auto& command = settings.node.command;
+  const double block_s = command.codec.block / node.stream_hz;
+  if (block_s >= kLongestBlock_s) {
+    throw configuration_error(fmt::format(
+        "block = {} samples at stream_hz = {:g} take {:.0f} ms, but a slave that hears nothing for {:.0f} ms "
+        "stops; use a smaller block or a faster stream",
+        command.codec.block, node.stream_hz, block_s * 1e3, kLongestBlock_s * 1e3));
+  }
+  if (tracking_rad_s > kFastestLaw * node.stream_hz) {
+    throw configuration_error(
+        fmt::format("tracking_rad_s = {:g} is too fast for stream_hz = {:g}: at most {:g}; 0 chooses it",
+                    tracking_rad_s, node.stream_hz, kFastestLaw * node.stream_hz));
+  }
+  command.tracking_rad_s =
+      tracking_rad_s > 0.0 ? tracking_rad_s : std::min(LawSettings{}.tracking_rad_s, 0.4 * node.stream_hz);
   command.ticks_per_sample = static_cast<int>(std::lround(ratio));
   command.codec.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   command.codec.anchored = command.law == Law::kLocal;
   // A loop that spans the delay predicts a hasty approach badly.
-  if (command.law == Law::kRemoteAcceleration) command.approach.max_acceleration_m_per_s2 = 0.5;
+  if (command.law == Law::kRemoteAcceleration)
+    command.approach = {.rate_rad_per_s = 20.0, .max_acceleration_m_per_s2 = 0.5};
   command.codec.integrated = command.law != Law::kLocal;
   // Of a block's mean, one step moves the tool by 0.3 um within 16 ms.
   if (command.codec.integrated) command.codec.quantum = kAccelerationQuantum;

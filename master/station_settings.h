@@ -23,6 +23,7 @@ struct StationSettings {
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   SimulatedOperatorSettings hand;
   double hand_speed_mm_s = 20.0;                    ///< what a user sets of it
+  double tracking_rad_s = 0.0;                      ///< of the law; 0: chosen from the stream's rate
   double corridor_mm = 0.0;                         ///< half width in which the hand is free; 0: guidance
   codec::CodecChoice codec = codec::kDefaultCodec;  ///< of the command stream
   std::uint64_t seed = 1;
@@ -32,6 +33,8 @@ struct StationSettings {
   void add_parameters(Settings& settings);
   /// Those of what travels to the slave: who computes its acceleration, how it is predicted and coded.
   void add_stream_parameters(Settings& settings);
+  /// Those of the constraint, the robot's control and the simulated hand.
+  void add_guidance_parameters(Settings& settings);
   /// The settings, or a StartupError that names what does not fit.
   StationSettings validated() const;
 };

@@ -9,7 +9,7 @@ namespace {
 
 /// Where samples are missing the reference goes on at constant velocity this long, then it slows down to a
 /// stop.
-constexpr double kCoast_s = 0.032;
+constexpr double kCoast_s = 0.1;
 
 }  // namespace
 
@@ -51,6 +51,7 @@ Selected ReferenceSelector::step(const streaming::Played& played) noexcept {
   reference_ = transfer_.apply(source, transferred_ ? 0.0 : dt_s_);
   clamp_to_workspace(reference_);
   out.reference = reference_;
+  out.source_m = source.position_m;
   out.acceleration_m_per_s2 = source.acceleration_m_per_s2;
   const bool streamed = source_generation_ != 0;
   out.following = mode_ == SlaveMode::kFollowing && streamed;

@@ -26,6 +26,7 @@ enum class SlaveMode : std::uint8_t {
 /// Of one control step.
 struct Selected {
   KinematicState reference;
+  Vec3 source_m = Vec3::Zero();  ///< what the reference comes to when nothing is left of a transfer
   bool following = false;  ///< a sample of the stream is followed; false: the way on from one, or a held pose
   /// The stream's accelerations are all there is: nothing draws the tool to the reference, which is the tool.
   bool bare = false;

@@ -3,21 +3,13 @@
 
 #include <cmath>
 
-#include "common/control/tracking_law.h"
-
 namespace telekerf::slave {
 namespace {
 
-constexpr double kSettled_m = 20e-6;
+constexpr double kSettled_m = 2e-6;
 
 std::int64_t period_ns(const SlaveSettings& settings) noexcept {
   return std::llround(1e9 / settings.control_hz);
-}
-
-control::JointAccelerationSettings joints_of(const SlaveSettings& settings) {
-  return {.observer = {.period_s = 1.0 / settings.control_hz,
-                       .bandwidth_rad_per_s = settings.observer_rad_s,
-                       .velocity_bandwidth_rad_per_s = 2.5 * settings.observer_rad_s}};
 }
 
 }  // namespace
@@ -25,7 +17,10 @@ control::JointAccelerationSettings joints_of(const SlaveSettings& settings) {
 SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch)
     : model_(model),
       settings_(settings),
-      joints_(model, joints_of(settings)),
+      bandwidths_(control::design_loop(control::loop_conditions(model, settings.control_hz),
+                                       settings.bandwidth_rad_s, settings.observer_rad_s)),
+      law_(control::sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1.0 / settings.control_hz)),
+      joints_(model, control::joints_of(model, bandwidths_, settings.control_hz)),
       dt_s_(1.0 / settings.control_hz),
       commands_({.playout = settings.playout,
                  .timeout_s = settings.command_timeout_s,
@@ -52,11 +47,10 @@ KinematicState SlaveNode::observe(const robot::JointReading& joints) noexcept {
 }
 
 Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool) const noexcept {
-  const double w = settings_.bandwidth_rad_s;
   // A pose without kinematics (it cannot be reached by following): the joints are braked where they are.
-  if (!joints_.posed()) return joints_.braking_m_per_s2(w);
+  if (!joints_.posed()) return joints_.braking_m_per_s2(bandwidths_.law_rad_per_s);
   const Vec3 wanted = selected.bare ? selected.acceleration_m_per_s2
-                                    : control::tracking_acceleration(selected.reference, tool, w);
+                                    : control::tracking_acceleration(selected.reference, tool, law_);
   return joints_.state().joint_acceleration(control::limited(wanted, model_.limits.acceleration_m_per_s2));
 }
 
@@ -73,7 +67,8 @@ Interlock SlaveNode::interlock(const SlaveInputs& inputs, const Selected& select
        .inside_workspace = place.norm() <= model_.workspace.radius_m,
        .contour_distance_m = corridor == nullptr ? 1.0 : corridor->contour.find(place).distance_m,
        .speed_m_per_s = tool.velocity_m_per_s.norm(),
-       .tracking_error_m = (tool.position_m - selected.reference.position_m).norm() + selector_.offset_m()},
+       .tracking_error_m = (tool.position_m - selected.source_m).norm(),
+       .offset_m = selector_.offset_m()},
       settings_.interlock);
 }
 

@@ -7,6 +7,8 @@
 #include <span>
 
 #include "common/control/joint_acceleration_control.h"
+#include "common/control/loop_design.h"
+#include "common/control/tracking_law.h"
 #include "common/geometry/nearest.h"
 #include "common/protocol/messages.h"
 #include "common/robot/robot.h"
@@ -21,15 +23,15 @@ namespace telekerf::slave {
 struct SlaveSettings {
   double control_hz = 1000.0;
   double stream_hz = 1000.0;
-  double bandwidth_rad_s = 60.0;    ///< of the tracking law, critically damped
-  double observer_rad_s = 600.0;    ///< of the disturbance observer
+  double bandwidth_rad_s = 0.0;     ///< of the tracking law, critically damped; 0: chosen from the robot
+  double observer_rad_s = 0.0;      ///< of the disturbance observer; 0: likewise (loop_design.h)
   double command_timeout_s = 0.15;  ///< no command for this long: laser off, hold
   double laser_w = 10.0;
   codec::StreamSettings feedback;  ///< of the positions in the state stream, m
   /// Of the force beside them, N. Codec, block, redundancy and period are the positions'.
   codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};
   streaming::PlayoutSettings playout;
-  control::BumplessTransferSettings transfer;
+  control::BumplessTransferSettings transfer{.rate_rad_per_s = 200.0, .max_acceleration_m_per_s2 = 5.0};
   laser::InterlockSettings interlock;
 };
 
@@ -67,6 +69,9 @@ class SlaveNode {
  public:
   SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch);
 
+  /// As chosen for the robot, or as given.
+  const control::LoopBandwidths& bandwidths() const noexcept { return bandwidths_; }
+
   SlaveOutputs step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept;
   /// Emergency stop and its end alone; step() does it itself. For a robot that does not tell yet where it
   /// stands.
@@ -92,6 +97,8 @@ class SlaveNode {
 
   robot::RobotModel model_;
   SlaveSettings settings_;
+  control::LoopBandwidths bandwidths_;
+  control::SampledGains law_;
   control::JointAccelerationControl joints_;
   double dt_s_;
   Tick tick_ = 0;

@@ -22,6 +22,10 @@ void StationSettings::add_parameters(Settings& settings) {
                "control rate, a multiple of stream_hz");
   settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
                "samples a second in the state stream");
+  add_node_parameters(settings);
+}
+
+void StationSettings::add_node_parameters(Settings& settings) {
   settings.add("codec", codec, codec::kCodecs, "of the state stream");
   settings.add("block", node.feedback.block, {.min = 4, .max = 64}, "samples a block of the state stream");
   settings.add("keep", node.feedback.keep, {.min = 1, .max = 64},
@@ -34,10 +38,10 @@ void StationSettings::add_parameters(Settings& settings) {
                "RMS error of a block's forces that is kept instead [N], 0: force_keep");
   settings.add("redundancy", node.feedback.redundancy, {.min = 0, .max = 7},
                "previous blocks repeated in a packet");
-  settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 5, .max = 400, .unit = "rad/s"},
-               "of the tracking law");
-  settings.add("observer_rad_s", node.observer_rad_s, {.min = 10, .max = 2000, .unit = "rad/s"},
-               "of the disturbance observer");
+  settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 0, .max = 5000, .unit = "rad/s"},
+               "of the tracking law, 0: chosen from robot, rate and drive");
+  settings.add("observer_rad_s", node.observer_rad_s, {.min = 0, .max = 15000, .unit = "rad/s"},
+               "of the disturbance observer, 0: chosen likewise");
   settings.add("stale_s", node.command_timeout_s, {.min = 0.02, .max = 10, .unit = "s"},
                "no command for this long: hold, laser off");
   settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"}, "laser power");
@@ -74,7 +78,10 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                                                 {settings_.mismatch, settings_.seed + 1000, {}}})),
       beam_(settings_.beam, settings_.node.laser_w, settings_.node.control_hz, std::move(laser)),
       node_(model_, settings_.node, settings_.epoch),
-      recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {}
+      recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
+  control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
+                          "bandwidth_rad_s", "observer_rad_s");
+}
 
 std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const {
   double reach_m = 0.0;

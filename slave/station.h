@@ -27,7 +27,10 @@ struct StationSettings {
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
   double record_s = 120.0;
+  /// Every setting of the station.
   void add_parameters(Settings& settings);
+  /// Those of its control, of the state stream and of the beam's power.
+  void add_node_parameters(Settings& settings);
   /// The settings, or a StartupError that names what does not fit.
   StationSettings validated() const;
 };

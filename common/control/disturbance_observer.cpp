@@ -7,49 +7,71 @@
 #include <cstddef>
 
 namespace telekerf::control {
+namespace {
 
-DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept
-    : period_s_(gains.period_s), loop_delay_(std::clamp(gains.loop_delay, 0, kMaxLoopDelay)) {
-  forces_n_.fill(Vec3::Zero());
-  const double r1 = 1 - std::exp(-gains.bandwidth_rad_per_s * period_s_);
-  const double r2 = 1 - std::exp(-gains.velocity_bandwidth_rad_per_s * period_s_);
+/// Exact for an acceleration held over `h_s`.
+void move(Vec3& q_m, Vec3& v_m_per_s, const Vec3& acceleration_m_per_s2, double h_s) noexcept {
+  q_m += h_s * v_m_per_s + 0.5 * h_s * h_s * acceleration_m_per_s2;
+  v_m_per_s += h_s * acceleration_m_per_s2;
+}
+
+}  // namespace
+
+ObserverGains observer_gains(double bandwidth_rad_per_s, double velocity_bandwidth_rad_per_s,
+                             double period_s) noexcept {
+  const double r1 = 1 - std::exp(-bandwidth_rad_per_s * period_s);
+  const double r2 = 1 - std::exp(-velocity_bandwidth_rad_per_s * period_s);
   const double c1 = r1 + 2 * r2;
   const double c2 = 2 * r1 * r2 + r2 * r2;
   const double c3 = r1 * r2 * r2;
-  alpha_ = c1 - c2 + c3;
-  beta_ = c2 - 1.5 * c3;
-  gamma_ = c3;
+  return {c1 - c2 + c3, c2 - 1.5 * c3, c3};
+}
+
+DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept
+    : period_s_(gains.period_s),
+      gains_(observer_gains(gains.bandwidth_rad_per_s, gains.velocity_bandwidth_rad_per_s, gains.period_s)) {
+  const double delay = std::clamp(gains.loop_delay, 0.0, static_cast<double>(kMaxLoopDelay));
+  whole_delay_ = static_cast<std::size_t>(delay);
+  part_delay_ = delay - static_cast<double>(whole_delay_);
+  accelerations_.fill(Vec3::Zero());
 }
 
 void DisturbanceObserver::reset(const Vec3& joints_m) noexcept {
   q_ = joints_m;
   v_.setZero();
   w_.setZero();
-  acceleration_.setZero();
   disturbance_n_.setZero();
-  forces_n_.fill(Vec3::Zero());
+  accelerations_.fill(Vec3::Zero());
 }
 
 void DisturbanceObserver::applied(const Vec3& force_n, const Mat3& nominal_inertia_kg) noexcept {
   nominal_inertia_kg_ = nominal_inertia_kg;
-  const auto delay = static_cast<std::size_t>(loop_delay_);
-  for (std::size_t i = delay; i > 0; --i) forces_n_[i] = forces_n_[i - 1];
-  forces_n_[0] = force_n;
-  acceleration_ = nominal_inertia_kg.inverse() * forces_n_[delay];
+  for (std::size_t i = accelerations_.size() - 1; i > 0; --i) accelerations_[i] = accelerations_[i - 1];
+  accelerations_[0] = nominal_inertia_kg.inverse() * force_n;
 }
 
 void DisturbanceObserver::update(const Vec3& measured_joints_m, bool valid) noexcept {
   const double t = period_s_;
-  const Vec3 total = acceleration_ + w_;
-  q_ += t * v_ + 0.5 * t * t * total;
-  v_ += t * total;
+  // Over the last period acted first what was older still, then the force of `loop_delay` samples ago.
+  const double before_s = part_delay_ * t;
+  if (before_s > 0.0) move(q_, v_, accelerations_[whole_delay_ + 1] + w_, before_s);
+  move(q_, v_, accelerations_[whole_delay_] + w_, t - before_s);
   if (valid) {
     const Vec3 innovation = measured_joints_m - q_;
-    q_ += alpha_ * innovation;
-    v_ += beta_ / t * innovation;
-    w_ += gamma_ / (t * t) * innovation;
+    q_ += gains_.alpha * innovation;
+    v_ += gains_.beta / t * innovation;
+    w_ += gains_.gamma / (t * t) * innovation;
   }
   disturbance_n_ = -nominal_inertia_kg_ * w_;
+}
+
+DisturbanceObserver::Ahead DisturbanceObserver::ahead() const noexcept {
+  Ahead out{q_, v_};
+  if (part_delay_ > 0.0)
+    move(out.joints_m, out.velocity_m_per_s, accelerations_[whole_delay_] + w_, part_delay_ * period_s_);
+  for (std::size_t i = whole_delay_; i-- > 0;)
+    move(out.joints_m, out.velocity_m_per_s, accelerations_[i] + w_, period_s_);
+  return out;
 }
 
 }  // namespace telekerf::control

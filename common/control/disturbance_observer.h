@@ -14,6 +14,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 
 #include "common/runtime/vectors.h"
 
@@ -24,6 +25,14 @@ using Mat3 = Eigen::Matrix3d;
 /// Most samples between a reading and the effect of the currents that answer it.
 inline constexpr int kMaxLoopDelay = 4;
 
+/// Gains of the three-state form: poles exp(-p T), one at the disturbance's bandwidth, two at the velocity's.
+/// Per sample: q += alpha e, v += beta / T e, w += gamma / T^2 e.
+struct ObserverGains {
+  double alpha, beta, gamma;
+};
+ObserverGains observer_gains(double bandwidth_rad_per_s, double velocity_bandwidth_rad_per_s,
+                             double period_s) noexcept;
+
 class DisturbanceObserver {
  public:
   struct Gains {
@@ -31,8 +40,8 @@ class DisturbanceObserver {
     double bandwidth_rad_per_s = 300;  ///< of the disturbance estimate
     double velocity_bandwidth_rad_per_s =
         900;  ///< of the velocity estimate; more: less lag, more sensor noise
-    int loop_delay =
-        0;  ///< samples from a reading to the effect of the force that answers it, 0..kMaxLoopDelay
+    /// Samples from a reading to the effect of the force that answers it, 0..kMaxLoopDelay, whole or not.
+    double loop_delay = 0.0;
   };
 
   explicit DisturbanceObserver(const Gains& gains) noexcept;
@@ -45,26 +54,31 @@ class DisturbanceObserver {
   void update(const Vec3& measured_joints_m, bool valid) noexcept;
 
   /// What answers the last reading: the motor force *after* clipping (so nothing winds up at the limit) and
-  /// the nominal inertia A_n that the estimate refers to (constant, or the model's A(q)). From now to the
-  /// next update acts the force of `loop_delay` samples ago.
+  /// the nominal inertia A_n that the estimate refers to (constant, or the model's A(q)). It acts from
+  /// `loop_delay` samples after that reading on.
   void applied(const Vec3& force_n, const Mat3& nominal_inertia_kg) noexcept;
 
   const Vec3& joints_m() const noexcept { return q_; }
   const Vec3& joint_velocity_m_per_s() const noexcept { return v_; }
+  /// Where the joints will be when the force that answers the last reading begins to act, by the forces that
+  /// are on their way and the disturbance as it is.
+  struct Ahead {
+    Vec3 joints_m;
+    Vec3 velocity_m_per_s;
+  };
+  Ahead ahead() const noexcept;
   /// T_hat of eq. 23: everything that differs from A_n qdd = K_n i, positive when it opposes positive motion.
   const Vec3& disturbance_n() const noexcept { return disturbance_n_; }
 
  private:
   double period_s_;
-  double alpha_;
-  double beta_;
-  double gamma_;
-  int loop_delay_;
+  ObserverGains gains_;
+  std::size_t whole_delay_;  ///< samples
+  double part_delay_;        ///< of one more
   Vec3 q_ = Vec3::Zero();
   Vec3 v_ = Vec3::Zero();
-  Vec3 w_ = Vec3::Zero();                         // disturbance as a joint acceleration, m/s^2
-  std::array<Vec3, kMaxLoopDelay + 1> forces_n_;  // on their way, newest first
-  Vec3 acceleration_ = Vec3::Zero();              // A_n^-1 times the force that acts
+  Vec3 w_ = Vec3::Zero();                              // disturbance as a joint acceleration, m/s^2
+  std::array<Vec3, kMaxLoopDelay + 2> accelerations_;  // A_n^-1 times the forces on their way, newest first
   Mat3 nominal_inertia_kg_ = Mat3::Identity();
   Vec3 disturbance_n_ = Vec3::Zero();
 };

@@ -10,7 +10,12 @@ namespace telekerf::control {
 
 FrictionFeedforward::FrictionFeedforward(const robot::Friction& nominal,
                                          const DisturbanceObserver::Gains& gains) noexcept
-    : ahead_(nominal), nominal_(nominal) {
+    : ahead_(nominal),
+      nominal_(nominal),
+      late_(static_cast<std::size_t>(
+          std::lround(std::clamp(gains.loop_delay, 0.0, static_cast<double>(kMaxLoopDelay))))) {
+  friction_n_.fill(Vec3::Zero());
+  given_n_.fill(Vec3::Zero());
   // Given ahead through a softer step than the model's: a friction that is cancelled too steeply is a
   // negative damping at rest.
   constexpr double kSoftest = 2e-3;
@@ -31,11 +36,13 @@ void FrictionFeedforward::update(const Vec3& joint_velocity_m_per_s) noexcept {
       source = &stages[i];
     }
   };
-  pass(stages_, friction_n_);
-  pass(given_stages_, given_n_);
-  friction_n_ = robot::friction_force(nominal_, joint_velocity_m_per_s);
-  given_n_ = robot::friction_force(ahead_, joint_velocity_m_per_s);
-  missing_n_ = given_n_ - given_stages_[2];
+  pass(stages_, friction_n_[late_]);
+  pass(given_stages_, given_n_[late_]);
+  for (auto* past : {&friction_n_, &given_n_})
+    std::copy_backward(past->begin(), past->end() - 1, past->end());
+  friction_n_[0] = robot::friction_force(nominal_, joint_velocity_m_per_s);
+  given_n_[0] = robot::friction_force(ahead_, joint_velocity_m_per_s);
+  missing_n_ = given_n_[0] - given_stages_[2];
 }
 
 }  // namespace telekerf::control

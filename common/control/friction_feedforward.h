@@ -4,6 +4,9 @@
 // is therefore given ahead, less what the observer has already seen of it.
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include "common/control/disturbance_observer.h"
 #include "common/robot/robot_model.h"
 
@@ -25,8 +28,9 @@ class FrictionFeedforward {
   robot::Friction ahead_;
   robot::Friction nominal_;
   double rate_[3];
-  Vec3 friction_n_ = Vec3::Zero();
-  Vec3 given_n_ = Vec3::Zero();
+  std::size_t late_;  ///< samples, of what the observer sees beside its own filter
+  std::array<Vec3, kMaxLoopDelay + 1> friction_n_;  ///< newest first
+  std::array<Vec3, kMaxLoopDelay + 1> given_n_;
   Vec3 stages_[3];
   Vec3 given_stages_[3];
   Vec3 missing_n_ = Vec3::Zero();

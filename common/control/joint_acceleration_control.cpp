@@ -13,14 +13,18 @@ JointAccelerationControl::JointAccelerationControl(const robot::RobotModel& nomi
 
 void JointAccelerationControl::reset(const Vec3& joints_m) noexcept {
   observer_.reset(joints_m);
+  now_ = {joints_m, Vec3::Zero()};
   if (const auto state = kinematics_.state(joints_m, Vec3::Zero())) state_ = *state;
   diagonal_kg_ = robot::joint_inertia(model_, state_).diagonal().asDiagonal();
 }
 
 bool JointAccelerationControl::observe(const robot::JointReading& reading) noexcept {
   observer_.update(reading.joints_m, reading.valid);
-  if (settings_.friction_feedforward) friction_.update(observer_.joint_velocity_m_per_s());
-  const auto state = kinematics_.state(observer_.joints_m(), observer_.joint_velocity_m_per_s());
+  now_ = settings_.present
+             ? observer_.ahead()
+             : DisturbanceObserver::Ahead{observer_.joints_m(), observer_.joint_velocity_m_per_s()};
+  if (settings_.friction_feedforward) friction_.update(now_.velocity_m_per_s);
+  const auto state = kinematics_.state(now_.joints_m, now_.velocity_m_per_s);
   if (state) state_ = *state;
   posed_ = state.has_value();
   return posed_;
@@ -47,7 +51,7 @@ Vec3 JointAccelerationControl::currents(const Vec3& desired_joint_acceleration_m
 }
 
 Vec3 JointAccelerationControl::braking_m_per_s2(double bandwidth_rad_s) const noexcept {
-  return -2.0 * bandwidth_rad_s * observer_.joint_velocity_m_per_s();
+  return -2.0 * bandwidth_rad_s * now_.velocity_m_per_s;
 }
 
 }  // namespace telekerf::control

@@ -27,6 +27,9 @@ struct JointAccelerationSettings {
   /// Whether the modelled friction is given ahead where a joint turns round. Off where the caller's `known_n`
   /// holds the friction already.
   bool friction_feedforward = true;
+  /// state() is where the joints are now, by the model, instead of where they were `loop_delay` samples ago
+  /// when the drive read them. Off where the caller looks ahead by itself.
+  bool present = false;
 };
 
 class JointAccelerationControl {
@@ -45,8 +48,8 @@ class JointAccelerationControl {
   bool posed() const noexcept { return posed_; }
   /// Observed joints and velocities, and all maps there; base frame.
   const robot::DeltaState& state() const noexcept { return state_; }
-  const Vec3& joints_m() const noexcept { return observer_.joints_m(); }
-  const Vec3& joint_velocity_m_per_s() const noexcept { return observer_.joint_velocity_m_per_s(); }
+  const Vec3& joints_m() const noexcept { return now_.joints_m; }
+  const Vec3& joint_velocity_m_per_s() const noexcept { return now_.velocity_m_per_s; }
   /// T_hat of eq. 23, N.
   const Vec3& disturbance_n() const noexcept { return observer_.disturbance_n(); }
   /// Force of the world on the tool, in base, N: what is left of the estimated disturbance when the modelled
@@ -73,6 +76,7 @@ class JointAccelerationControl {
   JointAccelerationSettings settings_;
   DisturbanceObserver observer_;
   FrictionFeedforward friction_;
+  DisturbanceObserver::Ahead now_{Vec3::Zero(), Vec3::Zero()};
   robot::DeltaState state_;
   Mat3 diagonal_kg_ = Mat3::Identity();
   bool posed_ = false;

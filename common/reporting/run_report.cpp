@@ -11,6 +11,7 @@
 #include "common/reporting/picture_file.h"
 #include "common/reporting/run_lookup.h"
 #include "common/reporting/run_trace.h"
+#include "common/reporting/tracking_error.h"
 #include "common/runtime/error_statistics.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
@@ -124,8 +125,7 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
     if (row.guided) constraint.add(contour.find(row.beta * in_plane(row.tool_m)).distance_m / row.beta);
   }
 
-  ErrorStatistics tracking;
-  ErrorStatistics prediction;
+  const TrackingError error = tracking_error(record);
   ErrorStatistics cut;
   Coverage coverage(contour);
   double laser_on_s = 0.0;
@@ -133,12 +133,6 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   double outside_j = 0.0;
   std::optional<geometry::Nearest> previous;
   for (const auto& row : record.slave) {
-    if (row.settled && row.applied >= 0.0 && joined_at(record, row.applied)) {
-      const Vec3 tool(row.tool_m[0], row.tool_m[1], row.tool_m[2]);
-      const Vec3 master = *master_at(record, row.applied, &MasterRow::tool_m);
-      tracking.add((tool - beta_at(record, row.applied) * master).norm());
-      prediction.add((tool - *master_at(record, row.applied, &MasterRow::predicted_m)).norm());
-    }
     if (row.laser_w <= 0.0) {
       previous.reset();
       continue;
@@ -174,8 +168,13 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   report["estimator"] = word(record, "estimator");
   report["drive"] = {{"master", words_of(record.master_drive)}, {"slave", words_of(record.slave_drive)}};
   report["constraint"] = um(constraint);
-  report["tracking"] = um(tracking);
-  report["prediction"] = um(prediction, "rmse_um");
+  report["tracking"] = um(error.tracking);
+  report["tracking"]["laser_on"] = um(error.laser_on);
+  report["tracking"]["settled"] = um(error.settled_tracking);
+  report["tracking"]["settled"]["left_out"] = error.left_out();
+  report["prediction"] = um(error.prediction, "rmse_um");
+  report["prediction"]["settled"] = um(error.settled_prediction, "rmse_um");
+  report["prediction"]["settled"]["left_out"] = error.left_out();
   report["cut"] = cut_json;
   report["link"] = {{"rtt_ms",
                      {{"p50", known({{&m, "rtt_p50_ms"}})},
@@ -205,6 +204,10 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
 
 bool stayed_inside(const nlohmann::ordered_json& report) {
   return report["cut"]["energy_outside_corridor_j"].get<double>() == 0.0;
+}
+
+bool succeeded(const nlohmann::ordered_json& report) {
+  return stayed_inside(report) && report["cut"]["coverage"].get<double>() > 0.0;
 }
 
 nlohmann::ordered_json write_report(const std::filesystem::path& folder, const RunRecord& record) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// trace.csv of a run: both tools, the reference, the laser and the force, a row a tick of the slave.
+// trace.csv of a run: both tools, the reference, the laser, the force and the tick that is applied, a row a
+// tick of the slave.
 #pragma once
 
 #include <filesystem>

@@ -117,6 +117,7 @@ RobotModel read(const ConfigFile& file, const std::string& name, bool with_works
   robot.name = file.text_or("name", name);
   robot.geometry = read_geometry(file);
   robot.motor = read_motor(file);
+  robot.drive_delay_s = file.number_or("drive_delay_s", 0.0, {.min = 0, .max = 0.02});
   robot.tool_mass_kg = file.number_or("tool.mass_kg", robot.tool_mass_kg, {.min = 0, .max = 1000});
   robot.sensor = read_sensor(file);
   robot.friction = read_friction(file);

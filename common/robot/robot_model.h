@@ -59,6 +59,9 @@ struct RobotModel {
   DeltaGeometry geometry;
   Motor motor;
   double tool_mass_kg = 0.1;
+  /// Age of a reading when the force that answers it begins to act, beside the wait for the next control
+  /// step: what fieldbus and converters take. 0: the reading is of the very moment.
+  double drive_delay_s = 0.0;
   Sensor sensor;
   Friction friction;
   ToolLimits limits;

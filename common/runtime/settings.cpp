@@ -87,6 +87,7 @@ Settings::Entry Settings::described(const std::string& name, Type type, const st
 }
 
 Setting& Settings::enter(Entry entry) {
+  entry.setting.name = prefix_ + entry.setting.name;
   entry.setting.initial = entry.get();
   entries_.push_back(std::move(entry));
   return entries_.back().setting;
@@ -203,8 +204,7 @@ Settings::Entry* Settings::find_flag(const std::string& flag) {
   for (const Gone& gone : gone_) {
     Setting before;
     before.name = gone.name;
-    if (before.flag() == flag)
-      throw usage_error(fmt::format("{}: {} {}", kCommandLine, flag, gone.remedy));
+    if (before.flag() == flag) throw usage_error(fmt::format("{}: {} {}", kCommandLine, flag, gone.remedy));
   }
   return nullptr;
 }
@@ -267,7 +267,8 @@ void Settings::load(std::span<const std::string> words) {
     if (wrong.empty()) continue;
     const std::string shown = fmt::format("{}", fmt::join(given.words, " "));
     throw usage_error(fmt::format("{}: {} = {}: {}", kCommandLine, setting.name,
-                                  quoted(setting.type) || shown.empty() ? fmt::format("'{}'", shown) : shown, wrong));
+                                  quoted(setting.type) || shown.empty() ? fmt::format("'{}'", shown) : shown,
+                                  wrong));
   }
 }
 

@@ -79,6 +79,10 @@ class Settings {
   Setting& add(const std::string& name, std::vector<double>& value, std::size_t count, const Bounds& bounds,
                const std::string& sentence);
 
+  /// Before the names of all that is added from now on: two parts of one command may have settings of the
+  /// same name.
+  void prefix(const std::string& word) { prefix_ = word; }
+
   /// A key and flag of before: refused with the name of today, or with the program that has it now.
   void renamed(const std::string& old, const std::string& now);
   void moved(const std::string& old, const std::string& remedy);
@@ -119,6 +123,7 @@ class Settings {
   Entry* find_flag(const std::string& flag);
   Entry& next_argument(const std::string& word);
 
+  std::string prefix_;
   std::vector<Entry> entries_;
   std::vector<Gone> gone_;
 };

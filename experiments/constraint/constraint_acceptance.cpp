@@ -67,7 +67,7 @@ double least_force(std::uint64_t seed, double distance_m, double from_s, double 
 Decay measure_decay(std::uint64_t seed, double mismatch) {
   TrialSettings settings = still(seed, 5.0, {{OperatorDisturbance::Kind::kFight, 0.2, kLong, 1.0, 0.0, 0.0}});
   settings.station.mismatch = mismatch;
-  settings.station.corridor_mm = 0.5;
+  settings.station.corridor_mm = 0.1;  // near enough that the speed of return is not bounded
   settings.station.node.constraint.entry_s = 0.0;
   constexpr double kClose = 1.8;
   settings.form = [](double since_s) {
@@ -77,7 +77,7 @@ Decay measure_decay(std::uint64_t seed, double mismatch) {
   const Clock clock(trial);
   const std::size_t first = clock.row(kClose);
   Decay decay;
-  decay.chosen_rad_s = settings.station.node.constraint.bandwidth_rad_s;
+  decay.chosen_rad_s = trial.bandwidth_rad_s;
   constexpr std::size_t kRows = 60;
   const double start = trial.off_m[first];
   const auto ideal = [&](double w, double t) { return start * (1.0 + w * t) * std::exp(-w * t); };
@@ -89,7 +89,7 @@ Decay measure_decay(std::uint64_t seed, double mismatch) {
     return sum;
   };
   decay.rate_rad_s = 20.0;
-  for (double w = 20.0; w < 500.0; w += 0.25) {
+  for (double w = 20.0; w < 1000.0; w += 0.25) {
     if (squares(w) < squares(decay.rate_rad_s)) decay.rate_rad_s = w;
   }
   for (std::size_t i = 0; i < kRows; ++i) {

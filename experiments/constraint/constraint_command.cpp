@@ -55,7 +55,7 @@ void measure_tracking(const std::vector<ContourMessage>& contours, const Options
                     {"mean_speed_mm_s", 1e3 * trial.mean_speed_m_per_s}});
     bars.push_back({contour.source + "_rms", trial.rms_m, 30e-6, 1e6, "um"});
     bars.push_back({contour.source + "_max", trial.max_m, 150e-6, 1e6, "um"});
-    bars.push_back({contour.source + "_handover", trial.max_handover_m_per_s, 0.1e-3, 1e3, "mm/s"});
+    bars.push_back({contour.source + "_handover", trial.handover_m(), 0.5e-6, 1e6, "um"});
   }
 }
 
@@ -77,7 +77,7 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
       Line line{.label = name};
       for (const int k : {1, 2, 4, 8, 16, 32}) {
         master::StationSettings station;
-        station.node.constraint.spacing_m = 0.1e-3;
+        station.node.constraint.spacing_m = 0.1e-3 * station.beta;  // 0.1 mm apart for the master
         station.node.constraint.rounding_m = 0.0;
         station.node.constraint.min_radius_m = 0.0;
         station.node.constraint.window_bend_rad = 4.0;

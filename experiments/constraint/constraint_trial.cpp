@@ -28,7 +28,9 @@ Trial run_trial(const ContourMessage& contour, const TrialSettings& settings) {
   chosen.record_s = settings.duration_s + 1.0;
   master::Station station(chosen);
   const auto task = station.prepare(contour);
-  const auto& wanted = chosen.node.constraint;
+  master::ConstraintSettings wanted = chosen.node.constraint;
+  wanted.period_s = station.control_period_s();
+  wanted.bandwidth_rad_s = station.node().bandwidths().law_rad_per_s;
   const double dt = station.control_period_s();
 
   geometry::Polyline truth;
@@ -37,6 +39,7 @@ Trial run_trial(const ContourMessage& contour, const TrialSettings& settings) {
   const geometry::NearestIndex curve(truth);
 
   Trial trial;
+  trial.bandwidth_rad_s = station.node().bandwidths().law_rad_per_s;
   std::optional<master::ActiveConstraint> before;
   std::optional<double> guided_since;
   double squares = 0.0;

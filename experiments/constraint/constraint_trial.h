@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "common/recording/run_record.h"
@@ -23,6 +24,10 @@ struct Trial {
   double max_m = 0.0;
   /// What a tick's new circle changes in the velocity across that is asked for, up to 30 mm/s.
   double max_handover_m_per_s = 0.0;
+  double bandwidth_rad_s = 0.0;  ///< across the curve, as chosen for the robot
+  /// How far that change of velocity would throw the tool before the law has brought it to rest; to be held
+  /// against one count of the encoder.
+  double handover_m() const { return max_handover_m_per_s / (std::numbers::e * bandwidth_rad_s); }
   double mean_speed_m_per_s = 0.0;
   double travelled_m = 0.0;
   bool saturated = false;  ///< a motor was at its limit while guided

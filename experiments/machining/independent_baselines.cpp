@@ -56,7 +56,7 @@ std::vector<double> answer_to_a_reading(double law_rad_s, const machining::PathF
   control::DisturbanceObserver observer({.period_s = dt,
                                          .bandwidth_rad_per_s = s.observer_rad_s,
                                          .velocity_bandwidth_rad_per_s = s.velocity_rad_s,
-                                         .loop_delay = s.loop_delay});
+                                         .loop_delay = static_cast<double>(s.loop_delay)});
   std::array<double, control::kMaxLoopDelay + 1> sent{};
   double position = 0.0, velocity = 0.0;
   std::vector<double> out;

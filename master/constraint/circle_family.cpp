@@ -63,11 +63,12 @@ CircleFamily::CircleFamily(const geometry::Polyline& line, double spacing_m,
       break;
     }
   }
-  // Neighbours differ by half a point at most, so that the windows open and close gradually.
+  // So that the windows open and close gradually: points by which neighbours differ at most.
+  constexpr double kOpening = 0.5;
   const long steps = line.closed ? 2 * n : n - 1;
   const auto soften = [&](long from, long to) {
     double& half = half_window_[index_of(line, to)];
-    half = std::min(half, half_window_[index_of(line, from)] + 0.5);
+    half = std::min(half, half_window_[index_of(line, from)] + kOpening);
   };
   for (long i = 0; i < steps; ++i) soften(i, i + 1);
   for (long i = steps; i > 0; --i) soften(i, i - 1);

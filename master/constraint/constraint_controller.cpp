@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/geometry/minimum_jerk.h"
 
@@ -28,6 +29,14 @@ void ConstraintController::begin_entry(const KinematicState& tool) noexcept {
   entry_m_ = {active_.phi_m, tool.position_m.z()};
   entry_m_per_s_ = {shape.gradient(x).dot(v) + active_.drift_m_per_s, tool.velocity_m_per_s.z()};
   entered_s_ = 0.0;
+  // What the law brings to rest within so little is left to it: it may be no more than noise of the measured
+  // speed.
+  constexpr double kLittle_m = 10e-6;
+  const double run_m = entry_m_per_s_.cwiseAbs().maxCoeff() / (std::numbers::e * settings_.bandwidth_rad_s);
+  if (entry_m_.cwiseAbs().maxCoeff() + run_m < kLittle_m) {
+    entry_m_.setZero();
+    entry_m_per_s_.setZero();
+  }
   // A tool that is on its way outwards is brought to rest sooner, so that it does not go much farther; the
   // fade's fastest moment is 15/8 of its mean.
   constexpr double kFarther_m = 0.25e-3;
@@ -88,6 +97,7 @@ Vec3 ConstraintController::step(const GuidePath& guide, const KinematicState& to
   }
   const ConstraintReference reference = this->reference();
   entered_s_ += dt_s;
+  correction_.setZero();
   if (mode_.corridor_m > 0.0) {
     rest_m_.reset();
     Vec3 free = region_acceleration(active_, settings_, mode_, tool, hand_n);
@@ -96,10 +106,12 @@ Vec3 ConstraintController::step(const GuidePath& guide, const KinematicState& to
     opened_s_ += dt_s;
     const double u = std::min(opened_s_ / settings_.entry_s, 1.0);
     const double share = geometry::minimum_jerk(u).place;
+    correction_ = (1.0 - share) * guiding_correction(active_, settings_, tool, reference);
     return (1.0 - share) * guided_acceleration(active_, settings_, tool, hand_n, reference) + share * free;
   }
   faster_m_per_s_ = std::max(0.0, faster_m_per_s_ - settings_.bend_m_per_s2 * dt_s);
   active_.limit.m_per_s += faster_m_per_s_;
+  correction_ = guiding_correction(active_, settings_, tool, reference);
   Vec3 wanted = guided_acceleration(active_, settings_, tool, hand_n, reference);
   wanted.head<2>() += hold_against_creep(tool, hand_n);
   return wanted;

@@ -20,6 +20,9 @@ class ConstraintController {
   /// Desired tool acceleration, m/s^2. `hand_n`: estimated force of the hand.
   Vec3 step(const GuidePath& guide, const KinematicState& tool, const Vec3& hand_n, double dt_s) noexcept;
 
+  /// What of the last step's acceleration answered an error across the curve. A tool that a hand has pushed
+  /// off is brought back by it; whoever follows the curve itself needs none of it.
+  const Vec3& correction_m_per_s2() const noexcept { return correction_; }
   const ActiveConstraint& active() const noexcept { return active_; }
   const ConstraintMode& mode() const noexcept { return mode_; }
 
@@ -32,6 +35,7 @@ class ConstraintController {
   ConstraintMode mode_;
   ConstraintGenerator generator_;
   ActiveConstraint active_;
+  Vec3 correction_ = Vec3::Zero();
   bool entering_ = true;
   std::optional<Vec2> rest_m_;         ///< where a tool that nobody moves came to rest
   Vec2 entry_m_ = Vec2::Zero();        ///< offset in plane and in z at entry

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/control/tracking_law.h"
 #include "master/constraint/virtual_wall.h"
 
 namespace telekerf::master {
@@ -12,17 +13,9 @@ namespace {
 double without(double force, double dead) noexcept { return force - std::clamp(force, -dead, dead); }
 
 /// Eq. 65 with a bound on the speed of return: near the curve it is e'' = -K2 e' - K1 e. K1 and K2 are those
-/// of eq. 66-67 for a held acceleration: sampled poles exp(p T) of the poles p that were chosen. (The
-/// continuous gains at 1 kHz decay a tenth too fast.)
+/// of eq. 66-67 for a held acceleration.
 double decaying(const ConstraintSettings& settings, double e, double e_rate) noexcept {
-  const double t = settings.period_s;
-  const double w = settings.bandwidth_rad_s;
-  const double zeta = settings.damping;
-  const double inner = w * t * std::sqrt(std::abs(zeta * zeta - 1.0));
-  const double sum = 2.0 * std::exp(-zeta * w * t) * (zeta >= 1.0 ? std::cosh(inner) : std::cos(inner));
-  const double product = std::exp(-2.0 * zeta * w * t);
-  const double k1 = (1.0 - sum + product) / (t * t);
-  const double k2 = (3.0 - sum - product) / (2.0 * t);
+  const auto [k1, k2] = control::sampled_gains(settings.bandwidth_rad_s, settings.damping, settings.period_s);
   return -k2 * (e_rate + std::clamp(k1 / k2 * e, -settings.return_m_per_s, settings.return_m_per_s));
 }
 
@@ -56,22 +49,27 @@ Vec3 guided_acceleration(const ActiveConstraint& active, const ConstraintSetting
                          const ConstraintReference& reference) noexcept {
   const Vec2 x = tool.position_m.head<2>();
   const Vec2 v = tool.velocity_m_per_s.head<2>();
-  // Rows of J_phi: the unit gradient in plane, and z. Its right inverse is its transpose.
   const geometry::CircleOrLine& shape = active.piece.shape;
-  const Vec2 across = shape.gradient(x);
   const Vec2 along = shape.tangent(x);
   const double bend = v.dot(shape.hessian(x) * v);  // J_phi' x'
-  const double rate = across.dot(v) + active.drift_m_per_s;
-  const double a_across =
-      reference.acceleration_m_per_s2[0] - bend +
-      decaying(settings, active.phi_m - reference.place_m[0], rate - reference.velocity_m_per_s[0]);
   const double a_along = along_the_curve(active, settings, along.dot(hand_n.head<2>()), along.dot(v), true);
   Vec3 wanted;
-  wanted.head<2>() = a_across * across + a_along * along;
-  wanted.z() = reference.acceleration_m_per_s2[1] +
-               decaying(settings, tool.position_m.z() - reference.place_m[1],
-                        tool.velocity_m_per_s.z() - reference.velocity_m_per_s[1]);
-  return wanted;
+  wanted.head<2>() = (reference.acceleration_m_per_s2[0] - bend) * shape.gradient(x) + a_along * along;
+  wanted.z() = reference.acceleration_m_per_s2[1];
+  return wanted + guiding_correction(active, settings, tool, reference);
+}
+
+Vec3 guiding_correction(const ActiveConstraint& active, const ConstraintSettings& settings,
+                        const KinematicState& tool, const ConstraintReference& reference) noexcept {
+  // Rows of J_phi: the unit gradient in plane, and z. Its right inverse is its transpose.
+  const Vec2 across = active.piece.shape.gradient(tool.position_m.head<2>());
+  const double rate = across.dot(tool.velocity_m_per_s.head<2>()) + active.drift_m_per_s;
+  Vec3 correction;
+  correction.head<2>() =
+      decaying(settings, active.phi_m - reference.place_m[0], rate - reference.velocity_m_per_s[0]) * across;
+  correction.z() = decaying(settings, tool.position_m.z() - reference.place_m[1],
+                            tool.velocity_m_per_s.z() - reference.velocity_m_per_s[1]);
+  return correction;
 }
 
 Vec3 region_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,

@@ -31,6 +31,10 @@ Vec3 guided_acceleration(const ActiveConstraint& active, const ConstraintSetting
                          const KinematicState& tool, const Vec3& hand_n,
                          const ConstraintReference& reference = {}) noexcept;
 
+/// The part of it that answers an error across the curve and in z: -K2 e' - K1 e.
+Vec3 guiding_correction(const ActiveConstraint& active, const ConstraintSettings& settings,
+                        const KinematicState& tool, const ConstraintReference& reference = {}) noexcept;
+
 /// The same of the forbidden-region fixture: the hand moves the virtual mass in the plane, a spring draws it
 /// to the curve, and at the corridor's edge stands a wall that pushes but never holds back.
 Vec3 region_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,

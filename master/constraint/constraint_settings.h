@@ -22,16 +22,17 @@ inline constexpr EnumRow<CurveKind> kCurveRows[] = {
 inline constexpr EnumTable<CurveKind> kCurves(kCurveRows);
 
 struct ConstraintSettings {
-  // The curve.
+  // The curve. Lengths marked "at the work" are of the contour itself; the master's are beta times smaller or
+  // larger.
   CurveKind curve = CurveKind::kCircles;
-  int half_window = 24;              ///< k of eq. 15, points to either side at most
-  double spacing_m = 0.025e-3;       ///< between the points of the guide
-  double rounding_m = 0.12e-3;       ///< corners are rounded by a Gaussian of this width
-  double min_radius_m = 0.06e-3;     ///< smallest radius of a bend
-  double opening_m = 0.4e-3;         ///< farthest that a point moves for that
-  double window_bend_rad = 0.7;      ///< fewer points where the curve bends by more than this to either side
-  bool taper = true;                 ///< false: all points count the same, as eq. 18 is printed
-  double descriptor_error_m = 5e-6;  ///< largest deviation of the descriptor from the contour / beta
+  int half_window = 24;            ///< k of eq. 15, points to either side at most
+  double spacing_m = 0.0125e-3;    ///< between the points of the guide, at the work
+  double rounding_m = 0.012e-3;    ///< corners are rounded by a Gaussian of this width, at the work
+  double min_radius_m = 0.012e-3;  ///< smallest radius of a bend, at the work
+  double opening_m = 0.2e-3;       ///< farthest that a point moves for that, at the work
+  double window_bend_rad = 0.7;    ///< fewer points where the curve bends by more than this to either side
+  bool taper = true;               ///< false: all points count the same, as eq. 18 is printed
+  double descriptor_error_m = 2.5e-6;  ///< largest deviation of the descriptor from the contour, at the work
 
   // Across it.
   double bandwidth_rad_s = 150.0;  ///< of the error decay across the curve and in z (eq. 65)
@@ -51,7 +52,7 @@ struct ConstraintSettings {
   // Bends: the tool is held back before it could be thrown off.
   double max_speed_m_per_s = 0.2;  ///< on straight stretches
   double bend_m_per_s2 = 1.0;      ///< largest v^2 curvature
-  double bend_rad_s = 25.0;        ///< largest v curvature
+  double bend_rad_s = 40.0;        ///< largest v curvature
   double bend_m_per_s3 = 60.0;     ///< largest v^3 times the change of the curvature along the curve
   double slowing_m_per_s2 = 0.8;   ///< how hard it is braked before a bend
 
@@ -60,5 +61,14 @@ struct ConstraintSettings {
   double stiffness_n_per_m = 0.0;  ///< inside the corridor, towards the curve: between free and guided
   double wall_skin_m = 0.05e-3;    ///< over which the wall sets in
 };
+
+/// The same for a master whose motion is scaled by `beta`: all lengths in the master's size.
+inline ConstraintSettings in_masters_size(ConstraintSettings settings, double beta) noexcept {
+  for (double* length_m : {&settings.spacing_m, &settings.rounding_m, &settings.min_radius_m,
+                           &settings.opening_m, &settings.descriptor_error_m}) {
+    *length_m /= beta;
+  }
+  return settings;
+}
 
 }  // namespace telekerf::master

@@ -37,6 +37,10 @@ struct GuidePath {
   SpeedLimit speed_limit(double arc_m) const noexcept;
 
  private:
+  struct MastersSize {
+    ConstraintSettings settings;
+  };
+  GuidePath(const ContourMessage& contour, double beta, const MastersSize& size);
   double wrapped(double arc_m) const noexcept;
   double refined(const Vec2& tool_m, const geometry::Nearest& nearest) const noexcept;
   GuidePiece described(double arc_m) const noexcept;

@@ -9,9 +9,10 @@ namespace telekerf::laser {
 
 struct InterlockSettings {
   double corridor_m = geometry::kCorridorHalfWidth_m;
-  double reaction_s = 0.003;             ///< the beam may run on this long after the decision
-  double measurement_m = 20e-6;          ///< allowance for what the sensors do not see
-  double max_tracking_error_m = 0.2e-3;  ///< tool to where the master wants it
+  double reaction_s = 0.003;            ///< the beam may run on this long after the decision
+  double measurement_m = 20e-6;         ///< allowance for what the sensors do not see
+  double max_tracking_error_m = 50e-6;  ///< tool to where the master wants it, at the tick that is applied
+  double max_offset_m = 2e-6;  ///< left of the way back to the master's motion, after an approach or a gap
 };
 
 struct InterlockInputs {
@@ -23,6 +24,7 @@ struct InterlockInputs {
   double contour_distance_m = 0.0;  ///< measured tool to the contour, in plane
   double speed_m_per_s = 0.0;
   double tracking_error_m = 0.0;
+  double offset_m = 0.0;
 };
 
 /// Pure judgement, made anew at every control step.
@@ -35,6 +37,7 @@ inline Interlock evaluate_interlock(const InterlockInputs& now, const InterlockS
   const double reach_m = now.speed_m_per_s * settings.reaction_s + settings.measurement_m;
   // Written so that a NaN forbids.
   if (!(now.contour_distance_m + reach_m < settings.corridor_m)) return Interlock::kOutsideCorridor;
+  if (!(now.offset_m < settings.max_offset_m)) return Interlock::kTracking;
   if (!(now.tracking_error_m < settings.max_tracking_error_m)) return Interlock::kTracking;
   return Interlock::kReady;
 }

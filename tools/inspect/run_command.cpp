@@ -17,12 +17,14 @@ void add_run_command(Program& program) {
       [](const std::string& folder) {
         const RunRecord record = read_run(folder);
         const auto report = reporting::write_report(folder, record);
-        const bool good = reporting::stayed_inside(report);
+        const std::string verdict = !reporting::stayed_inside(report) ? "bad: the laser left the corridor"
+                                    : reporting::succeeded(report)    ? ""
+                                                                      : "bad: nothing was cut";
         fmt::print(
             "{}{}{}", reporting::run_table(report),
             reporting::table_row("files", fmt::format("{0}/report.json, {0}/cut.png, {0}/trace.csv", folder)),
-            good ? "" : reporting::table_row("verdict", "bad: the laser left the corridor"));
-        return good ? 0 : 1;
+            verdict.empty() ? "" : reporting::table_row("verdict", verdict));
+        return verdict.empty() ? 0 : 1;
       });
 }
 

@@ -14,7 +14,7 @@ _telekerf_commands() {
 
 _telekerf_flags() {
   case $1 in
-    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --laser-w --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --record --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --mode --anchor --select --width-mm --fit-all --robot --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -37,7 +37,7 @@ _telekerf_flags() {
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
     'telekerf-experiment delay') echo '--law --estimator --codec --block --redundancy --netem --rtt-ms --jitter-ms --loss --duration-s --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
-    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --law --estimator --codec --tracking-rad-s --block --keep --max-rms --redundancy --duration-s --out --config --print-config --help --version' ;;
+    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-laser-w --duration-s --record --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
@@ -64,6 +64,11 @@ _telekerf_values() {
     'telekerf-master  --estimator') echo "-W 'predictor delayed-innovation thesis none'" ;;
     'telekerf-master  --codec') echo "-W 'raw sdct batched truncated deadband weber dpcm'" ;;
     'telekerf-master  --tracking-rad-s') echo "" ;;
+    'telekerf-master  --timing-error-s') echo "" ;;
+    'telekerf-master  --thesis-cutoff-rad-s') echo "" ;;
+    'telekerf-master  --innovation-gain-per-s') echo "" ;;
+    'telekerf-master  --predictor-rad-s') echo "" ;;
+    'telekerf-master  --disturbance-rad-s') echo "" ;;
     'telekerf-master  --block') echo "" ;;
     'telekerf-master  --keep') echo "" ;;
     'telekerf-master  --max-rms') echo "" ;;
@@ -271,14 +276,43 @@ _telekerf_values() {
     'telekerf-experiment lap --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
     'telekerf-experiment lap --seed') echo "" ;;
     'telekerf-experiment lap --beta') echo "" ;;
+    'telekerf-experiment lap --mismatch') echo "" ;;
+    'telekerf-experiment lap --control-hz') echo "" ;;
+    'telekerf-experiment lap --stream-hz') echo "" ;;
     'telekerf-experiment lap --law') echo "-W 'anchored remote-acceleration local'" ;;
     'telekerf-experiment lap --estimator') echo "-W 'predictor delayed-innovation thesis none'" ;;
     'telekerf-experiment lap --codec') echo "-W 'raw sdct batched truncated deadband weber dpcm'" ;;
     'telekerf-experiment lap --tracking-rad-s') echo "" ;;
+    'telekerf-experiment lap --timing-error-s') echo "" ;;
+    'telekerf-experiment lap --thesis-cutoff-rad-s') echo "" ;;
+    'telekerf-experiment lap --innovation-gain-per-s') echo "" ;;
+    'telekerf-experiment lap --predictor-rad-s') echo "" ;;
+    'telekerf-experiment lap --disturbance-rad-s') echo "" ;;
     'telekerf-experiment lap --block') echo "" ;;
     'telekerf-experiment lap --keep') echo "" ;;
     'telekerf-experiment lap --max-rms') echo "" ;;
     'telekerf-experiment lap --redundancy') echo "" ;;
+    'telekerf-experiment lap --half-window') echo "" ;;
+    'telekerf-experiment lap --curve') echo "-W 'circles lines descriptor'" ;;
+    'telekerf-experiment lap --corridor-mm') echo "" ;;
+    'telekerf-experiment lap --corridor-stiffness-n-per-m') echo "" ;;
+    'telekerf-experiment lap --constraint-rad-s') echo "" ;;
+    'telekerf-experiment lap --virtual-mass-kg') echo "" ;;
+    'telekerf-experiment lap --virtual-drag-ns-per-m') echo "" ;;
+    'telekerf-experiment lap --observer-rad-s') echo "" ;;
+    'telekerf-experiment lap --hand-speed-mm-s') echo "" ;;
+    'telekerf-experiment lap --hand-sideways-n') echo "" ;;
+    'telekerf-experiment lap --slave-codec') echo "-W 'raw sdct batched truncated deadband weber dpcm'" ;;
+    'telekerf-experiment lap --slave-block') echo "" ;;
+    'telekerf-experiment lap --slave-keep') echo "" ;;
+    'telekerf-experiment lap --slave-max-rms') echo "" ;;
+    'telekerf-experiment lap --slave-force-keep') echo "" ;;
+    'telekerf-experiment lap --slave-force-max-rms') echo "" ;;
+    'telekerf-experiment lap --slave-redundancy') echo "" ;;
+    'telekerf-experiment lap --slave-bandwidth-rad-s') echo "" ;;
+    'telekerf-experiment lap --slave-observer-rad-s') echo "" ;;
+    'telekerf-experiment lap --slave-stale-s') echo "" ;;
+    'telekerf-experiment lap --slave-laser-w') echo "" ;;
     'telekerf-experiment lap --duration-s') echo "" ;;
     'telekerf-experiment lap --out') echo "-d" ;;
     'telekerf-experiment open-contour --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;

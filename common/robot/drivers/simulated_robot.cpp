@@ -17,6 +17,7 @@ namespace {
 // End stops: springs of this frequency against the carriage's mass, critically damped while pressed.
 constexpr double kStop_rad_per_s = 1000;
 constexpr double kStopRoom_m = 5e-3;
+constexpr std::size_t kPast = 512;  // steps kept
 
 DeltaGeometry with_room_at_the_stops(DeltaGeometry geometry) {
   geometry.stroke_min_m -= kStopRoom_m;
@@ -66,6 +67,7 @@ SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed,
   for (int i = 0; i < 3; ++i) {
     encoder_phase_m_[i] = model_.sensor.resolution_m * static_cast<double>(random() >> 11) * 0x1p-53;
   }
+  if (model_.drive_delay_s > 0.0) past_.assign(kPast, {0.0, state_.joints_m});
   if (model_.sensor.kind != Sensor::Kind::kHall) return;
   for (int i = 0; i < 3; ++i) {
     HallSensor sensor(model_.sensor, random());
@@ -75,11 +77,28 @@ SimulatedRobot::SimulatedRobot(const RobotModel& true_model, std::uint64_t seed,
   }
 }
 
+Vec3 SimulatedRobot::read_joints_m() const noexcept {
+  if (past_.empty()) return state_.joints_m;
+  const double then_s = time_s_ - model_.drive_delay_s;
+  const Past* after = &past_[newest_];
+  for (std::size_t back = 1; back < past_.size(); ++back) {
+    const Past* const before = &past_[(newest_ + past_.size() - back) % past_.size()];
+    if (before->time_s <= then_s) {
+      const double span_s = after->time_s - before->time_s;
+      const double part = span_s > 0.0 ? std::min((then_s - before->time_s) / span_s, 1.0) : 0.0;
+      return before->joints_m + part * (after->joints_m - before->joints_m);
+    }
+    after = before;
+  }
+  return after->joints_m;
+}
+
 JointReading SimulatedRobot::read() noexcept {
   JointReading reading;
+  const Vec3 joints_m = read_joints_m();
   const double count_m = model_.sensor.resolution_m;
   for (int i = 0; i < 3; ++i) {
-    const double q = state_.joints_m[i];
+    const double q = joints_m[i];
     if (!hall_.empty()) {
       HallJoint& joint = hall_[static_cast<std::size_t>(i)];
       reading.joints_m[i] = joint.decoder.update(joint.sensor.sample(q));
@@ -150,6 +169,9 @@ void SimulatedRobot::advance(double dt_s) noexcept {
   const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kInnerStep_s - 1e-6)));
   for (int i = 0; i < steps && !broken_; ++i) inner_step(dt_s / steps);
   time_s_ += dt_s;
+  if (past_.empty()) return;
+  newest_ = (newest_ + 1) % past_.size();
+  past_[newest_] = {time_s_, state_.joints_m};
 }
 
 Drive open_simulated_drive(std::string_view, const DriveNeeds& needs) {

@@ -60,6 +60,14 @@ class SimulatedRobot final : public Robot {
     HallDecoder decoder;
   };
   std::vector<HallJoint> hall_;  // empty: encoders
+  /// Where the joints were when what is read now was measured.
+  Vec3 read_joints_m() const noexcept;
+  struct Past {
+    double time_s;
+    Vec3 joints_m;
+  };
+  std::vector<Past> past_;  // ring of the last steps, for a drive whose readings are old; empty: none is
+  std::size_t newest_ = 0;
   double time_s_ = 0;
   std::uint64_t reads_ = 0;
   bool broken_ = false;

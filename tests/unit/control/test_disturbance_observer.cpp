@@ -117,7 +117,7 @@ TEST(DisturbanceObserver, AKnownLoopDelayIsNoDisturbance) {
     DisturbanceObserver observer({.period_s = t,
                                   .bandwidth_rad_per_s = 300,
                                   .velocity_bandwidth_rad_per_s = 700,
-                                  .loop_delay = known_delay});
+                                  .loop_delay = static_cast<double>(known_delay)});
     observer.reset(Vec3::Zero());
     Joint joint;
     std::array<double, kDelay + 1> sent{};

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -33,20 +34,21 @@ TEST(Interlock, EveryDoubtForbidsTheBeamByItselfAndTheFirstOneIsSaid) {
       {Interlock::kStale, [](InterlockInputs& now) { now.fresh = true; }},
       {Interlock::kOutsideWorkspace, [](InterlockInputs& now) { now.inside_workspace = true; }},
       {Interlock::kOutsideCorridor, [](InterlockInputs& now) { now.contour_distance_m = 0.0; }},
+      {Interlock::kTracking, [](InterlockInputs& now) { now.offset_m = 0.0; }},
       {Interlock::kTracking, [](InterlockInputs& now) { now.tracking_error_m = 0.0; }}};
-  const InterlockInputs wrong{.stopped = true, .contour_distance_m = 1.0, .tracking_error_m = 1.0};
+  const InterlockInputs wrong{.stopped = true, .contour_distance_m = 1.0, .tracking_error_m = 1.0, .offset_m = 1.0};
   InterlockInputs inputs = wrong;
   for (const auto& [reason, repair] : repairs) {
     EXPECT_EQ(evaluate_interlock(inputs, {}), reason);
     repair(inputs);
   }
   EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kReady);
-  for (const auto& [reason, left_out] : repairs) {
+  for (std::size_t left_out = 0; left_out < repairs.size(); ++left_out) {
     inputs = wrong;
-    for (const auto& [other, repair] : repairs) {
-      if (other != reason) repair(inputs);
+    for (std::size_t i = 0; i < repairs.size(); ++i) {
+      if (i != left_out) repairs[i].second(inputs);
     }
-    EXPECT_EQ(evaluate_interlock(inputs, {}), reason) << "alone";
+    EXPECT_EQ(evaluate_interlock(inputs, {}), repairs[left_out].first) << "alone, " << left_out;
   }
   EXPECT_EQ(evaluate_interlock({}, {}), Interlock::kNoContour) << "what is not said is not allowed";
 }
@@ -54,7 +56,8 @@ TEST(Interlock, EveryDoubtForbidsTheBeamByItselfAndTheFirstOneIsSaid) {
 /// Numbers that binary fractions hold exactly.
 TEST(Interlock, BoundsAreReachedByEqualityAlready) {
   const InterlockSettings settings{
-      .corridor_m = 1.0, .reaction_s = 0.25, .measurement_m = 0.125, .max_tracking_error_m = 0.5};
+      .corridor_m = 1.0, .reaction_s = 0.25, .measurement_m = 0.125, .max_tracking_error_m = 0.5,
+      .max_offset_m = 0.25};
   auto inputs = good();
   inputs.speed_m_per_s = 0.5;
   inputs.contour_distance_m = 0.75;  // + 0.5 x 0.25 + 0.125 = 1
@@ -65,9 +68,14 @@ TEST(Interlock, BoundsAreReachedByEqualityAlready) {
   EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kTracking);
   inputs.tracking_error_m = below(0.5);
   EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kReady);
+  inputs.offset_m = 0.25;
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kTracking);
+  inputs.offset_m = below(0.25);
+  EXPECT_EQ(evaluate_interlock(inputs, settings), Interlock::kReady) << "the two are not added up";
 }
 
-/// Half a millimetre, less 20 um that sensors do not see, less 3 ms of way; 0.2 mm to where it is wanted.
+/// Half a millimetre, less 20 um that sensors do not see, less 3 ms of way; 50 um to where it is wanted, 2 um
+/// left of an approach.
 TEST(Interlock, AsItIsSetTheCorridorIsHalfAMillimetreAndAFastToolIsStoppedEarlier) {
   for (const double speed_m_per_s : {0.0, 0.02, 0.1}) {
     auto inputs = good();
@@ -79,9 +87,14 @@ TEST(Interlock, AsItIsSetTheCorridorIsHalfAMillimetreAndAFastToolIsStoppedEarlie
     EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kOutsideCorridor) << speed_m_per_s;
   }
   auto inputs = good();
-  inputs.tracking_error_m = 0.2e-3 - 1e-9;
+  inputs.tracking_error_m = 50e-6 - 1e-9;
   EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kReady);
-  inputs.tracking_error_m = 0.2e-3 + 1e-9;
+  inputs.tracking_error_m = 50e-6 + 1e-9;
+  EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kTracking);
+  inputs = good();
+  inputs.offset_m = 2e-6 - 1e-9;
+  EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kReady);
+  inputs.offset_m = 2e-6 + 1e-9;
   EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kTracking);
 }
 
@@ -95,6 +108,9 @@ TEST(Interlock, NotANumberAndInfinityForbid) {
     EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kOutsideCorridor);
     inputs = good();
     inputs.tracking_error_m = wrong;
+    EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kTracking);
+    inputs = good();
+    inputs.offset_m = wrong;
     EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kTracking);
   }
 }

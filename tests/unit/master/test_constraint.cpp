@@ -84,7 +84,7 @@ TEST(GuidePath, SlowsDownAheadOfBendsAsHardAsItMay) {
     least = std::min(least, limit.m_per_s);
     EXPECT_LE(std::abs(limit.m_per_s * limit.slope_per_s), 1.2 * settings.slowing_m_per_s2);
   }
-  EXPECT_NEAR(least, 3.14e-3, 0.05e-3);
+  EXPECT_NEAR(least, 0.727e-3, 0.01e-3);
   EXPECT_NEAR(guide.speed_limit(0.01).m_per_s, std::sqrt(2 * settings.slowing_m_per_s2 * 0.01), 0.01);
 }
 

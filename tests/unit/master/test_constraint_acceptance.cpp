@@ -15,9 +15,9 @@ TEST(ConstraintBars, HoldsThreeNewtonsAtThirtyMillimetresASecond) {
     settings.station.hand_speed_mm_s = 30.0;
     settings.duration_s = 10.0;
     const Trial trial = run_trial(contour, settings);
-    EXPECT_LE(trial.rms_m, 10.5e-6) << contour.source;
-    EXPECT_LE(trial.max_m, 39e-6) << contour.source;
-    EXPECT_LE(trial.max_handover_m_per_s, 23e-6) << contour.source;
+    EXPECT_LE(trial.rms_m, 1.25e-6) << contour.source;
+    EXPECT_LE(trial.max_m, 5.8e-6) << contour.source;
+    EXPECT_LE(trial.handover_m(), 60e-9) << contour.source;
     EXPECT_NEAR(trial.travelled_m, 0.2914, 3e-3) << contour.source;
   }
 }
@@ -25,17 +25,17 @@ TEST(ConstraintBars, HoldsThreeNewtonsAtThirtyMillimetresASecond) {
 TEST(ConstraintBars, TheRobotsErrorDecaysAsEq65Says) {
   const Decay decay = measure_decay(1);
   EXPECT_NEAR(decay.rate_rad_s, decay.chosen_rad_s, 0.05 * decay.chosen_rad_s);
-  EXPECT_NEAR(std::abs(decay.error_m.front()), 0.533e-3, 10e-6);
+  EXPECT_NEAR(std::abs(decay.error_m.front()), 0.118e-3, 3e-6);
 }
 
 TEST(ConstraintBars, TheFreeDirectionIsFreeAndStaysWhereItIsLeft) {
-  EXPECT_NEAR(glide_force_n(1), 0.128, 0.01);
-  EXPECT_NEAR(breakaway_force_n(1), 0.152, 0.01);
-  EXPECT_LE(drift_m_per_s(rounded_outline(1e-3, 20e-3), 1), 20e-9);
+  EXPECT_NEAR(glide_force_n(1), 0.175, 0.01);
+  EXPECT_NEAR(breakaway_force_n(1), 0.215, 0.01);
+  EXPECT_LE(drift_m_per_s(rounded_outline(1e-3, 20e-3), 1), 60e-9);
 }
 
-TEST(ConstraintBars, LettingGoMovesTheToolByLessThanATenthOfAMillimetre) {
-  EXPECT_LE(letting_go_m(rounded_outline(1e-3, 20e-3), 1), 95e-6);
+TEST(ConstraintBars, LettingGoMovesTheToolByLessThanTwentyMicrometres) {
+  EXPECT_LE(letting_go_m(rounded_outline(1e-3, 20e-3), 1), 17.5e-6);
 }
 
 /// Largest distance from the curve while a hand works at 20 mm/s and then does this for a moment.
@@ -72,7 +72,7 @@ TEST(ConstraintBars, AHandThatFightsInACorridorDoesNotGetToTheEndOfARail) {
   settings.station.corridor_mm = 2.0;
   const Trial trial = run_trial(circle_outline(8e-3), settings);
   EXPECT_FALSE(trial.broken);
-  EXPECT_LT(std::abs(trial.off_m.back()), 0.8e-3) << "and is back in it afterwards";
+  EXPECT_LT(std::abs(trial.off_m.back()), 2.0e-3) << "and is back in it afterwards";
 }
 
 TEST(ConstraintBars, SharpCornersCuspsAndStrokesAreHeldAtAnySpeedOfTheHand) {
@@ -112,20 +112,20 @@ TEST(ConstraintBars, SharpCornersCuspsAndStrokesAreHeldAtAnySpeedOfTheHand) {
 TEST(ConstraintBars, AHandStrongerThanTheMotorsGetsItsWayAndTheToolComesBackGently) {
   const Fight weaker = fight(20.0, 1);
   EXPECT_FALSE(weaker.saturated);
-  EXPECT_NEAR(weaker.pushed_off_m, 0.321e-3, 10e-6);
+  EXPECT_NEAR(weaker.pushed_off_m, 66.2e-6, 2e-6);
   const Fight stronger = fight(60.0, 1);
   EXPECT_TRUE(stronger.saturated);
   EXPECT_FALSE(stronger.broken);
   EXPECT_NEAR(stronger.pushed_off_m, 15.2e-3, 0.4e-3);
-  EXPECT_NEAR(stronger.back_s, 0.23, 0.025);
+  EXPECT_NEAR(stronger.back_s, 0.291, 0.025);
   EXPECT_LT(stronger.overshoot_m, 1e-6) << "nothing wound up";
   EXPECT_LT(stronger.return_m_per_s, 1.02 * master::ConstraintSettings{}.return_m_per_s);
 }
 
 TEST(ConstraintBars, ACorridorIsFreeInsideAndEndsAtAWall) {
   const Region region = measure_region(1);
-  EXPECT_NEAR(region.used_m, 0.684e-3, 0.02e-3);
-  EXPECT_NEAR(region.beyond_wall_m, 0.189e-3, 0.01e-3) << "hit at a tenth of a metre a second";
+  EXPECT_NEAR(region.used_m, 0.589e-3, 0.02e-3);
+  EXPECT_NEAR(region.beyond_wall_m, 89e-6, 5e-6) << "hit at a tenth of a metre a second";
 }
 
 }  // namespace

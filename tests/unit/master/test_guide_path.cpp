@@ -138,6 +138,7 @@ TEST(CircleFamily, TakesFewerPointsWhereTheCurveBendsByMoreThanItMay) {
 
 TEST(CircleFamily, NoCircleIsTighterThanSaid) {
   ConstraintSettings settings;
+  settings.min_radius_m = 0.06e-3;
   for (const double radius_m : {0.055e-3, 0.07e-3}) {
     const int points = static_cast<int>(std::lround(2.0 * M_PI * radius_m / kSpacing_m));
     const Polyline line = ring(radius_m, points);
@@ -182,6 +183,8 @@ TEST(GuidePath, OfTheReversedContourIsTheMirrorImage) {
 TEST(GuideCurve, RoundingMovesABendInwardsAndATipByAsMuchAsSaid) {
   ConstraintSettings settings;
   settings.min_radius_m = 0.0;
+  settings.rounding_m = 0.12e-3;
+  settings.spacing_m = kSpacing_m;
   const double sigma_m = settings.rounding_m;
   for (const double radius_m : {1e-3, 4e-3}) {
     const double in_m = sigma_m * sigma_m / (2.0 * radius_m);
@@ -200,7 +203,7 @@ TEST(GuideCurve, RoundingMovesABendInwardsAndATipByAsMuchAsSaid) {
 }
 
 TEST(GuideCurve, PointsAreAsFarApartAsSaidAndScaled) {
-  const Polyline line = guide_curve(straight_line(0.01), 0.5, {});
+  const Polyline line = guide_curve(straight_line(0.01), 0.5, in_masters_size({}, 0.5));
   ASSERT_EQ(line.size(), 801u);
   for (std::size_t i = 0; i < line.size(); ++i)
     EXPECT_NEAR(line.points_m[i].x(), static_cast<double>(i) * kSpacing_m, 1e-12);
@@ -209,6 +212,8 @@ TEST(GuideCurve, PointsAreAsFarApartAsSaidAndScaled) {
 /// Tip of a thin wedge to the nearest point of its guide.
 double lost_at_tip_m(double opening_m, double min_radius_m) {
   ConstraintSettings settings;
+  settings.rounding_m = 0.12e-3;
+  settings.spacing_m = kSpacing_m;
   settings.opening_m = opening_m;
   settings.min_radius_m = min_radius_m;
   ContourMessage wedge;
@@ -291,7 +296,7 @@ TEST(SpeedLimits, AreTheLeastOfWhatABendAllows) {
   };
   for (const auto& [curvature, expected] :
        {Case{0.0, 0.2}, Case{24.0, 0.2}, Case{26.0, std::sqrt(1.0 / 26.0)}, Case{400.0, 0.05},
-        Case{-400.0, 0.05}, Case{624.0, std::sqrt(1.0 / 624.0)}, Case{1000.0, 0.025}, Case{-1000.0, 0.025}}) {
+        Case{-400.0, 0.05}, Case{1599.0, std::sqrt(1.0 / 1599.0)}, Case{2000.0, 0.02}, Case{-2000.0, 0.02}}) {
     const SpeedLimits limits = limits_of(settings, 0.01, false, [&](double) { return curvature; });
     for (const double fraction : {0.1234, 0.5, 0.91})
       EXPECT_NEAR(limits.at(fraction).m_per_s, expected, 1e-12) << curvature;
@@ -313,7 +318,7 @@ TEST(SpeedLimits, SeeABendOfThePointsWhereTheCircleIsTooFlat) {
   for (const double circle_per_m : {0.0, 0.9 * turn_per_m, 4.0 * turn_per_m}) {
     const SpeedLimits limits(line, kSpacing_m, settings, [&](double) { return circle_per_m; });
     const double bend = std::max(circle_per_m, turn_per_m);
-    EXPECT_NEAR(limits.at(0.3).m_per_s, std::min(std::sqrt(1.0 / bend), 25.0 / bend), 1e-9) << circle_per_m;
+    EXPECT_NEAR(limits.at(0.3).m_per_s, std::min(std::sqrt(1.0 / bend), 40.0 / bend), 1e-9) << circle_per_m;
   }
 }
 

@@ -27,13 +27,13 @@ TEST(MasterSettings, HaveTheseBounds) {
                            {"half_window", 1, 32},
                            {"corridor_mm", 0, 10},
                            {"corridor_stiffness_n_per_m", 0, 20000},
-                           {"constraint_rad_s", 10, 400},
+                           {"constraint_rad_s", 0, 5000},
                            {"virtual_mass_kg", 0.1, 20},
                            {"virtual_drag_ns_per_m", 0, 200},
-                           {"observer_rad_s", 10, 2000},
+                           {"observer_rad_s", 0, 15000},
                            {"hand_speed_mm_s", 0.1, 200},
                            {"hand_sideways_n", 0, 30},
-                           {"tracking_rad_s", 1, 400},
+                           {"tracking_rad_s", 0, 5000},
                            {"block", 4, 64},
                            {"keep", 1, 64},
                            {"max_rms", 0, 1000},
@@ -65,11 +65,36 @@ TEST(MasterSettings, TheStreamFollowsFromRatesAndLaw) {
     EXPECT_EQ(command.codec.anchored, law == Law::kLocal);
     EXPECT_EQ(command.codec.integrated, law != Law::kLocal);
     EXPECT_EQ(command.codec.quantum, law == Law::kLocal ? codec::StreamSettings{}.quantum : 1e-2);
-    EXPECT_EQ(command.approach.max_acceleration_m_per_s2, law == Law::kRemoteAcceleration ? 0.5 : 1.0);
-    EXPECT_EQ(command.approach.rate_rad_per_s, 20.0);
+    EXPECT_EQ(command.approach.max_acceleration_m_per_s2, law == Law::kRemoteAcceleration ? 0.5 : 5.0);
+    EXPECT_EQ(command.approach.rate_rad_per_s, law == Law::kRemoteAcceleration ? 20.0 : 40.0);
     EXPECT_EQ(valid.hand.speed_m_per_s, 30e-3);
     EXPECT_EQ(valid.node.constraint.corridor_m, 0.4e-3);
   }
+}
+
+TEST(MasterSettings, RatesThatCannotWorkAreRefused) {
+  StationSettings station;
+  const auto refused = [&](double stream_hz, int block, double tracking_rad_s) {
+    station.node.control_hz = station.node.stream_hz = stream_hz;
+    station.node.command.codec.block = block;
+    station.tracking_rad_s = tracking_rad_s;
+    try {
+      (void)station.validated();
+      return std::string();
+    } catch (const StartupError& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_NE(refused(200, 32, 0).find("a slave that hears nothing for 150 ms stops"), std::string::npos);
+  EXPECT_NE(refused(200, 30, 0), "") << "150 ms";
+  EXPECT_EQ(refused(200, 29, 0), "");
+  EXPECT_NE(refused(500, 16, 401).find("tracking_rad_s = 401 is too fast for stream_hz = 500: at most 400"),
+            std::string::npos);
+  EXPECT_EQ(refused(500, 16, 400), "");
+  station.tracking_rad_s = 0;
+  EXPECT_EQ(station.validated().node.command.tracking_rad_s, 200.0) << "0.4 of the stream's rate";
+  station.node.control_hz = station.node.stream_hz = 2000;
+  EXPECT_EQ(station.validated().node.command.tracking_rad_s, 400.0) << "but no more than this";
 }
 
 TEST(MasterSettings, TheControlRateIsAWholeMultipleOfTheStreams) {

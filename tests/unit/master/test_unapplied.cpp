@@ -256,7 +256,7 @@ TEST_P(Answers, ToAnotherMasterMoveNoIdeaOfTheSlave) {
     return stream.observed().slave.position_m.norm();
   };
   EXPECT_LT(moved_m(false), 1e-12);
-  EXPECT_GT(moved_m(true), 0.3e-6);
+  EXPECT_GT(moved_m(true), 30e-9) << "the law leads the model back at 400 rad/s";
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, Answers, testing::Values(Law::kAnchored, Law::kRemoteAcceleration));

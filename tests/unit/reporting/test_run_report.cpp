@@ -110,6 +110,12 @@ TEST(RunReport, EnergyBeyondTheCorridorIsCountedAndReachesNothing) {
   EXPECT_EQ(report["cut"]["energy_inside_j"].get<double>(), 0.0);
   EXPECT_NEAR(report["cut"]["energy_outside_corridor_j"].get<double>(), 2.0, 1e-6);
   EXPECT_EQ(report["cut"]["coverage"].get<double>(), 0.0);
+  EXPECT_FALSE(succeeded(report));
+  EXPECT_TRUE(succeeded(make_report(circle_run(0.0, 0.0))));
+  RunRecord dark = circle_run(0.0, 0.0);
+  for (SlaveRow& row : dark.slave) row.laser_w = 0.0;
+  EXPECT_TRUE(stayed_inside(make_report(dark)));
+  EXPECT_FALSE(succeeded(make_report(dark))) << "a run that cuts nothing is no success";
 }
 
 TEST(RunReport, TicksThatAreNotSettledOrNotAppliedAreNotTracking) {
@@ -167,9 +173,39 @@ TEST(RunReport, TheMastersToolIsTakenBetweenItsTicks) {
   EXPECT_NEAR(report["tracking"]["rms_um"].get<double>(), 31.4, 0.1);
   record.master[300].joined = false;
   record.master[301].joined = false;
-  EXPECT_EQ(make_report(record)["tracking"]["samples"].get<int>(), 997);
+  EXPECT_EQ(make_report(record)["tracking"]["settled"]["samples"].get<int>(), 997);
   for (SlaveRow& row : record.slave) row.applied -= 1.0;
-  EXPECT_EQ(make_report(record)["tracking"]["samples"].get<int>(), 997) << "nor of one before the first";
+  EXPECT_EQ(make_report(record)["tracking"]["samples"].get<int>(), 999) << "nor of one before the first";
+}
+
+// 100 ticks of the first approach, 100 that follow; then the slave applies nothing for 50, comes back over 30
+// from 1 mm off, beam still on for one of them; the rest follows.
+TEST(RunReport, EveryAppliedTickFromTheEndOfTheFirstApproachCounts) {
+  RunRecord record = circle_run(0.0, 20e-6);
+  const auto off = [&](std::size_t from, std::size_t to, double off_m) {
+    for (std::size_t i = from; i < to; ++i) {
+      record.slave[i].tool_m.z() += off_m;
+      record.slave[i].settled = false;
+      record.slave[i].laser_w = 0.0;
+    }
+  };
+  off(0, 100, 5e-3);
+  off(250, 280, 1e-3);
+  record.slave[279].laser_w = 4.0;
+  for (std::size_t i = 200; i < 250; ++i) record.slave[i].applied = -1.0;
+  const auto report = make_report(record);
+  const auto& tracking = report["tracking"];
+  EXPECT_EQ(tracking["samples"].get<int>(), 850);
+  EXPECT_NEAR(tracking["max_um"].get<double>(), std::hypot(1000.0, 20.0), 0.01);
+  EXPECT_NEAR(tracking["rms_um"].get<double>(), std::sqrt(30.0 / 850.0 * 1e6 + 20.0 * 20.0), 0.01);
+  EXPECT_EQ(tracking["settled"]["samples"].get<int>(), 820);
+  EXPECT_EQ(tracking["settled"]["left_out"].get<int>(), 30);
+  EXPECT_NEAR(tracking["settled"]["max_um"].get<double>(), 20.0, 0.01);
+  EXPECT_EQ(tracking["laser_on"]["samples"].get<int>(), 100 + 1 + 220);
+  EXPECT_NEAR(tracking["laser_on"]["max_um"].get<double>(), std::hypot(1000.0, 20.0), 0.01);
+  EXPECT_EQ(report["prediction"]["samples"].get<int>(), 850);
+  EXPECT_EQ(report["prediction"]["settled"]["left_out"].get<int>(), 30);
+  EXPECT_NEAR(report["prediction"]["settled"]["max_um"].get<double>(), 7.0, 0.01);
 }
 
 TEST(RunReport, OnlyWhatIsGuidedCountsForTheConstraint) {
@@ -225,12 +261,21 @@ TEST(RunRecord, WhatIsWrittenIsReadAgainBitForBit) {
   std::ifstream trace(folder / "trace.csv");
   std::string header;
   std::getline(trace, header);
-  EXPECT_EQ(header,
-            "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w,"
-            "force_x_n,force_y_n,force_z_n");
+  EXPECT_EQ(
+      header,
+      "t_s,master_x_m,master_y_m,master_z_m,ref_x_m,ref_y_m,tool_x_m,tool_y_m,tool_z_m,laser_w,"
+      "force_x_n,force_y_n,force_z_n,applied_tick,beta,predicted_x_m,predicted_y_m,predicted_z_m,settled");
   std::string row;
   std::getline(trace, row);
   EXPECT_TRUE(row.starts_with("0.000000,")) << "from the slave's first tick: " << row;
+  EXPECT_NE(row.find(",500,0.5,"), std::string::npos) << row;
+  EXPECT_TRUE(row.ends_with(",1")) << row;
+  record.slave[1].applied = -1.0;
+  write_report(folder, record);
+  std::ifstream again(folder / "trace.csv");
+  for (int line = 0; line < 3; ++line) std::getline(again, row);
+  EXPECT_TRUE(row.starts_with("0.001000,,,,")) << "nothing is known of the master: " << row;
+  EXPECT_TRUE(row.ends_with(",,,,,0")) << row;
 }
 
 TEST(RunRecord, ADamagedFileIsRefusedByNameAndLine) {

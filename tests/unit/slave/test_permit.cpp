@@ -14,8 +14,7 @@ class Permit : public SlaveNodeTest {
   }
   /// Of the sample that is applied, by the master's circle: what the interlock takes for the tracking error.
   double off_m() const {
-    const Vec3 wanted_m = place(out_.applied_tick * 1e-3);
-    return (out_.tool_m - out_.reference.position_m).norm() + (out_.reference.position_m - wanted_m).norm();
+    return (out_.tool_m - place(out_.applied_tick * 1e-3)).norm();
   }
 };
 
@@ -68,46 +67,43 @@ TEST_F(Permit, TheBeamIsOnWhereTheAppliedSamplesButtonIsPressed) {
   EXPECT_NEAR(lit, checked / 2, 7);
 }
 
-TEST_F(Permit, ItBurnsFromTheStepAtWhichToolAndApproachAreWithinAFifthOfAMillimetre) {
+TEST_F(Permit, ItBurnsFromTheStepAtWhichTwoMicrometresAreLeftOfTheApproach) {
   int judged = 0;
   int close = 0;
   each_tick_ = [&] {
     if (out_.applied_tick < 0.0) return;
-    const double left_m = (out_.reference.position_m - place(out_.applied_tick * 1e-3)).norm();
-    if (std::abs(left_m - 20e-6) > 2e-6) {
-      ASSERT_EQ(out_.settled, left_m < 20e-6) << left_m;
-    }
-    const double margin_m = off_m() - 0.2e-3;
-    if (std::abs(margin_m) < 2e-6) return;  // the codec's part of it
+    const double margin_m = (out_.reference.position_m - place(out_.applied_tick * 1e-3)).norm() - 2e-6;
+    if (std::abs(margin_m) < 0.2e-6) return;  // the codec's part of it
+    ASSERT_EQ(out_.settled, margin_m < 0.0) << margin_m;
     ASSERT_EQ(out_.interlock == Interlock::kReady,
               margin_m < 0.0 && out_.interlock != Interlock::kOutsideCorridor)
         << margin_m;
-    close += std::abs(margin_m) < 20e-6 ? 1 : 0;
+    close += std::abs(margin_m) < 1e-6 ? 1 : 0;
     ++judged;
   };
   follow(3.0);
-  EXPECT_GT(judged, 2800);
-  EXPECT_GE(close, 3);
-  EXPECT_LT(largest_step_, 1.5e-3);
+  EXPECT_GT(judged, 2900);
+  EXPECT_GE(close, 10);
+  EXPECT_LT(largest_step_, 5e-3);
 }
 
-TEST_F(Permit, AKnockedToolPutsTheBeamOutAndBurnsOnWhenItIsBack) {
+TEST_F(Permit, AToolFiftyMicrometresFromWhereItIsWantedPutsTheBeamOutUntilItIsBack) {
   burn();
   int kept_off = 0;
   int burnt = 0;
   double farthest_m = 0.0;
   each_tick_ = [&] {
     farthest_m = std::max(farthest_m, off_m());
-    const double margin_m = off_m() - 0.2e-3;
-    if (std::abs(margin_m) < 2e-6) return;
+    const double margin_m = off_m() - 50e-6;
+    if (std::abs(margin_m) < 0.2e-6) return;
     ASSERT_EQ(out_.interlock, margin_m < 0.0 ? Interlock::kReady : Interlock::kTracking) << margin_m;
     ++(margin_m < 0.0 ? burnt : kept_off);
   };
-  station_.machine().plant()->set_tool_force({0.0, 0.0, 6.0});  // along the beam: the contour stays near
+  station_.machine().plant()->set_tool_force({0.0, 0.0, 9.0});  // along the beam: the contour stays near
   run(next_block());
   station_.machine().plant()->set_tool_force(Vec3::Zero());
   follow(0.5);
-  EXPECT_NEAR(farthest_m, 383e-6, 4e-6) << "as stiff as law and observer make it";
+  EXPECT_NEAR(farthest_m, 69e-6, 2e-6) << "as stiff as law and observer make it";
   EXPECT_GT(kept_off, 5);
   EXPECT_GT(burnt, 300);
   EXPECT_GT(out_.laser_w, 0.0);
@@ -122,7 +118,7 @@ TEST_F(Permit, TheCorridorIsMeasuredFromToolToContourWithTheWayOfTheReaction) {
   int beyond = 0;
   each_tick_ = [&] {
     const double margin_m = 0.5e-3 - 20e-6 - 3e-3 * 0.02 - std::abs(out_.tool_m.head<2>().norm() - radius_m);
-    if (std::abs(margin_m) < 5e-6) return;  // the measured speed's noise
+    if (std::abs(margin_m) < 9e-6) return;  // 3 ms of the measured speed's noise
     ASSERT_EQ(out_.interlock, margin_m > 0.0 ? Interlock::kReady : Interlock::kOutsideCorridor) << margin_m;
     ++(margin_m > 0.0 ? within : beyond);
   };

@@ -131,6 +131,7 @@ TEST_F(SlaveNodeTest, ItsStatesSayWhatItDid) {
   int states = 0;
   codec::BlockDecoder decoder;
   std::vector<Vec3> measured_m;
+  double velocity_m_per_s = 0.0;
   each_tick_ = [&] {
     measured_m.push_back(out_.tool_m);
     if (!out_.state) return;
@@ -146,7 +147,8 @@ TEST_F(SlaveNodeTest, ItsStatesSayWhatItDid) {
     const auto packet =
         decoder.decode(state.payload.view(), {state.anchor.position_m, state.anchor.velocity_m_per_s * 1e-3});
     ASSERT_TRUE(packet);
-    ASSERT_NEAR(state.anchor.velocity_m_per_s.norm(), 0.02, 2e-3);
+    ASSERT_NEAR(state.anchor.velocity_m_per_s.norm(), 0.02, 4e-3);
+    velocity_m_per_s += state.anchor.velocity_m_per_s.norm() / 20;
     if (measured_m.size() >= 16) {
       for (std::size_t n = 0; n < 16; ++n) {
         ASSERT_LT(
@@ -158,6 +160,7 @@ TEST_F(SlaveNodeTest, ItsStatesSayWhatItDid) {
   };
   follow(0.32);
   EXPECT_EQ(states, 20);
+  EXPECT_NEAR(velocity_m_per_s, 0.02, 1e-3) << "on the whole";
   corridor_.reset();
   each_tick_ = [&] {
     if (out_.state) {

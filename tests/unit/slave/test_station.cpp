@@ -92,8 +92,8 @@ TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
                            {"force_keep", 1, 64},
                            {"force_max_rms", 0, 1000},
                            {"redundancy", 0, 7},
-                           {"bandwidth_rad_s", 5, 400},
-                           {"observer_rad_s", 10, 2000},
+                           {"bandwidth_rad_s", 0, 5000},
+                           {"observer_rad_s", 0, 15000},
                            {"stale_s", 0.02, 10},
                            {"laser_w", 0, 1000}};
   for (const Row& row : kRows) {
@@ -108,8 +108,12 @@ TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
   }
   EXPECT_EQ(station.node.control_hz, 1000.0);
   EXPECT_EQ(station.node.stream_hz, 1000.0);
-  EXPECT_EQ(station.node.bandwidth_rad_s, 60.0);
-  EXPECT_EQ(station.node.observer_rad_s, 600.0);
+  EXPECT_EQ(station.node.bandwidth_rad_s, 0.0);
+  EXPECT_EQ(station.node.observer_rad_s, 0.0);
+  EXPECT_EQ(station.node.transfer.rate_rad_per_s, 200.0);
+  EXPECT_EQ(station.node.transfer.max_acceleration_m_per_s2, 5.0);
+  EXPECT_EQ(station.node.interlock.max_tracking_error_m, 50e-6);
+  EXPECT_EQ(station.node.interlock.max_offset_m, 2e-6);
   EXPECT_EQ(station.node.command_timeout_s, 0.15);
   EXPECT_EQ(station.node.laser_w, 10.0);
   EXPECT_EQ(station.node.force.max_rms, 0.01);

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// How fast a robot's control loop may be: the largest bandwidths whose margins hold. Nothing in it depends on
+// the robot's mass, because disturbance observer and law work on accelerations; what bounds them is the rate,
+// the delay of the drive, the sensor's noise against the motors' force, and how far the robot may be off its
+// file.
+#pragma once
+
+#include "common/control/joint_acceleration_control.h"
+#include "common/robot/robot_model.h"
+
+namespace telekerf::control {
+
+/// What bounds the loop of a joint.
+struct LoopConditions {
+  double period_s = 1e-3;
+  double delay_s = 0.0;             ///< age of a reading when the force that answers it begins to act
+  double noise_m = 0.0;             ///< rms of a reading's error
+  double max_noise_m_per_s2 = 1e9;  ///< rms that this noise may make of the acceleration asked for
+};
+
+/// The three bandwidths of a loop, rad/s.
+struct LoopBandwidths {
+  double law_rad_per_s = 0.0;       ///< w of a'' = -2 w v - w^2 x, sampled poles
+  double observer_rad_per_s = 0.0;  ///< of the disturbance estimate
+  double velocity_rad_per_s = 0.0;  ///< of the velocity estimate
+};
+
+/// What a loop is worth on a joint whose inertia over force constant is `inertia_ratio` times the file's.
+struct LoopMargins {
+  bool stable = false;
+  double max_sensitivity = 0.0;  ///< largest |S| = |1 / (1 + L)|, at the motor's force; 1 / modulus margin
+  double noise_m_per_s2 = 0.0;   ///< rms of the acceleration asked for, by the sensor's noise
+};
+LoopMargins loop_margins(const LoopConditions& conditions, const LoopBandwidths& bandwidths,
+                         double inertia_ratio = 1.0);
+
+/// A loop is good if max |S| <= kMaxSensitivity on the robot of the file, <= kMaxSensitivityWorst on one
+/// whose inertia is 30 % smaller and whose force constant is 30 % larger, and its noise is within bounds.
+inline constexpr double kMaxSensitivity = 2.35;
+inline constexpr double kMaxSensitivityWorst = 16.0;
+inline constexpr double kWorstInertiaRatio = 0.7 / 1.3;
+/// The observer's bandwidth over the law's, and the velocity estimate's over the observer's.
+inline constexpr double kObserverOverLaw = 2.5;
+inline constexpr double kVelocityOverObserver = 5.0;
+
+/// The fastest good loop. What is given (not 0) is kept as it is, and the rest fitted to it.
+LoopBandwidths design_loop(const LoopConditions& conditions, double law_rad_per_s = 0.0,
+                           double observer_rad_per_s = 0.0);
+
+/// Conditions of a robot: drive delay and sensor of its file, and 3 % of the motors' peak force for the
+/// noise.
+LoopConditions loop_conditions(const robot::RobotModel& model, double control_hz);
+
+/// Throws StartupError if these bandwidths make a loop that is not stable. `law`, `observer`: the settings'
+/// names.
+void require_stable(const LoopConditions& conditions, const LoopBandwidths& bandwidths, const char* law,
+                    const char* observer);
+
+/// The joint controller with these bandwidths; it knows the drive's delay.
+JointAccelerationSettings joints_of(const robot::RobotModel& model, const LoopBandwidths& bandwidths,
+                                    double control_hz);
+
+}  // namespace telekerf::control
