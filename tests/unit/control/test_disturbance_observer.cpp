@@ -137,5 +137,41 @@ TEST(DisturbanceObserver, AKnownLoopDelayIsNoDisturbance) {
   EXPECT_GT(largest(0), 0.06);
 }
 
+// Readings a part of a period, or one and a half periods old: no disturbance either, and ahead() is the joint
+// of now.
+TEST(DisturbanceObserver, ADelayNeedNotBeWholeAndAheadIsThePresent) {
+  const double t = 1e-3, mass = 0.4, opposing_n = 0.3;
+  for (const double delay : {0.0, 0.3, 1.0, 1.5, 3.75, 4.0}) {
+    DisturbanceObserver observer({.period_s = t,
+                                  .bandwidth_rad_per_s = 900,
+                                  .velocity_bandwidth_rad_per_s = 2700,
+                                  .loop_delay = delay});
+    observer.reset(Vec3::Zero());
+    constexpr int kParts = 20;  // of a period: delays are multiples of it
+    const auto late = static_cast<std::size_t>(std::lround(delay * kParts));
+    std::vector<Joint> past(1);
+    double worst_n = 0.0, worst_m = 0.0, worst_m_per_s = 0.0;
+    for (int i = 0; i < 400; ++i) {
+      const std::size_t read = past.size() > late ? past.size() - 1 - late : 0;
+      observer.update(Vec3::Constant(past[read].q), true);
+      const auto now = observer.ahead();
+      if (i > 100) {
+        worst_n = std::max(worst_n, std::abs(observer.disturbance_n()[0] - opposing_n));
+        worst_m = std::max(worst_m, std::abs(now.joints_m[0] - past.back().q));
+        worst_m_per_s = std::max(worst_m_per_s, std::abs(now.velocity_m_per_s[0] - past.back().v));
+      }
+      const double force_n = std::sin(2 * M_PI * 20 * i * t);
+      observer.applied(Vec3::Constant(force_n), mass * Mat3::Identity());
+      for (int part = 0; part < kParts; ++part) {
+        past.push_back(past.back());
+        past.back().step((force_n - opposing_n) / mass, t / kParts);
+      }
+    }
+    EXPECT_LT(worst_n, 1e-9) << delay;
+    EXPECT_LT(worst_m, 1e-12) << delay;
+    EXPECT_LT(worst_m_per_s, 1e-10) << delay;
+  }
+}
+
 }  // namespace
 }  // namespace telekerf::control

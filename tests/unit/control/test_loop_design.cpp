@@ -6,6 +6,7 @@
 #include "common/control/loop_design.h"
 #include "common/control/tracking_law.h"
 #include "common/robot/sensor_noise.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::control {
 namespace {
@@ -172,6 +173,24 @@ TEST(LoopDesign, OfARobotDoesNotDependOnItsMass) {
   EXPECT_EQ(joints.observer.bandwidth_rad_per_s, 200.0);
   EXPECT_EQ(joints.observer.velocity_bandwidth_rad_per_s, 300.0);
   EXPECT_TRUE(joints.present);
+}
+
+TEST(LoopDesign, WhatCannotWorkIsRefused) {
+  const auto refusal = [](double delay_s, const LoopBandwidths& bandwidths) {
+    try {
+      require_stable({.period_s = 1e-3, .delay_s = delay_s}, bandwidths, "constraint_rad_s",
+                     "observer_rad_s");
+      return std::string();
+    } catch (const StartupError& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(refusal(0.0, {400, 1000, 3000}), "");
+  EXPECT_NE(refusal(2e-3, {900, 2700, 8100}).find("constraint_rad_s = 900 and observer_rad_s = 2700"),
+            std::string::npos);
+  EXPECT_EQ(refusal(4e-3, {40, 100, 300}), "");
+  EXPECT_NE(refusal(4.1e-3, {40, 100, 300}).find("drive_delay_s = 0.0041 of the robot is more than 4"),
+            std::string::npos);
 }
 
 TEST(ReadingNoise, IsACountsOrTheHallChannels) {

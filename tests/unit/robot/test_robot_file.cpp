@@ -12,6 +12,7 @@ namespace telekerf::robot {
 namespace {
 
 const std::string kEveryKey = R"(name = "mine"
+drive_delay_s = 0.0015
 [geometry]
 base_radius_m = 0.081
 tool_radius_m = 0.022
@@ -142,6 +143,8 @@ TEST(RobotFile, EveryKeyIsRefusedByNameJustOutsideOfItsBoundsAndTakenJustInside)
            Case{"continuous_force_n = 3.25\n", "motor.continuous_force_n", "1e-3", "0.99e-3"},
            Case{"peak_force_n = 11.5\n", "motor.peak_force_n", "3.25", "3.24"},
            Case{"peak_force_n = 11.5\n", "motor.peak_force_n", "1e5", "100001"},
+           Case{"drive_delay_s = 0.0015\n", "drive_delay_s", "0.02", "0.021"},
+           Case{"drive_delay_s = 0.0015\n", "drive_delay_s", "0", "-1e-4"},
            Case{"mass_kg = 0.0625\n", "tool.mass_kg", "0", "-0.001"},
            Case{"mass_kg = 0.0625\n", "tool.mass_kg", "1000", "1000.1"},
            Case{"resolution_m = 0.25e-6\n", "sensor.resolution_m", "0", "-1e-9"},

@@ -181,5 +181,28 @@ TEST(SimulatedRobot, StepSizeDoesNotMatter) {
   EXPECT_LT((coarse.true_tool_in_base_m() - fine.true_tool_in_base_m()).norm(), 1e-8);
 }
 
+TEST(SimulatedRobot, ItsReadingsAreAsOldAsItsDrive) {
+  for (const double delay_s : {0.0, 0.4e-3, 1e-3, 2.5e-3}) {
+    RobotModel robot = load_robot("slave-keops");
+    robot.drive_delay_s = delay_s;
+    robot.sensor.resolution_m = 0.0;
+    SimulatedRobot plant(robot, 1, robot.workspace.centre_m);
+    plant.write(Vec3(0.3, 0.2, 0.25));
+    std::vector<Vec3> joints_m{plant.true_state().joints_m};
+    EXPECT_EQ(plant.read().joints_m, joints_m[0]) << "where it has always been";
+    for (int i = 1; i <= 30; ++i) {
+      plant.advance(1e-3);
+      joints_m.push_back(plant.true_state().joints_m);
+      const double then = std::max(0.0, i - delay_s * 1e3);
+      const auto before = static_cast<std::size_t>(then);
+      const Vec3& a = joints_m[before];
+      const Vec3& b = joints_m[std::min(before + 1, joints_m.size() - 1)];
+      const Vec3 expected = a + (then - static_cast<double>(before)) * (b - a);
+      EXPECT_LT((plant.read().joints_m - expected).norm(), 1e-12) << delay_s << " " << i;
+    }
+    EXPECT_GT((joints_m.back() - joints_m.front()).norm(), 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace telekerf::robot
