@@ -28,8 +28,8 @@ LoopBandwidths design_loop(const LoopConditions& conditions, double law_rad_per_
 /// noise.
 LoopConditions loop_conditions(const robot::RobotModel& model, double control_hz);
 
-/// Throws StartupError if the drive's delay is too long, or these bandwidths make a loop that is not stable.
-/// `law`, `observer`: the settings' names.
+/// Throws StartupError if the drive's delay is too long, or these bandwidths make a loop that is not stable
+/// on a robot that is off its file (kWorstInertiaRatio). `law`, `observer`: the settings' names.
 void require_stable(const LoopConditions& conditions, const LoopBandwidths& bandwidths, const char* law,
                     const char* observer);
 
