@@ -21,7 +21,7 @@ int main() {
     contour.points_m.emplace_back(0.02 * std::cos(i * pi / 360), 0.02 * std::sin(i * pi / 360));
 
   const master::ConstraintSettings settings;
-  const master::GuidePath guide(contour, /*beta=*/1.0, settings);
+  const master::GuidePath guide = master::make_guide(contour, /*beta=*/1.0, settings);
   master::ConstraintController constraint(settings);
   constraint.enter();
 

@@ -47,8 +47,8 @@ struct MasterOutputs {
   MasterMode mode = MasterMode::kIdle;
   Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
   Vec3 velocity_m_per_s = Vec3::Zero();
-  Vec3 acceleration_m_per_s2 =
-      Vec3::Zero();            ///< commanded to the tool, without what leads it back to the curve
+  /// Commanded to the tool, without what leads it back to the curve.
+  Vec3 acceleration_m_per_s2 = Vec3::Zero();
   Vec3 hand_n = Vec3::Zero();  ///< estimated force of the hand
   double constraint_n = 0.0;   ///< how hard the constraint answers, across the curve
   double corridor_m = 0.0;     ///< half width within which the hand is free; 0: guidance

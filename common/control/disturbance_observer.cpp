@@ -3,7 +3,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 namespace telekerf::control {
@@ -16,16 +15,6 @@ void move(Vec3& q_m, Vec3& v_m_per_s, const Vec3& acceleration_m_per_s2, double 
 }
 
 }  // namespace
-
-ObserverGains observer_gains(double bandwidth_rad_per_s, double velocity_bandwidth_rad_per_s,
-                             double period_s) noexcept {
-  const double r1 = 1 - std::exp(-bandwidth_rad_per_s * period_s);
-  const double r2 = 1 - std::exp(-velocity_bandwidth_rad_per_s * period_s);
-  const double c1 = r1 + 2 * r2;
-  const double c2 = 2 * r1 * r2 + r2 * r2;
-  const double c3 = r1 * r2 * r2;
-  return {c1 - c2 + c3, c2 - 1.5 * c3, c3};
-}
 
 DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept
     : period_s_(gains.period_s),

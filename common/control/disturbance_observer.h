@@ -16,6 +16,7 @@
 #include <array>
 #include <cstddef>
 
+#include "common/control/observer_gains.h"
 #include "common/runtime/vectors.h"
 
 namespace telekerf::control {
@@ -24,14 +25,6 @@ using Mat3 = Eigen::Matrix3d;
 
 /// Most samples between a reading and the effect of the currents that answer it.
 inline constexpr int kMaxLoopDelay = 4;
-
-/// Gains of the three-state form: poles exp(-p T), one at the disturbance's bandwidth, two at the velocity's.
-/// Per sample: q += alpha e, v += beta / T e, w += gamma / T^2 e.
-struct ObserverGains {
-  double alpha, beta, gamma;
-};
-ObserverGains observer_gains(double bandwidth_rad_per_s, double velocity_bandwidth_rad_per_s,
-                             double period_s) noexcept;
 
 class DisturbanceObserver {
  public:

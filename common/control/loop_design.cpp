@@ -67,8 +67,7 @@ void require_stable(const LoopConditions& conditions, const LoopBandwidths& band
   if (loop_margins(conditions, bandwidths, kWorstInertiaRatio).stable) return;
   throw configuration_error(
       fmt::format("{} = {:g} and {} = {:g} make a loop that is not stable at control_hz = {:g} with a drive "
-                  "delay of {:g} ms on a robot "
-                  "that is 30 % off its file; leave both 0 and they are chosen",
+                  "delay of {:g} ms on a robot that is 30 % off its file; leave both 0 and they are chosen",
                   law, bandwidths.law_rad_per_s, observer, bandwidths.observer_rad_per_s,
                   1.0 / conditions.period_s, conditions.delay_s * 1e3));
 }

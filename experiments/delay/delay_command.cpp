@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-experiment delay: every law and estimator across every delay; docs/results/delay.md explains the rows.
+// telekerf-experiment delay: every law and estimator across every delay; docs/results/delay.md explains the
+// rows.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,6 +27,9 @@ using reporting::Line;
 using reporting::Panel;
 
 constexpr std::array<double, 7> kRttMs{0, 20, 50, 100, 200, 400, 800};
+/// Of the figure's axis; what runs away is drawn at its upper end.
+constexpr double kLeast_um = 0.1;
+constexpr double kMost_um = 1e5;
 constexpr std::array<double, 3> kLoss{0.0, 0.01, 0.05};
 constexpr std::array kProfiles{
     "ideal", "lan",           "5g",     "4g",        "wifi",    "wifi-lossy",      "leo",
@@ -226,7 +230,7 @@ void draw_rtt(const std::vector<Run>& runs, const std::filesystem::path& png) {
        {std::pair{"slave to master (um rms)", &DelayResult::tracking_rmse_um},
         std::pair{"slave to its prediction (um rms)", &DelayResult::prediction_rmse_um}}) {
     Panel panel{.title = title, .x_label = "round trip (ms)", .y_label = "um", .log_y = true};
-    panel.y_range = {{1.0, 1e5}};
+    panel.y_range = {{kLeast_um, kMost_um}};
     int colour = 0;
     for (const Pair& pair : kPairs) {
       Line line{.label = word_of(pair.law) + " + " + word_of(pair.estimator), .colour = colour++ % 8};
@@ -234,7 +238,7 @@ void draw_rtt(const std::vector<Run>& runs, const std::filesystem::path& png) {
       for (const double rtt_ms : kRttMs) {
         line.x.push_back(rtt_ms);
         const double value = of(runs, pair, rtt_ms, 0.1, 0.01, what);
-        line.y.push_back(std::isfinite(value) ? std::clamp(value, 1.0, 1e5) : 1e5);
+        line.y.push_back(std::isfinite(value) ? std::clamp(value, kLeast_um, kMost_um) : kMost_um);
       }
       panel.lines.push_back(line);
     }

@@ -22,17 +22,14 @@ std::optional<geometry::EllipticFourierPath> descriptor_of(const geometry::Polyl
 }  // namespace
 
 GuidePath::GuidePath(const ContourMessage& contour, double scale, const ConstraintSettings& settings)
-    : GuidePath(contour, scale, MastersSize{in_masters_size(settings, scale)}) {}
-
-GuidePath::GuidePath(const ContourMessage& contour, double scale, const MastersSize& size)
     : contour_id(contour.id),
       beta(scale),
-      curve(guide_curve(contour, scale, size.settings)),
-      descriptor_(descriptor_of(curve.line(), size.settings)),
+      curve(guide_curve(contour, scale, settings)),
+      descriptor_(descriptor_of(curve.line(), settings)),
       spacing_m_(curve.length_m() / static_cast<double>(curve.line().segments())),
       length_m_(descriptor_ ? descriptor_->length_m() : curve.length_m()),
-      circles_(curve.line(), spacing_m_, size.settings),
-      limits_(curve.line(), spacing_m_, size.settings,
+      circles_(curve.line(), spacing_m_, settings),
+      limits_(curve.line(), spacing_m_, settings,
               [this](double fraction) { return at(length_m_ * fraction).shape.curvature(); }) {}
 
 double GuidePath::wrapped(double arc_m) const noexcept {

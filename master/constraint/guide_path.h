@@ -17,8 +17,9 @@
 namespace telekerf::master {
 
 struct GuidePath {
-  /// Contour (true size) for a master whose motion is scaled by `beta`. Allocates. Throws StartupError: a
-  /// descriptor of an open contour, or one that the most harmonics do not bring within the tolerance.
+  /// Contour (true size) for a master whose motion is scaled by `beta`; `settings` in the master's size.
+  /// Allocates. Throws StartupError: a descriptor of an open contour, or one that the most harmonics do not
+  /// bring within the tolerance.
   GuidePath(const ContourMessage& contour, double beta, const ConstraintSettings& settings);
 
   std::uint32_t contour_id;
@@ -37,10 +38,6 @@ struct GuidePath {
   SpeedLimit speed_limit(double arc_m) const noexcept;
 
  private:
-  struct MastersSize {
-    ConstraintSettings settings;
-  };
-  GuidePath(const ContourMessage& contour, double beta, const MastersSize& size);
   double wrapped(double arc_m) const noexcept;
   double refined(const Vec2& tool_m, const geometry::Nearest& nearest) const noexcept;
   GuidePiece described(double arc_m) const noexcept;
@@ -52,8 +49,9 @@ struct GuidePath {
   SpeedLimits limits_;
 };
 
+/// The same with the settings as they are kept, in the work's size.
 inline GuidePath make_guide(const ContourMessage& contour, double beta, const ConstraintSettings& settings) {
-  return GuidePath(contour, beta, settings);
+  return GuidePath(contour, beta, in_masters_size(settings, beta));
 }
 
 }  // namespace telekerf::master

@@ -8,26 +8,23 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
+#include "common/control/observer_gains.h"
 #include "master/observer/estimator.h"
 
 namespace telekerf::master {
 
 class PropagatedPredictor {
  public:
-  /// Poles z = exp(-p h), two at `predictor_rad_s` and one at `disturbance_rad_s`, in the closed form of
-  /// common/control/disturbance_observer.h. An error e_d of the disturbance is worth D^2/2 e_d of prediction,
-  /// so that pole is slow; a kick (friction at a reversal) is forgotten at the other rate.
+  /// Poles z = exp(-p h), two at `predictor_rad_s` and one at `disturbance_rad_s`, as observer_gains() places
+  /// them. An error e_d of the disturbance is worth D^2/2 e_d of prediction, so that pole is slow; a kick
+  /// (friction at a reversal) is forgotten at the other rate.
   explicit PropagatedPredictor(const EstimatorSettings& settings) noexcept : period_s_(settings.period_s) {
-    const double r1 = 1.0 - std::exp(-settings.disturbance_rad_s * settings.period_s);
-    const double r2 = 1.0 - std::exp(-settings.predictor_rad_s * settings.period_s);
-    const double c1 = r1 + 2.0 * r2;
-    const double c2 = 2.0 * r1 * r2 + r2 * r2;
-    const double c3 = r1 * r2 * r2;
-    alpha_ = c1 - c2 + c3;
-    beta_ = (c2 - 1.5 * c3) / period_s_;
-    gamma_ = c3 / (period_s_ * period_s_);
+    const control::ObserverGains gains =
+        control::observer_gains(settings.disturbance_rad_s, settings.predictor_rad_s, settings.period_s);
+    alpha_ = gains.alpha;
+    beta_ = gains.beta / period_s_;
+    gamma_ = gains.gamma / (period_s_ * period_s_);
   }
 
   void reset(std::int64_t index, const KinematicState& state) noexcept {
