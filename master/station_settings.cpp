@@ -122,7 +122,8 @@ StationSettings StationSettings::validated() const {
   command.codec.anchored = command.law == Law::kLocal;
   // A loop that spans the delay predicts a hasty approach badly.
   if (command.law == Law::kRemoteAcceleration)
-    command.approach = {.rate_rad_per_s = 20.0, .max_acceleration_m_per_s2 = 0.5};
+    command.approach = {.rate_rad_per_s = std::min(20.0, command.tracking_rad_s),
+                        .max_acceleration_m_per_s2 = 0.5};
   command.codec.integrated = command.law != Law::kLocal;
   // Of a block's mean, one step moves the tool by 0.3 um within 16 ms.
   if (command.codec.integrated) command.codec.quantum = kAccelerationQuantum;

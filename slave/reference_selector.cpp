@@ -14,11 +14,13 @@ constexpr double kCoast_s = 0.1;
 }  // namespace
 
 ReferenceSelector::ReferenceSelector(const robot::RobotModel& model,
-                                     const control::BumplessTransferSettings& transfer, double dt_s)
+                                     const control::BumplessTransferSettings& transfer, double dt_s,
+                                     BareAccelerations bare)
     : radius_m_(model.workspace.radius_m),
       half_height_m_(0.5 * model.workspace.height_m),
       max_m_per_s_(model.limits.velocity_m_per_s),
       dt_s_(dt_s),
+      bare_(bare),
       transfer_(transfer) {}
 
 void ReferenceSelector::rest_at(const Vec3& position_m) noexcept {
@@ -55,7 +57,7 @@ Selected ReferenceSelector::step(const streaming::Played& played) noexcept {
   out.acceleration_m_per_s2 = source.acceleration_m_per_s2;
   const bool streamed = source_generation_ != 0;
   out.following = mode_ == SlaveMode::kFollowing && streamed;
-  out.bare = streamed && source_law_ == Law::kRemoteAcceleration;
+  out.bare = streamed && source_law_ == Law::kRemoteAcceleration && bare_ == BareAccelerations::kObeyed;
   return out;
 }
 
@@ -82,6 +84,13 @@ KinematicState ReferenceSelector::follow(const streaming::Played& played) noexce
   const bool new_source = source_generation_ != sample.generation || source_law_ != sample.law;
   source_generation_ = sample.generation;
   source_law_ = sample.law;
+  if (sample.law == Law::kRemoteAcceleration && bare_ == BareAccelerations::kIntegrated) {
+    // Without a jump from where the reference stood; no anchor ever tells where the master thinks it is.
+    integral_ = advanced(new_source ? reference_ : integral_, dt_s_);
+    integral_.acceleration_m_per_s2 = sample.acceleration_m_per_s2;
+    if (new_source) transfer_to(integral_);
+    return integral_;
+  }
   if (sample.law == Law::kRemoteAcceleration) {
     // The tool itself is the reference; nothing pulls it anywhere, the acceleration is all there is.
     if (new_source) transfer_to(played.state);

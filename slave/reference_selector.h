@@ -9,6 +9,7 @@
 #include "common/control/bumpless_transfer.h"
 #include "common/protocol/messages.h"
 #include "common/robot/robot_model.h"
+#include "common/runtime/enum_table.h"
 #include "common/streaming/acknowledgement.h"
 #include "common/streaming/command_receiver.h"
 
@@ -22,6 +23,14 @@ enum class SlaveMode : std::uint8_t {
   kHolding,    ///< was following, but the stream has dried up: holds, laser off
   kStopped,    ///< latched emergency stop
 };
+
+/// What the slave makes of a stream of accelerations that comes without anchors (law remote-acceleration).
+enum class BareAccelerations : std::uint8_t { kObeyed, kIntegrated };
+inline constexpr EnumRow<BareAccelerations> kBareAccelerationRows[] = {
+    {"obeyed", BareAccelerations::kObeyed, "each is the tool's, as in the thesis; nothing else holds it"},
+    {"integrated", BareAccelerations::kIntegrated,
+     "a reference is integrated from where the tool stood, and the slave's own loop holds the tool to it"}};
+inline constexpr EnumTable<BareAccelerations> kBareAccelerations(kBareAccelerationRows);
 
 /// Of one control step.
 struct Selected {
@@ -40,7 +49,7 @@ class ReferenceSelector {
  public:
   /// `model`: workspace and limits of the slave's robot.
   ReferenceSelector(const robot::RobotModel& model, const control::BumplessTransferSettings& transfer,
-                    double dt_s);
+                    double dt_s, BareAccelerations bare = BareAccelerations::kObeyed);
 
   /// The tool rests here when nobody has led it yet.
   void rest_at(const Vec3& position_m) noexcept;
@@ -69,11 +78,13 @@ class ReferenceSelector {
   double half_height_m_;
   double max_m_per_s_;
   double dt_s_;
+  BareAccelerations bare_;
   SlaveMode mode_ = SlaveMode::kWaiting;
   control::BumplessTransfer transfer_;
   streaming::AcknowledgementLog log_;
   KinematicState reference_;
   KinematicState hold_;                  ///< source while not following
+  KinematicState integral_;              ///< of bare accelerations
   std::uint32_t source_generation_ = 0;  ///< 0: holding
   std::uint32_t source_block_ = 0;
   Law source_law_ = Law::kLocal;

@@ -26,7 +26,7 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
                  .timeout_s = settings.command_timeout_s,
                  .max_acceleration_m_per_s2 = model.limits.acceleration_m_per_s2,
                  .control_period_ns = period_ns(settings)}),
-      selector_(model, settings.transfer, dt_s_),
+      selector_(model, settings.transfer, dt_s_, settings.bare_accelerations),
       report_({.positions = settings.feedback,
                .forces = settings.force,
                .ticks_per_sample = static_cast<int>(std::lround(settings.control_hz / settings.stream_hz)),

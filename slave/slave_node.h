@@ -27,6 +27,7 @@ struct SlaveSettings {
   double observer_rad_s = 0.0;      ///< of the disturbance observer; 0: likewise (loop_design.h)
   double command_timeout_s = 0.15;  ///< no command for this long: laser off, hold
   double laser_w = 10.0;
+  BareAccelerations bare_accelerations = BareAccelerations::kObeyed;
   codec::StreamSettings feedback;  ///< of the positions in the state stream, m
   /// Of the force beside them, N. Codec, block, redundancy and period are the positions'.
   codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};

@@ -44,6 +44,8 @@ void StationSettings::add_node_parameters(Settings& settings) {
                "of the disturbance observer, 0: chosen likewise");
   settings.add("stale_s", node.command_timeout_s, {.min = 0.02, .max = 10, .unit = "s"},
                "no command for this long: hold, laser off");
+  settings.add("bare_accelerations", node.bare_accelerations, kBareAccelerations,
+               "of law remote-acceleration, what the slave makes of them");
   settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"}, "laser power");
 }
 

@@ -18,11 +18,10 @@ constexpr std::int64_t kTickNs = 1'000'000;
 constexpr std::uint32_t kEpoch = 1;
 constexpr double kSilence_s = 0.5;  // before another slave would be listened to
 
-ErrorStatistics between(const std::vector<double>& errors, double from, double to) {
+ErrorStatistics statistics_of(const std::vector<double>& errors) {
   ErrorStatistics spread;
-  const auto size = static_cast<double>(errors.size());
-  for (auto i = static_cast<std::size_t>(from * size); i < static_cast<std::size_t>(to * size); ++i) {
-    if (std::isfinite(errors[i])) spread.add(errors[i]);
+  for (const double error : errors) {
+    if (std::isfinite(error)) spread.add(error);
   }
   return spread;
 }
@@ -81,25 +80,15 @@ HandRecord record_hand(const std::string& image, double duration_s, std::uint64_
   return record;
 }
 
-master::StationSettings master_settings(const DelayTrial& trial) {
-  master::StationSettings settings;
-  settings.node.command.law = trial.law;
-  settings.node.command.observer.estimator = trial.estimator;
-  settings.codec = trial.codec;
-  settings.node.command.codec.block = trial.block;
-  settings.node.command.codec.redundancy = trial.redundancy;
-  return settings.validated();
-}
-
 DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
-  auto stream_settings = master_settings(trial).node.command;
+  auto stream_settings = trial.master.validated().node.command;
   if (trial.wrong_start) {
     stream_settings.wrong_position_m = Vec3(0.01, 0.0, 0.0);
     stream_settings.wrong_velocity_m_per_s = Vec3(0.05, 0.0, 0.0);
   }
   master::CommandStream stream(stream_settings, kEpoch);
   streaming::StateReceiver feedback(kSilence_s, kEpoch, stream_settings.ticks_per_sample);
-  slave::StationSettings slave_settings;
+  slave::StationSettings slave_settings = trial.slave;
   slave_settings.seed = trial.seed;
   slave_settings.record_s = 1.0;
   slave::Station slave(slave_settings);
@@ -117,6 +106,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   result.error_m.assign(hand.tool.size(), std::numeric_limits<double>::quiet_NaN());
   result.prediction_error_m = result.error_m;
   bool heard = false;
+  bool joined = false;  // the first approach has ended, on both sides
   std::uint64_t payload_bytes = 0;
   std::uint64_t on_wire = 0;
   for (std::size_t tick = 0; tick < hand.tool.size(); ++tick) {
@@ -144,25 +134,20 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
     if (out.applied_tick < 0.0) continue;
     const auto applied = static_cast<std::size_t>(std::llround(out.applied_tick));
-    if (!aligned[applied]) continue;  // the master itself is still leading the slave to its motion
+    joined = joined || (aligned[applied] && out.settled);
+    if (!joined) continue;
     result.error_m[applied] = (tool_m - hand.beta * hand.true_tool_m[applied]).norm();
     result.prediction_error_m[applied] = (tool_m - predicted[applied]).norm();
   }
 
-  // Only what was followed counts; the first half is the approach and what comes of a wrong start.
-  std::size_t first = 0;
-  while (first < result.error_m.size() && !std::isfinite(result.error_m[first])) ++first;
-  std::vector<double> error(result.error_m.begin() + static_cast<std::ptrdiff_t>(first),
-                            result.error_m.end());
-  std::vector<double> prediction(result.prediction_error_m.begin() + static_cast<std::ptrdiff_t>(first),
-                                 result.prediction_error_m.end());
-  while (!error.empty() && !std::isfinite(error.back())) {
-    error.pop_back();
-    prediction.pop_back();
-  }
-  const ErrorStatistics tracking = between(error, 0.5, 1.0);
-  const ErrorStatistics predictions = between(prediction, 0.5, 1.0);
+  const auto is_counted = [](double error) { return std::isfinite(error); };
+  const auto first = std::find_if(result.error_m.begin(), result.error_m.end(), is_counted);
+  const auto last = std::find_if(result.error_m.rbegin(), result.error_m.rend(), is_counted).base();
+  const std::vector<double> error(first, std::max(first, last));
+  const ErrorStatistics tracking = statistics_of(result.error_m);
+  const ErrorStatistics predictions = statistics_of(result.prediction_error_m);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  result.counted = tracking.count;
   result.tracking_rmse_um = tracking.count == 0 ? kNone : tracking.rms() * 1e6;
   result.tracking_max_um = tracking.count == 0 ? kNone : tracking.max * 1e6;
   result.prediction_rmse_um = predictions.count == 0 ? kNone : predictions.rms() * 1e6;

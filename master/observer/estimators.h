@@ -7,17 +7,21 @@
 
 #include "common/protocol/messages.h"
 #include "common/runtime/enum_table.h"
+#include "master/observer/command_window.h"
 #include "master/observer/communication_disturbance_observer.h"
 #include "master/observer/delayed_innovation.h"
 #include "master/observer/estimator.h"
 #include "master/observer/no_prediction.h"
+#include "master/observer/open_integrator.h"
 #include "master/observer/propagated_predictor.h"
 #include "master/observer/reference_model_estimator.h"
 
 namespace telekerf::master {
 
-using AnyEstimator = std::variant<NoPrediction, CommunicationDisturbanceObserver, DelayedInnovation,
-                                  PropagatedPredictor, ReferenceModelEstimator>;
+using AnyEstimator =
+    std::variant<NoPrediction, CommunicationDisturbanceObserver, CommandWindow,
+                 DelayedInnovation<OpenIntegrator>, DelayedInnovation<CommunicationDisturbanceObserver>,
+                 PropagatedPredictor, ReferenceModelEstimator>;
 using MakeEstimator = AnyEstimator (*)(Law law, const EstimatorSettings& settings);
 
 template <Estimator E>
@@ -32,9 +36,14 @@ inline AnyEstimator make_predictor(Law law, const EstimatorSettings& settings) {
 
 inline constexpr EnumRow<MakeEstimator> kEstimatorRows[] = {
     {"predictor", &make_predictor, "its own commands replayed from what the slave acknowledged last"},
-    {"delayed-innovation", &make_estimator<DelayedInnovation>, "a model that old measurements correct"},
+    {"delayed-innovation", &make_estimator<DelayedInnovation<OpenIntegrator>>,
+     "a model that old measurements correct"},
     {"thesis", &make_estimator<CommunicationDisturbanceObserver>,
      "the thesis' communication disturbance observer"},
+    {"thesis-convergent", &make_estimator<DelayedInnovation<CommunicationDisturbanceObserver>>,
+     "the same, corrected by old measurements"},
+    {"thesis-window", &make_estimator<CommandWindow>,
+     "the newest measurement, and eq. 94's integral of the commands since"},
     {"none", &make_estimator<NoPrediction>, "the newest measurement is taken for the present"}};
 /// The words of command lines and reports.
 inline constexpr EnumTable<MakeEstimator> kEstimators(kEstimatorRows);

@@ -15,7 +15,7 @@ _telekerf_commands() {
 _telekerf_flags() {
   case $1 in
     'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --laser-w --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --bare-accelerations --laser-w --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --record --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --mode --anchor --select --width-mm --fit-all --robot --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -35,9 +35,9 @@ _telekerf_flags() {
     'telekerf-experiment codec') echo '--out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
-    'telekerf-experiment delay') echo '--law --estimator --codec --block --redundancy --netem --rtt-ms --jitter-ms --loss --duration-s --seed --out --config --print-config --help --version' ;;
+    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --seed --page --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
-    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-laser-w --duration-s --record --out --config --print-config --help --version' ;;
+    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --record --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
@@ -61,7 +61,7 @@ _telekerf_values() {
     'telekerf-master  --control-hz') echo "" ;;
     'telekerf-master  --stream-hz') echo "" ;;
     'telekerf-master  --law') echo "-W 'anchored remote-acceleration local'" ;;
-    'telekerf-master  --estimator') echo "-W 'predictor delayed-innovation thesis none'" ;;
+    'telekerf-master  --estimator') echo "-W 'predictor delayed-innovation thesis thesis-convergent thesis-window none'" ;;
     'telekerf-master  --codec') echo "-W 'raw sdct batched truncated deadband weber dpcm'" ;;
     'telekerf-master  --tracking-rad-s') echo "" ;;
     'telekerf-master  --timing-error-s') echo "" ;;
@@ -111,6 +111,7 @@ _telekerf_values() {
     'telekerf-slave  --bandwidth-rad-s') echo "" ;;
     'telekerf-slave  --observer-rad-s') echo "" ;;
     'telekerf-slave  --stale-s') echo "" ;;
+    'telekerf-slave  --bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-slave  --laser-w') echo "" ;;
     'telekerf-slave  --record') echo "-d" ;;
     'telekerf-slave  --domain') echo "" ;;
@@ -255,16 +256,37 @@ _telekerf_values() {
     'telekerf-experiment constraint --out') echo "-d" ;;
     'telekerf-experiment contours --out') echo "-d" ;;
     'telekerf-experiment delay --law') echo "-W 'anchored remote-acceleration local'" ;;
-    'telekerf-experiment delay --estimator') echo "-W 'predictor delayed-innovation thesis none'" ;;
+    'telekerf-experiment delay --estimator') echo "-W 'predictor delayed-innovation thesis thesis-convergent thesis-window none'" ;;
     'telekerf-experiment delay --codec') echo "-W 'raw sdct batched truncated deadband weber dpcm'" ;;
+    'telekerf-experiment delay --tracking-rad-s') echo "" ;;
+    'telekerf-experiment delay --timing-error-s') echo "" ;;
+    'telekerf-experiment delay --thesis-cutoff-rad-s') echo "" ;;
+    'telekerf-experiment delay --innovation-gain-per-s') echo "" ;;
+    'telekerf-experiment delay --predictor-rad-s') echo "" ;;
+    'telekerf-experiment delay --disturbance-rad-s') echo "" ;;
     'telekerf-experiment delay --block') echo "" ;;
+    'telekerf-experiment delay --keep') echo "" ;;
+    'telekerf-experiment delay --max-rms') echo "" ;;
     'telekerf-experiment delay --redundancy') echo "" ;;
     'telekerf-experiment delay --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
     'telekerf-experiment delay --rtt-ms') echo "" ;;
     'telekerf-experiment delay --jitter-ms') echo "" ;;
     'telekerf-experiment delay --loss') echo "" ;;
+    'telekerf-experiment delay --slave-codec') echo "-W 'raw sdct batched truncated deadband weber dpcm'" ;;
+    'telekerf-experiment delay --slave-block') echo "" ;;
+    'telekerf-experiment delay --slave-keep') echo "" ;;
+    'telekerf-experiment delay --slave-max-rms') echo "" ;;
+    'telekerf-experiment delay --slave-force-keep') echo "" ;;
+    'telekerf-experiment delay --slave-force-max-rms') echo "" ;;
+    'telekerf-experiment delay --slave-redundancy') echo "" ;;
+    'telekerf-experiment delay --slave-bandwidth-rad-s') echo "" ;;
+    'telekerf-experiment delay --slave-observer-rad-s') echo "" ;;
+    'telekerf-experiment delay --slave-stale-s') echo "" ;;
+    'telekerf-experiment delay --slave-bare-accelerations') echo "-W 'obeyed integrated'" ;;
+    'telekerf-experiment delay --slave-laser-w') echo "" ;;
     'telekerf-experiment delay --duration-s') echo "" ;;
     'telekerf-experiment delay --seed') echo "" ;;
+    'telekerf-experiment delay --page') echo "-f" ;;
     'telekerf-experiment delay --out') echo "-d" ;;
     'telekerf-experiment kinematics --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-experiment kinematics --step-m') echo "" ;;
@@ -280,7 +302,7 @@ _telekerf_values() {
     'telekerf-experiment lap --control-hz') echo "" ;;
     'telekerf-experiment lap --stream-hz') echo "" ;;
     'telekerf-experiment lap --law') echo "-W 'anchored remote-acceleration local'" ;;
-    'telekerf-experiment lap --estimator') echo "-W 'predictor delayed-innovation thesis none'" ;;
+    'telekerf-experiment lap --estimator') echo "-W 'predictor delayed-innovation thesis thesis-convergent thesis-window none'" ;;
     'telekerf-experiment lap --codec') echo "-W 'raw sdct batched truncated deadband weber dpcm'" ;;
     'telekerf-experiment lap --tracking-rad-s') echo "" ;;
     'telekerf-experiment lap --timing-error-s') echo "" ;;
@@ -312,6 +334,7 @@ _telekerf_values() {
     'telekerf-experiment lap --slave-bandwidth-rad-s') echo "" ;;
     'telekerf-experiment lap --slave-observer-rad-s') echo "" ;;
     'telekerf-experiment lap --slave-stale-s') echo "" ;;
+    'telekerf-experiment lap --slave-bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-experiment lap --slave-laser-w') echo "" ;;
     'telekerf-experiment lap --duration-s') echo "" ;;
     'telekerf-experiment lap --out') echo "-d" ;;

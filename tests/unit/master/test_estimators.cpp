@@ -90,7 +90,8 @@ TEST(Estimators, EachFindsASlaveThatDoesAsItIsTold) {
         EXPECT_GT(worst_m, 0.5 * moved_m) << "it lags by the delay";
         EXPECT_LT(worst_m, 2.0 * moved_m);
       } else {
-        EXPECT_LT(worst_m, row.word == "thesis" ? 0.5 * moved_m : 1e-9) << row.word;
+        EXPECT_LT(worst_m, row.word == "thesis" || row.word == "thesis-convergent" ? 0.5 * moved_m : 1e-9)
+            << row.word;
       }
     }
   }

@@ -202,6 +202,33 @@ TEST(NetworkObserver, TheThesisEstimatorNeedsItsInitialStateThePredictorDoesNot)
   EXPECT_LT(largest_late_error("thesis", false), 1e-3);
   EXPECT_GT(largest_late_error("thesis", true), 0.5) << "0.05 m/s for twenty seconds";
   EXPECT_LT(largest_late_error("predictor", true), 1e-6);
+  EXPECT_LT(largest_late_error("thesis-window", true), 1e-9);
+  const double left_m = largest_late_error("thesis", false);
+  EXPECT_NEAR(largest_late_error("thesis-convergent", true), left_m, 0.5 * left_m)
+      << "of the wrong start nothing is left, of the low-pass as much as ever";
+}
+
+TEST(NetworkObserver, TheWindowForgetsAWrongStartWithinTwoDelaysAndLeavesABiasOfHalfDSquared) {
+  for (const double disturbance : {0.0, 0.05}) {
+    Loop loop(with("thesis-window"), 100);
+    loop.truth.back().position_m.x() = 0.01;
+    loop.truth.back().velocity_m_per_s.x() = 0.05;
+    loop.disturbance = disturbance;
+    for (int k = 0; k < 400; ++k) {
+      const KinematicState predicted = loop.predicted();
+      if (k < 100) {
+        EXPECT_GT(loop.error(predicted), 0.009) << "nothing has been heard yet";
+      }
+      if (k > 200) {
+        // The velocity misses d over one delay; so did each velocity in the position's window.
+        EXPECT_NEAR(loop.truth.back().velocity_m_per_s.x() - predicted.velocity_m_per_s.x(),
+                    0.1 * disturbance, 1e-12);
+        EXPECT_NEAR(loop.truth.back().position_m.x() - predicted.position_m.x(), 0.01 * disturbance,
+                    0.005 * 0.01 * disturbance + 1e-12);
+      }
+      loop.apply(0.2 * std::sin(0.02 * k));
+    }
+  }
 }
 
 /// A resting slave that this master may engage.

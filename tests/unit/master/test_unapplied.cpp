@@ -59,7 +59,7 @@ TEST(ReferenceModelEstimator, LearnsAShareOfWhatAppliedSamplesAreOffAndNothingEl
 TEST(DelayedInnovation, PullsPositionAndVelocityByItsGainAndIsMovedByWhatTheBlockBecame) {
   CommandHistory history;
   fill(history, 100);
-  DelayedInnovation estimator(settings_of());
+  DelayedInnovation<OpenIntegrator> estimator(settings_of());
   const auto at = [&] { return estimator.predicted_state(history, 100); };
   estimator.reset(10, {});
   for (std::int64_t index = 10; index < 100; ++index) estimator.predict(history, index);
@@ -189,7 +189,7 @@ TEST(DelayedInnovation, CorrectsByTheGainThatTheDelayAllowsAndByAppliedSamplesOn
       fill(history, 200, Vec3(0.1, 0, 0));
       EstimatorSettings settings = settings_of();
       settings.innovation_gain_per_s = own_gain;
-      DelayedInnovation estimator(settings);
+      DelayedInnovation<OpenIntegrator> estimator(settings);
       KinematicState state{.position_m = Vec3(1e-3, 0, 0), .velocity_m_per_s = Vec3(0.02, 0, 0)};
       estimator.reset(20, state);
       std::vector<KinematicState> past;

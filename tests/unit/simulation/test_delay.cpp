@@ -25,9 +25,9 @@ TEST(Delay, CostsTimeNotAccuracy) {
   const DelayResult near = across(0.0, 0.0, 0.0);
   const DelayResult far = across(0.2, 0.02, 0.01);
   const DelayResult moon = across(0.8, 0.08, 0.05);
-  EXPECT_LE(near.tracking_rmse_um, 0.80);
-  EXPECT_LE(far.tracking_rmse_um, 1.1);
-  EXPECT_LE(moon.tracking_rmse_um, 1.6);
+  EXPECT_LE(near.tracking_rmse_um, 0.68);
+  EXPECT_LE(far.tracking_rmse_um, 2.2) << "with the gaps of 1 % loss";
+  EXPECT_LE(moon.tracking_rmse_um, 5.5) << "of 5 %";
   EXPECT_GT(moon.total_ms, 800.0) << "the time that it does cost";
 }
 
@@ -40,21 +40,21 @@ TEST(Delay, EveryShippedNetworkIsBorne) {
     // Where whole stretches are lost, the slave stops and catches up; at leo's handovers the delay itself
     // jumps.
     if (name == "hostile" || name == "wifi") continue;
-    EXPECT_LE(result.tracking_rmse_um, name == "leo" ? 5.0 : 1.1) << name;
+    EXPECT_LE(result.tracking_rmse_um, name == "leo" ? 5.0 : 2.3) << name;
   }
 }
 
 TEST(Delay, ThePredictionIsAFifthOfNoneAtMost) {
   DelayTrial naive;
-  naive.law = Law::kLocal;
-  naive.estimator = master::estimator_named("none");
+  naive.master.node.command.law = Law::kLocal;
+  naive.master.node.command.observer.estimator = master::estimator_named("none");
   const double none_um = across(0.05, 0.005, 0.01, naive).prediction_rmse_um;
   EXPECT_LE(across(0.05, 0.005, 0.01).prediction_rmse_um, 0.0042 * none_um) << none_um;
 }
 
 TEST(Delay, RemoteAccelerationWithThePredictorIsStable) {
   DelayTrial thesis;
-  thesis.law = Law::kRemoteAcceleration;
+  thesis.master.node.command.law = Law::kRemoteAcceleration;
   EXPECT_TRUE(across(0.2, 0.02, 0.01, thesis).stable);
   thesis.push_n = 1.0;
   EXPECT_TRUE(across(0.1, 0.0, 0.0, thesis).stable) << "under a constant push";
@@ -63,8 +63,21 @@ TEST(Delay, RemoteAccelerationWithThePredictorIsStable) {
     thesis.network = netem::load_profile(name);
     EXPECT_TRUE(run_trial(hand(), thesis).stable) << name;
   }
-  thesis.estimator = master::estimator_named("none");
+  thesis.master.node.command.observer.estimator = master::estimator_named("none");
   EXPECT_FALSE(across(0.2, 0.02, 0.01, thesis).stable) << "the bar can be missed";
+}
+
+TEST(Delay, ALoopClosedAtTheSlaveTracksWithoutAnchorsWhileNothingIsLost) {
+  DelayTrial trial;
+  trial.master.node.command.law = Law::kRemoteAcceleration;
+  trial.master.node.command.timing_error_s = 1e-4;
+  trial.master.tracking_rad_s = 110.0;
+  trial.slave.node.bare_accelerations = slave::BareAccelerations::kIntegrated;
+  EXPECT_LE(across(0.1, 0.0, 0.0, trial).tracking_rmse_um, 1.4);
+  const double lossy_um = across(0.1, 0.01, 0.05, trial).tracking_rmse_um;
+  EXPECT_GT(lossy_um, 20.0) << "what is lost stays in its integral";
+  trial.slave.node.bare_accelerations = slave::BareAccelerations::kObeyed;
+  EXPECT_GT(across(0.1, 0.0, 0.0, trial).tracking_rmse_um, 40.0) << "without that loop";
 }
 
 TEST(Delay, AWrongStartIsForgotten) {
@@ -73,7 +86,7 @@ TEST(Delay, AWrongStartIsForgotten) {
   const DelayResult result = across(0.1, 0.0, 0.0, wrong);
   EXPECT_TRUE(result.stable);
   EXPECT_LE(result.tracking_rmse_um, 6.4);
-  wrong.law = Law::kRemoteAcceleration;
+  wrong.master.node.command.law = Law::kRemoteAcceleration;
   EXPECT_TRUE(across(0.1, 0.0, 0.0, wrong).stable);
 }
 

@@ -26,9 +26,9 @@ const HandRecord& hand() {
 DelayResult coded(const std::string& word, int block, int redundancy) {
   DelayTrial trial;
   trial.network = netem::load_profile("thesis-constant");
-  trial.codec = codec::kCodecs.find(word).value();
-  trial.block = block;
-  trial.redundancy = redundancy;
+  trial.master.codec = codec::kCodecs.find(word).value();
+  trial.master.node.command.codec.block = block;
+  trial.master.node.command.codec.redundancy = redundancy;
   return run_trial(hand(), trial);
 }
 

@@ -151,6 +151,30 @@ TEST_F(Selector, WhatIsFollowedIsSaidOfEachStep) {
   EXPECT_FALSE(out_.following || out_.bare);
 }
 
+TEST_F(Selector, BareAccelerationsAreIntegratedFromWhereTheToolStoodIfSoChosen) {
+  selector_ = ReferenceSelector(model(), {}, kDt_s, BareAccelerations::kIntegrated);
+  selector_.rest_at(Vec3(1e-3, 0, 0));
+  streaming::StreamSample bare = sample(Law::kRemoteAcceleration);
+  bare.acceleration_m_per_s2 = Vec3(0.5, 0, 0);
+  // The tool lags behind; the reference does not care.
+  for (int n = 0; n <= 100; ++n) {
+    play(bare, at(1.1e-3, 0.001, 0.5));
+    const double t_s = n * kDt_s;
+    ASSERT_NEAR(out_.reference.position_m.x(), 1e-3 + 0.25 * t_s * t_s, 1e-12) << n;
+    ASSERT_NEAR(out_.reference.velocity_m_per_s.x(), 0.5 * t_s, 1e-12) << n;
+    ASSERT_EQ(out_.reference.acceleration_m_per_s2.x(), 0.5) << n;
+    ASSERT_TRUE(out_.following);
+    ASSERT_FALSE(out_.bare) << "the slave's loop holds the tool to it";
+  }
+  EXPECT_EQ(out_.source_m, out_.reference.position_m);
+  // Another stream: from where the reference is, with its speed.
+  bare.generation = 2;
+  play(bare, at(0.0, 0.0, 0.5));
+  EXPECT_NEAR(out_.reference.position_m.x(), 1e-3 + 0.25 * 0.101 * 0.101, 1e-12);
+  EXPECT_NEAR(out_.reference.velocity_m_per_s.x(), 0.5 * 0.101, 1e-12);
+  EXPECT_EQ(selector_.offset_m(), 0.0);
+}
+
 TEST_F(Selector, ASampleThatGoesOnIsTheReferenceItself) {
   const streaming::StreamSample local = sample();
   for (int n = 0; n < 3000; ++n) play(local, at(0.0));

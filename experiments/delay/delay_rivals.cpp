@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "experiments/delay/delay_rivals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace telekerf::experiments {
+namespace {
+
+using master::EstimatorSettings;
+using slave::BareAccelerations;
+
+constexpr master::MakeEstimator kPredictor = &master::make_predictor;
+constexpr auto kInnovation = &master::make_estimator<master::DelayedInnovation<master::OpenIntegrator>>;
+constexpr auto kThesis = &master::make_estimator<master::CommunicationDisturbanceObserver>;
+constexpr auto kConvergent =
+    &master::make_estimator<master::DelayedInnovation<master::CommunicationDisturbanceObserver>>;
+constexpr auto kWindow = &master::make_estimator<master::CommandWindow>;
+constexpr auto kNone = &master::make_estimator<master::NoPrediction>;
+
+constexpr Rival kRivals[] = {
+    {Law::kAnchored, kPredictor},
+    {Law::kLocal, kPredictor},
+    {Law::kLocal, kNone},
+    {Law::kRemoteAcceleration, kPredictor, BareAccelerations::kIntegrated},
+    {Law::kRemoteAcceleration, kWindow, BareAccelerations::kIntegrated},
+    {Law::kRemoteAcceleration, kPredictor},
+    {Law::kRemoteAcceleration, kWindow},
+    {Law::kRemoteAcceleration, kConvergent},
+    {Law::kRemoteAcceleration, kThesis},
+    {Law::kRemoteAcceleration, kInnovation},
+    {Law::kRemoteAcceleration, kNone},
+    {Law::kAnchored, kInnovation},
+    {Law::kAnchored, kThesis},
+    {Law::kAnchored, kNone},
+};
+constexpr Rival kProfileRivals[] = {kRivals[0], kRivals[3], kRivals[5], kRivals[6]};
+
+/// A loop that spans the delay begins slowly enough for the timing that it is assumed to bear.
+constexpr double kTimingError_s = 1e-4;
+
+struct Range {
+  const char* name;
+  double least, most;
+  double& (*value)(master::StationSettings& settings);
+};
+constexpr Range kLaw{"tracking_rad_s", 0.1, 400.0,
+                     [](master::StationSettings& s) -> double& { return s.tracking_rad_s; }};
+constexpr Range kCutoff{"thesis_cutoff_rad_s", 0.5, 1000.0, [](master::StationSettings& s) -> double& {
+                          return s.node.command.observer.thesis_cutoff_rad_s;
+                        }};
+constexpr Range kGain{"innovation_gain_per_s", 0.01, 100.0, [](master::StationSettings& s) -> double& {
+                        return s.node.command.observer.innovation_gain_per_s;
+                      }};
+constexpr Range kPoles{"predictor_rad_s", 0.5, 400.0, [](master::StationSettings& s) -> double& {
+                         return s.node.command.observer.predictor_rad_s;
+                       }};
+constexpr Range kDisturbance{"disturbance_rad_s", 0.01, 100.0, [](master::StationSettings& s) -> double& {
+                               return s.node.command.observer.disturbance_rad_s;
+                             }};
+
+std::vector<Range> ranges_of(const DelayTrial& trial) {
+  const master::CommandStreamSettings& command = trial.master.node.command;
+  const master::MakeEstimator estimator = command.observer.estimator;
+  const bool shipped = command.law == Law::kAnchored && estimator == kPredictor;
+  if (shipped || command.law == Law::kLocal) return {};
+  if (estimator == kThesis) return {kLaw, kCutoff};
+  if (estimator == kConvergent) return {kLaw, kCutoff, kGain};
+  if (estimator == kInnovation) return {kLaw, kGain};
+  if (estimator == kPredictor) return {kLaw, kPoles, kDisturbance};
+  return {kLaw};
+}
+
+double two_digits(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return std::round(value / unit) * unit;
+}
+
+/// Of a run: its tracking error, or more than any where it is not stable.
+double cost(const HandRecord& hand, const DelayTrial& trial) {
+  const DelayResult result = run_trial(hand, trial);
+  return result.stable ? result.tracking_rmse_um : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+std::span<const Rival> rivals() { return kRivals; }
+std::span<const Rival> profile_rivals() { return kProfileRivals; }
+
+std::string word_of(Law law) { return std::string(master::kLaws.word(law)); }
+std::string word_of(master::MakeEstimator estimator) {
+  return std::string(master::kEstimators.word(estimator));
+}
+std::string law_of(const Rival& rival) {
+  if (rival.bare == BareAccelerations::kObeyed) return word_of(rival.law);
+  return word_of(rival.law) + ", " + std::string(slave::kBareAccelerations.word(rival.bare));
+}
+bool same(const Rival& a, const Rival& b) {
+  return a.law == b.law && a.estimator == b.estimator && a.bare == b.bare;
+}
+
+DelayTrial trial_of(const Rival& rival, const netem::Profile& network, std::uint64_t seed) {
+  DelayTrial trial;
+  trial.master.node.command.law = rival.law;
+  trial.master.node.command.observer.estimator = rival.estimator;
+  trial.slave.node.bare_accelerations = rival.bare;
+  trial.network = network;
+  trial.seed = seed;
+  return trial;
+}
+
+std::vector<Tuned> tuning_of(const DelayTrial& trial) {
+  master::StationSettings settings = trial.master;
+  std::vector<Tuned> tuning;
+  for (const Range& range : ranges_of(trial)) tuning.push_back({range.name, range.value(settings)});
+  return tuning;
+}
+
+DelayTrial with_tuning(DelayTrial trial, std::span<const Tuned> tuning) {
+  if (tuning.empty()) return trial;
+  trial.master.node.command.timing_error_s = kTimingError_s;
+  const std::vector<Range> ranges = ranges_of(trial);
+  for (const Tuned& tuned : tuning) {
+    const auto range =
+        std::find_if(ranges.begin(), ranges.end(), [&](const Range& r) { return r.name == tuned.name; });
+    range->value(trial.master) = tuned.value;
+  }
+  return trial;
+}
+
+std::vector<Tuned> best_tuning(const HandRecord& hand, const DelayTrial& trial, double rtt_s) {
+  std::vector<Tuned> best = tuning_of(trial);
+  if (best.empty()) return best;
+  const std::vector<Range> ranges = ranges_of(trial);
+  const double delay_s = rtt_s + 0.05;  // filling a block and the play-out come on top
+  for (Tuned& tuned : best) {
+    if (tuned.name == kLaw.name) tuned.value = two_digits(std::min(60.0, 3.0 / delay_s));
+    if (tuned.name == kGain.name) tuned.value = two_digits(1.0 / (std::numbers::e * delay_s));
+  }
+  const auto cost_of = [&](const std::vector<Tuned>& tuning) {
+    return cost(hand, with_tuning(trial, tuning));
+  };
+  // The law's bandwidth first, slower and faster, until a run is stable at all.
+  const double guess = best[0].value;
+  double least = cost_of(best);
+  for (const double factor : {0.5, 2.0, 0.25, 4.0, 0.125, 8.0, 0.06, 0.03}) {
+    if (std::isfinite(least)) break;
+    best[0].value = std::clamp(two_digits(factor * guess), kLaw.least, kLaw.most);
+    least = cost_of(best);
+  }
+  for (const double step : {2.0, 1.4}) {
+    bool better = true;
+    while (better) {
+      better = false;
+      for (std::size_t i = 0; i < best.size(); ++i) {
+        for (const double factor : {step, 1.0 / step}) {
+          while (true) {
+            std::vector<Tuned> next = best;
+            next[i].value = std::clamp(two_digits(best[i].value * factor), ranges[i].least, ranges[i].most);
+            if (next[i].value == best[i].value) break;
+            const double value = cost_of(next);
+            if (!(value < 0.99 * least)) break;
+            best = next;
+            least = value;
+            better = true;
+          }
+        }
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace telekerf::experiments
