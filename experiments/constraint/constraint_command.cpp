@@ -14,6 +14,7 @@
 #include "experiments/acceptance.h"
 #include "experiments/commands.h"
 #include "experiments/constraint/constraint_acceptance.h"
+#include "experiments/constraint/constraint_curves.h"
 #include "experiments/simulation/simulation.h"
 
 namespace telekerf::experiments {
@@ -24,21 +25,11 @@ using reporting::Line;
 using reporting::Panel;
 
 struct Options {
+  std::string page;
   std::string out = "out/constraint";
   std::uint64_t seed = 1;
   double duration_s = 20.0;
 };
-
-std::vector<ContourMessage> contours() {
-  std::vector<ContourMessage> out{rounded_outline(1e-3, 20e-3)};
-  for (const char* picture : {"gear", "letter-e", "figure-8"}) {
-    simulation::SimulationSettings settings;
-    settings.image = picture;
-    out.push_back(simulation::find_contour(settings));
-    out.back().source = picture;
-  }
-  return out;
-}
 
 void measure_tracking(const std::vector<ContourMessage>& contours, const Options& options,
                       std::vector<Acceptance>& bars, nlohmann::ordered_json& rows) {
@@ -75,32 +66,9 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
                 .log_y = true};
     for (const auto& [kind, name] : kKinds) {
       Line line{.label = name};
-      for (const int k : {1, 2, 4, 8, 16, 32}) {
-        master::StationSettings station;
-        station.node.constraint.spacing_m = 0.1e-3 * station.beta;  // 0.1 mm apart for the master
-        station.node.constraint.rounding_m = 0.0;
-        station.node.constraint.min_radius_m = 0.0;
-        station.node.constraint.window_bend_rad = 4.0;
-        station.node.constraint.half_window = k;
-        station.node.constraint.curve = kind;
-        const master::GuidePath guide = master::make_guide(contour, station.beta, station.node.constraint);
-        geometry::Polyline truth;
-        truth.closed = contour.closed;
-        for (const auto& p : contour.points_m) truth.points_m.push_back(p / station.beta);
-        const geometry::NearestIndex index(truth);
-        double squares = 0.0;
-        double largest = 0.0;
-        constexpr int kPlaces = 4000;
-        std::vector<Vec2> places;
-        places.reserve(kPlaces);
-        const auto begin = std::chrono::steady_clock::now();
-        for (int i = 0; i < kPlaces; ++i) places.push_back(guide.at(guide.length_m() * i / kPlaces).point_m);
-        const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-        for (const auto& place : places) {
-          const double error = index.find(place).distance_m;
-          squares += error * error;
-          largest = std::max(largest, error);
-        }
+      for (const int k : kTableWindows) {
+        const master::StationSettings station = curve_station(kind, k);
+        const CurveError error = curve_error(contour, station);
         TrialSettings driven;
         driven.station = station;
         driven.station.seed = options.seed;
@@ -109,22 +77,22 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
         rows.push_back({{"contour", contour.source},
                         {"curve", name},
                         {"k", k},
-                        {"curve_rms_um", 1e6 * std::sqrt(squares / kPlaces)},
-                        {"curve_max_um", 1e6 * largest},
+                        {"curve_rms_um", 1e6 * error.rms_m},
+                        {"curve_max_um", 1e6 * error.max_m},
                         {"driven_rms_um", 1e6 * trial.rms_m},
                         {"driven_max_um", 1e6 * trial.max_m},
                         {"handover_mm_s", 1e3 * trial.max_handover_m_per_s},
-                        {"cost_ns", 1e9 * spent.count() / kPlaces}});
+                        {"cost_ns", error.cost_ns}});
         fmt::print(
             "{:<10} {:<10} k {:<2}  curve {:6.2f} / {:7.2f} um  driven {:6.1f} / {:6.1f} um  {:5.0f} ns\n",
-            contour.source, name, k, 1e6 * std::sqrt(squares / kPlaces), 1e6 * largest, 1e6 * trial.rms_m,
-            1e6 * trial.max_m, 1e9 * spent.count() / kPlaces);
+            contour.source, name, k, 1e6 * error.rms_m, 1e6 * error.max_m, 1e6 * trial.rms_m,
+            1e6 * trial.max_m, error.cost_ns);
         line.x.push_back(k);
-        line.y.push_back(1e6 * largest);
+        line.y.push_back(1e6 * error.max_m);
         if (kind == CurveKind::kDescriptor) {
           // It has no k.
           line.x = {1, 32};
-          line.y = {1e6 * largest, 1e6 * largest};
+          line.y = {1e6 * error.max_m, 1e6 * error.max_m};
           line.style = Line::Style::kDashed;
           break;
         }
@@ -138,7 +106,7 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
 
 int run(const Options& options) {
   make_folder("--out", options.out);
-  const std::vector<ContourMessage> all = contours();
+  const std::vector<ContourMessage> all = table_contours();
   nlohmann::ordered_json results{{"experiment", "constraint"}, {"seed", options.seed}};
   std::vector<Acceptance> bars;
   results["tracking"] = nlohmann::ordered_json::array();
@@ -159,8 +127,10 @@ int run(const Options& options) {
   const Region region = measure_region(options.seed);
   results["corridor"] = {
       {"half_width_m", 0.5e-3}, {"used_m", region.used_m}, {"beyond_wall_m", region.beyond_wall_m}};
-  for (const double force : {3.0, 10.0, 20.0, 30.0, 40.0, 60.0}) {
+  std::vector<std::vector<std::string>> pushes;
+  for (const double force : kTablePushes_n) {
     const Fight fought = fight(force, options.seed);
+    pushes.push_back(push_row(force, fought));
     results["fight"].push_back({{"force_n", force},
                                 {"pushed_off_m", fought.pushed_off_m},
                                 {"overshoot_m", fought.overshoot_m},
@@ -175,6 +145,8 @@ int run(const Options& options) {
 
   Figure figure{.title = "The virtual constraint over k", .columns = 2};
   results["table"] = table(all, options, figure);
+  if (!options.page.empty())
+    reporting::write_tables(options.page, constraint_tables(results["table"], pushes));
   Line measured{.label = "robot", .y = {}};
   Line ideal{.label = "eq. 65", .style = Line::Style::kDashed};
   for (std::size_t i = 0; i < decay.t_s.size(); ++i) {
@@ -218,6 +190,7 @@ void add_constraint_command(Program& program) {
       [](Options& o, Settings& s) {
         s.add("seed", o.seed, kSeeds, "of robot and hand");
         s.add("duration_s", o.duration_s, {.min = 5, .max = 100, .unit = "s"}, "length of one run");
+        s.add("page", o.page, kFile, "results page whose tables are written anew");
         s.add("out", o.out, kFolder, "for the results");
       },
       run);
