@@ -5,7 +5,8 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
-#include <thread>
+
+#include "experiments/parallel.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -19,18 +20,6 @@ constexpr double kTunedLoss = 0.01;
 constexpr std::array kProfiles{
     "ideal", "lan",           "5g",     "4g",        "wifi",    "wifi-lossy",      "leo",
     "geo",   "transatlantic", "sydney", "lindbergh", "hostile", "thesis-constant", "thesis-tcp"};
-
-/// Every task on as many threads as there are processors.
-template <typename Task>
-void for_each_parallel(std::size_t count, const Task& task) {
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) task(i);
-  };
-  const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, count);
-  std::vector<std::jthread> workers;
-  for (std::size_t t = 0; t < threads; ++t) workers.emplace_back(work);
-}
 
 Run make_run(const Rival& rival, double rtt_ms, double jitter_ms, double loss, std::uint64_t seed) {
   Run run;

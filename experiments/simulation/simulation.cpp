@@ -37,6 +37,7 @@ ContourMessage find_contour(const SimulationSettings& settings) {
   request.image = settings.image;
   if (settings.width_mm > 0.0) request.width_m = settings.width_mm * 1e-3;
   request.workspace_radius_m = robot::load_robot(settings.slave.robot).workspace.radius_m;
+  request.hand_radius_m = settings.master.beta * robot::load_robot(settings.master.robot).workspace.radius_m;
   return vision_process::find_contour(request);
 }
 

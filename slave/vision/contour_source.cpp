@@ -34,6 +34,10 @@ std::uint32_t digest_of(const ContourMessage& message) {
   return std::max(1U, hash);
 }
 
+/// Share of what the hand reaches that the bounding circle of a fitted contour takes: centred by its box, a
+/// triangle reaches 15 % further, and there is a corridor beside it.
+constexpr double kFillOfHand = 0.85;
+
 }  // namespace
 
 vision::LoadRequest load_request(const ContourRequest& request) {
@@ -42,6 +46,10 @@ vision::LoadRequest load_request(const ContourRequest& request) {
   load.scale.anchor = request.anchor;
   load.scale.picture_width_m = request.width_m;
   load.scale.workspace_radius_m = request.workspace_radius_m;
+  if (request.hand_radius_m) {
+    load.scale.fill =
+        std::min(load.scale.fill, kFillOfHand * *request.hand_radius_m / request.workspace_radius_m);
+  }
   load.fit_all = request.fit_all;
   load.select = request.select;
   return load;

@@ -18,6 +18,8 @@ struct ContourRequest {
   std::size_t select = 0;         ///< which contour; 0 is the largest
   std::optional<double> width_m;  ///< of the whole picture; otherwise the contour is fitted to the workspace
   double workspace_radius_m = 0.02;  ///< of the slave
+  /// Beta times the workspace of the robot that the operator's hand moves, if there is one: what is fitted fits it too.
+  std::optional<double> hand_radius_m;
   bool fit_all = false;              ///< all contours together are centred and fitted, not the longest alone
 };
 

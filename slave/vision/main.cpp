@@ -33,6 +33,8 @@ struct Flags {
   double width_mm = 0.0;
   bool fit_all = false;
   std::string robot = "slave-keops";
+  std::string master_robot = "master-horizontal";
+  double master_beta = 0.5;
 };
 
 ContourRequest request_of(const Flags& flags) {
@@ -44,6 +46,9 @@ ContourRequest request_of(const Flags& flags) {
   if (flags.width_mm > 0.0) request.width_m = flags.width_mm * 1e-3;
   request.fit_all = flags.fit_all;
   request.workspace_radius_m = robot::load_robot(flags.robot).workspace.radius_m;
+  if (flags.master_beta > 0.0) {
+    request.hand_radius_m = flags.master_beta * robot::load_robot(flags.master_robot).workspace.radius_m;
+  }
   return request;
 }
 
@@ -107,10 +112,15 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("anchor", flags.anchor, vision::kAnchorModes, "what lies on the workpiece's origin");
   settings.add("select", flags.select, {.min = 0, .max = 9999}, "which contour, 0 is the largest");
   settings.add("width_mm", flags.width_mm, {.min = 0, .max = 10000, .unit = "mm"},
-               "width of the whole picture; 0: the contour is fitted to 60 % of the workspace");
+               "width of the whole picture; 0: the contour is fitted to 60 % of the slave's workspace, and "
+               "to beta x the "
+               "operator's");
   settings.add("fit_all", flags.fit_all,
                "all contours together are centred and fitted, not the longest alone");
   settings.add("robot", flags.robot, kRobot, "the slave's robot: a shipped name or a file");
+  settings.add("master_robot", flags.master_robot, kRobot, "the operator's, for the size alone");
+  settings.add("master_beta", flags.master_beta, {.min = 0, .max = 10},
+               "slave motion = beta x master motion, for the size alone; 0: no operator");
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);
 }

@@ -12,7 +12,7 @@
 namespace telekerf::vision_process {
 namespace {
 
-constexpr double kSame_px = 2.0;  ///< a contour that moves less has not changed
+constexpr double kSame_px = 2.0;         ///< a contour that moves less has not changed
 constexpr double kSameDrawing_m = 1e-6;  ///< for drawings, which have no pixels
 
 double tolerance_for(const ContourMessage& contour) {

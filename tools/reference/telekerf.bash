@@ -7,7 +7,7 @@ _telekerf_commands() {
   case $1 in
     telekerf-ctl) echo 'stop clear-stop engage disengage beta ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
-    telekerf-experiment) echo 'closed-contour codec constraint contours delay kinematics lap open-contour space-contour ' ;;
+    telekerf-experiment) echo 'closed-contour codec constraint contours delay kinematics lap open-contour robots space-contour ' ;;
     telekerf-inspect) echo 'codec contour efd robot run ' ;;
   esac
 }
@@ -17,7 +17,7 @@ _telekerf_flags() {
     'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --bare-accelerations --laser-w --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --record --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-vision ') echo '--image --camera --mode --anchor --select --width-mm --fit-all --robot --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-vision ') echo '--image --camera --mode --anchor --select --width-mm --fit-all --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl engage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -33,12 +33,13 @@ _telekerf_flags() {
     'telekerf-robot ') echo '--robot --mismatch --seed --port --config --print-config --help --version' ;;
     'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment codec') echo '--out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
-    'telekerf-experiment constraint') echo '--seed --duration-s --out --config --print-config --help --version' ;;
+    'telekerf-experiment constraint') echo '--seed --duration-s --page --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
     'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --seed --page --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
     'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --record --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
+    'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
     'telekerf-inspect contour') echo '--mode --start --end --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --out --config --print-config --help --version' ;;
@@ -150,6 +151,8 @@ _telekerf_values() {
     'telekerf-vision  --select') echo "" ;;
     'telekerf-vision  --width-mm') echo "" ;;
     'telekerf-vision  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
+    'telekerf-vision  --master-robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
+    'telekerf-vision  --master-beta') echo "" ;;
     'telekerf-vision  --domain') echo "" ;;
     'telekerf-vision  --cell') echo "" ;;
     'telekerf-vision  --name') echo "" ;;
@@ -253,6 +256,7 @@ _telekerf_values() {
     'telekerf-experiment codec --seed') echo "" ;;
     'telekerf-experiment constraint --seed') echo "" ;;
     'telekerf-experiment constraint --duration-s') echo "" ;;
+    'telekerf-experiment constraint --page') echo "-f" ;;
     'telekerf-experiment constraint --out') echo "-d" ;;
     'telekerf-experiment contours --out') echo "-d" ;;
     'telekerf-experiment delay --law') echo "-W 'anchored remote-acceleration local'" ;;
@@ -353,6 +357,11 @@ _telekerf_values() {
     'telekerf-experiment open-contour --across-rad-s') echo "" ;;
     'telekerf-experiment open-contour --seed') echo "" ;;
     'telekerf-experiment open-contour --out') echo "-d" ;;
+    'telekerf-experiment robots --runs') echo "" ;;
+    'telekerf-experiment robots --seed') echo "" ;;
+    'telekerf-experiment robots --duration-s') echo "" ;;
+    'telekerf-experiment robots --jobs') echo "" ;;
+    'telekerf-experiment robots --out') echo "-d" ;;
     'telekerf-experiment space-contour --speed-mm-s') echo "" ;;
     'telekerf-experiment space-contour --radius-mm') echo "" ;;
     'telekerf-experiment space-contour --curvature-mm') echo "" ;;

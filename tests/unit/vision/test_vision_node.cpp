@@ -129,6 +129,27 @@ TEST(VisionNode, AContourBeyondTheWorkspaceIsNotPublished) {
   EXPECT_NE(outcome.remark.find("--width-mm"), std::string::npos);
 }
 
+TEST(ContourSource, WhatIsFittedFitsTheOperatorsHandToo) {
+  ContourRequest request;
+  request.image = TELEKERF_PICTURES "/heart.png";
+  request.workspace_radius_m = 0.03;
+  const auto reach_m = [&] {
+    double farthest_m = 0.0;
+    for (const Vec2& point : find_contour(request).points_m) farthest_m = std::max(farthest_m, point.norm());
+    return farthest_m;
+  };
+  const double alone_m = reach_m();
+  EXPECT_NEAR(alone_m, 1.093 * 0.6 * 0.03, 1e-5) << "its bounding circle takes 60 %";
+  request.hand_radius_m = 0.5 * 0.0425;
+  EXPECT_EQ(reach_m(), alone_m) << "a hand that reaches further changes nothing";
+  request.hand_radius_m = 0.1 * 0.0425;
+  EXPECT_NEAR(reach_m() / alone_m, 0.85 * 0.00425 / (0.6 * 0.03), 1e-6) << "85 % of what the hand reaches";
+  request.width_m = 0.02;
+  const double asked_m = reach_m();
+  request.hand_radius_m.reset();
+  EXPECT_EQ(reach_m(), asked_m) << "a size that is asked for is taken";
+}
+
 TEST(Contour, TheIdIsTheContoursOwn) {
   ContourRequest request;
   request.image = TELEKERF_PICTURES "/heart.png";
