@@ -68,7 +68,11 @@ void write_tables(const std::filesystem::path& page, const std::vector<PageTable
 TableRows read_table(const std::filesystem::path& page, const std::string& name) {
   const std::string text = text_of(page);
   const auto [begin, end] = place_of(page, text, name);
-  std::istringstream lines(text.substr(begin, end - begin));
+  return read_rows(text.substr(begin, end - begin));
+}
+
+TableRows read_rows(const std::string& markdown) {
+  std::istringstream lines(markdown);
   TableRows rows;
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with("|") || line.starts_with("| ---")) continue;

@@ -22,6 +22,9 @@ std::string markdown_table(const TableRows& rows);
 /// cannot be read or written, or that lacks a table's comments.
 void write_tables(const std::filesystem::path& page, const std::vector<PageTable>& tables);
 
+/// The rows of such a table, the head first.
+TableRows read_rows(const std::string& markdown);
+
 /// The rows of the table of this name, the head first. Throws StartupError likewise.
 TableRows read_table(const std::filesystem::path& page, const std::string& name);
 

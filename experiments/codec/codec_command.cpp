@@ -7,15 +7,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/codec/baselines/deadband.h"
 #include "common/codec/baselines/measure.h"
 #include "common/protocol/overhead.h"
 #include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
-#include "experiments/codec/codec_bound.h"
+#include "experiments/codec/codec_rates.h"
 #include "experiments/codec/codec_recordings.h"
-#include "experiments/codec/codec_traces.h"
+#include "experiments/codec/codec_streams.h"
 #include "experiments/commands.h"
 
 namespace telekerf::experiments {
@@ -26,123 +25,17 @@ using reporting::Line;
 using reporting::Panel;
 
 using Json = nlohmann::ordered_json;
-using Curve = std::vector<RatePoint>;
 
 constexpr int kLimitColour = 7;
-constexpr int kSweepFrom = -4, kSweepTo = 12;  // half octaves of the fine error
 
 struct Options {
   std::string out = "out/codec";
+  std::string page;
   std::vector<std::string> traces;
   double rate_hz = 1000.0;
   double seconds = 20.0;
   std::uint64_t seed = 1;
 };
-
-/// One way to code: constant step (every codec has one), or the promised RMS error of each block.
-struct Contender {
-  const char* label;
-  const char* codec;
-  bool promised = false;
-  bool anchored = false;
-  bool events = false;  ///< a packet of floats whenever a sample leaves the band: no block, no delay
-  bool held = false;    ///< every 2nd, 4th or 8th sample (the best of them) by that codec, held in between
-};
-constexpr std::array<Contender, 9> kContenders{{
-    {"SDCT", "sdct"},
-    {"SDCT, promised RMS", "sdct", true},
-    {"SDCT + anchor (not counted)", "sdct", false, true},
-    {"truncated DCT", "truncated"},
-    {"DPCM + Rice", "dpcm"},
-    {"dead-band", "deadband"},
-    {"Weber dead-band", "weber"},
-    {"dead-band, floats at once", "deadband", false, false, true},
-    {"held samples, DPCM + Rice", "dpcm", false, false, false, true},
-}};
-
-codec::StreamSettings settings_for(const Contender& contender, int block, double error, double scale) {
-  codec::StreamSettings s{.block = block, .keep = block, .redundancy = 0, .anchored = contender.anchored};
-  if (contender.events) s.block = 1;
-  s = codec::with_codec(s, contender.codec);
-  if (contender.promised) {
-    s.max_rms = error;
-  } else if (s.kind == codec::kDeadband || s.kind == codec::kWeber) {
-    // A held sample is off by up to the band, about band / sqrt(3) rms; the lattice adds little to that.
-    s.threshold = s.kind == codec::kWeber ? 2 * error / scale : 2 * error;
-    s.quantum = error;
-  } else {
-    s.quantum = std::sqrt(12.0) * error;
-  }
-  return s;
-}
-
-/// Every `every`-th sample of `trace`, and what holding them makes of the error.
-RatePoint held(const codec::Trace& trace, const codec::StreamSettings& settings, int every) {
-  const auto stride = static_cast<std::size_t>(every);
-  codec::Trace thin{trace.name, trace.columns, {}, trace.rate_hz / every};
-  for (const auto& column : trace.values) {
-    auto& kept = thin.values.emplace_back();
-    for (std::size_t n = 0; n < column.size(); n += stride) kept.push_back(column[n]);
-  }
-  codec::Trace decoded;
-  const auto figures = codec::measure(thin, settings, {}, &decoded);
-  double squares = 0;
-  std::size_t count = 0;
-  for (std::size_t c = 0; c < trace.values.size(); ++c) {
-    for (std::size_t n = 0; n < std::min(trace.size(), decoded.size() * stride); ++n, ++count) {
-      squares += std::pow(trace.values[c][n] - decoded.values[c][n / stride], 2);
-    }
-  }
-  return {std::sqrt(squares / static_cast<double>(count)), figures.bits_per_sample / every};
-}
-
-/// Only the points that no other beats in both error and bits, by error.
-Curve best_of(Curve curve) {
-  std::sort(curve.begin(), curve.end(), [](auto a, auto b) { return a.rmse < b.rmse; });
-  Curve best;
-  for (const auto& point : curve) {
-    if (best.empty() || point.bits_per_sample < best.back().bits_per_sample) best.push_back(point);
-  }
-  return best;
-}
-
-Curve sweep(const SeededTrace& seeded, const Contender& contender, int block) {
-  double squares = 0;
-  for (const auto& column : seeded.trace.values) {
-    for (const double x : column) squares += x * x;
-  }
-  const double scale =
-      std::sqrt(squares / static_cast<double>(seeded.trace.size() * seeded.trace.values.size()));
-  Curve curve;
-  if (contender.held) {
-    for (const int every : {2, 4, 8}) {
-      for (int i = kSweepFrom - 6; i <= kSweepTo; ++i) {
-        const double error = seeded.fine * std::exp2(0.5 * i);
-        curve.push_back(held(seeded.trace, settings_for(contender, block / every, error, 1.0), every));
-      }
-    }
-    return best_of(curve);
-  }
-  for (int i = kSweepFrom; i <= kSweepTo; ++i) {
-    const auto figures = codec::measure(
-        seeded.trace,
-        settings_for(contender, block, seeded.fine * std::exp2(0.5 * i), std::max(scale, 1e-12)));
-    curve.push_back({figures.rmse, figures.bits_per_sample});
-  }
-  std::sort(curve.begin(), curve.end(), [](auto a, auto b) { return a.rmse < b.rmse; });
-  return curve;
-}
-
-/// Bits at an error between two measured points, straight in log(error); NaN outside.
-double bits_at(const Curve& curve, double rmse) {
-  for (std::size_t i = 1; i < curve.size(); ++i) {
-    if (curve[i - 1].rmse <= rmse && rmse <= curve[i].rmse && curve[i - 1].rmse > 0) {
-      const double part = std::log(rmse / curve[i - 1].rmse) / std::log(curve[i].rmse / curve[i - 1].rmse);
-      return curve[i - 1].bits_per_sample + part * (curve[i].bits_per_sample - curve[i - 1].bits_per_sample);
-    }
-  }
-  return std::nan("");
-}
 
 Line line_of(const Curve& curve, Line::Style style, int colour) {
   Line line{"", {}, {}, style, colour};
@@ -289,6 +182,9 @@ int run(const Options& options) {
     }
   }
   write_json(std::filesystem::path(options.out) / "codec.json", results);
+  if (!options.page.empty())
+    reporting::write_tables(
+        options.page, {rates_table(traces), stream_table(record_hand("heart", kStreamLap_s, options.seed))});
   for (const auto& row : results["rate_distortion"]) {
     fmt::print(
         "{:<13} N {:<3} rmse {:<9.2g} SDCT {:<7} truncated {:<7} DPCM {:<7} dead-band {:<8} held {:<7} limit "
@@ -307,6 +203,7 @@ void add_codec_command(Program& program) {
   program.add(
       "codec", "Rate against distortion of every codec: codec.json and two figures", Options{},
       [](Options& o, Settings& s) {
+        s.add("page", o.page, kFile, "results page whose table of rates is written anew");
         s.add("out", o.out, kFolder, "for the results");
         s.add("trace", o.traces, kFile, "CSV recordings to hold the codecs against as well");
         s.add("rate_hz", o.rate_hz, {.min = 100, .max = 1e5, .unit = "Hz"}, "samples a second");

@@ -32,7 +32,7 @@ _telekerf_flags() {
     'telekerf-netem switch') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-robot ') echo '--robot --mismatch --seed --port --config --print-config --help --version' ;;
     'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
-    'telekerf-experiment codec') echo '--out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
+    'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --page --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
     'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --seed --page --out --config --print-config --help --version' ;;
@@ -249,6 +249,7 @@ _telekerf_values() {
     'telekerf-experiment closed-contour --across-rad-s') echo "" ;;
     'telekerf-experiment closed-contour --seed') echo "" ;;
     'telekerf-experiment closed-contour --out') echo "-d" ;;
+    'telekerf-experiment codec --page') echo "-f" ;;
     'telekerf-experiment codec --out') echo "-d" ;;
     'telekerf-experiment codec --trace') echo "-f" ;;
     'telekerf-experiment codec --rate-hz') echo "" ;;

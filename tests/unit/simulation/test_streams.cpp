@@ -8,10 +8,11 @@
 
 #include "common/robot/drivers/simulated_robot.h"
 #include "common/runtime/resources.h"
-#include "experiments/delay/delay_trial.h"
+#include "experiments/codec/codec_streams.h"
 #include "experiments/simulation/simulation.h"
 #include "experiments/simulation/virtual_link.h"
 #include "master/force_feedback.h"
+#include "tests/unit/page_cells.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -19,21 +20,9 @@ namespace {
 constexpr std::int64_t kMs = 1'000'000;
 
 const HandRecord& hand() {
-  static const HandRecord record = record_hand("heart", 12.0, 1);
+  static const HandRecord record = record_hand("heart", kStreamLap_s, 1);
   return record;
 }
-
-DelayResult coded(const std::string& word, int block, int redundancy) {
-  DelayTrial trial;
-  trial.network = netem::load_profile("thesis-constant");
-  trial.master.codec = codec::kCodecs.find(word).value();
-  trial.master.node.command.codec.block = block;
-  trial.master.node.command.codec.redundancy = redundancy;
-  return run_trial(hand(), trial);
-}
-
-/// One packet of three bare float32 a sample, at the stream's rate.
-constexpr double kRawBytesPerS = 1000.0 * (89 + 12);
 
 struct Coding {
   int block;
@@ -46,9 +35,9 @@ class CommandStreamOnTheWire : public testing::TestWithParam<Coding> {};
 
 TEST_P(CommandStreamOnTheWire, IsFarBelowRawAndTracksLikeIt) {
   const auto [block, redundancy, below_raw, tracking_um] = GetParam();
-  const DelayResult raw = coded("raw", block, redundancy);
-  const DelayResult sdct = coded("sdct", block, redundancy);
-  const DelayResult batched = coded("batched", block, redundancy);
+  const DelayResult raw = coded_run(hand(), "raw", block, redundancy);
+  const DelayResult sdct = coded_run(hand(), "sdct", block, redundancy);
+  const DelayResult batched = coded_run(hand(), "batched", block, redundancy);
   std::printf(
       "N %d, R %d: %.0f bytes/s, %.2f x below bare floats, %.2f x below batched; tracking %.2f um, raw %.2f "
       "um\n",
@@ -64,6 +53,16 @@ TEST_P(CommandStreamOnTheWire, IsFarBelowRawAndTracksLikeIt) {
 
 INSTANTIATE_TEST_SUITE_P(Codings, CommandStreamOnTheWire,
                          testing::Values(Coding{16, 1, 8.0, 0.68}, Coding{32, 2, 12.0, 1.22}));
+
+TEST(CodecPage, TheCommandStreamCostsAndTracksAsItSays) {
+  const auto page = reporting::read_table(TELEKERF_CODEC_PAGE, "stream");
+  const auto now = reporting::read_rows(stream_table(hand()).markdown);
+  ASSERT_EQ(page.size(), now.size());
+  for (std::size_t row = 0; row < page.size(); ++row) {
+    ASSERT_EQ(page[row].size(), now[row].size());
+    for (std::size_t c = 0; c < now[row].size(); ++c) expect_cell(page[row][c], now[row][c], now[row][0]);
+  }
+}
 
 TEST(ForceFeedbackOverTheLink, APushOnTheSlavesToolIsSeenAfterTheDelay) {
   slave::StationSettings slave_settings;
