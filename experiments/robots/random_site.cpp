@@ -18,6 +18,9 @@ namespace {
 
 using Kind = master::OperatorDisturbance::Kind;
 
+/// Of a hand, whatever the motors can hold.
+constexpr double kStrongest_n = 30.0;
+
 /// Not the standard's distributions: their sequences are not the same in every library.
 class Draw {
  public:
@@ -98,13 +101,13 @@ std::string write_robot(const robot::RobotModel& robot, const std::filesystem::p
   return file.string();
 }
 
-std::vector<master::OperatorDisturbance> random_disturbances(Draw& draw, double duration_s) {
+std::vector<master::OperatorDisturbance> random_disturbances(Draw& draw, double duration_s, double force_n) {
   std::vector<master::OperatorDisturbance> all;
   for (int i = 0; i < 3; ++i) {
     if (!draw.one_in(2)) continue;
     const Kind kind = draw.one_of(std::array{Kind::kPush, Kind::kSlip, Kind::kLetGo, Kind::kFight});
-    all.push_back({kind, draw.between(0.5, duration_s), draw.between(0.05, 0.5), draw.between(-30.0, 30.0),
-                   draw.between(-10.0, 10.0), draw.between(-5.0, 5.0)});
+    all.push_back({kind, draw.between(0.5, duration_s), draw.between(0.05, 0.5),
+                   draw.between(-force_n, force_n), draw.between(-10.0, 10.0), draw.between(-5.0, 5.0)});
   }
   return all;
 }
@@ -121,14 +124,16 @@ RandomSite random_site(std::uint64_t seed, double duration_s, const std::filesys
   const std::string profile = draw.one_of(shipped_names("profiles", ".toml"));
   s.network = netem::load_profile(profile);
   s.master.beta = draw.factor(0.2, 2.0);
-  s.master.robot = write_robot(random_robot(draw), folder / fmt::format("{}-master.toml", seed));
+  const robot::RobotModel master = random_robot(draw);
+  s.master.robot = write_robot(master, folder / fmt::format("{}-master.toml", seed));
   s.slave.robot = write_robot(random_robot(draw), folder / fmt::format("{}-slave.toml", seed));
   s.master.mismatch = draw.between(0.0, 0.3);
   s.slave.mismatch = draw.between(0.0, 0.3);
   s.master.hand_speed_mm_s = draw.factor(5.0, 40.0);
-  s.master.hand.max_sideways_n = draw.between(0.0, 30.0);
+  const double strongest_n = draw.one_in(3) ? kStrongest_n : 0.5 * master.motor.peak_force_n;
+  s.master.hand.max_sideways_n = draw.between(0.0, std::min(strongest_n, kStrongest_n));
   s.master.hand.wander_n = draw.between(0.0, 10.0);
-  s.master.hand.disturbances = random_disturbances(draw, duration_s);
+  s.master.hand.disturbances = random_disturbances(draw, duration_s, std::min(strongest_n, kStrongest_n));
   site.drawn = {{"image", s.image},
                 {"profile", profile},
                 {"beta", s.master.beta},

@@ -46,7 +46,7 @@ struct ConstraintSettings {
   double damping_n_s_per_m = 2.0;  ///< virtual damping
   double force_deadband_n =
       0.15;  ///< estimated forces below this do not move the tool: errors of the estimate are as large
-  double end_bandwidth_rad_s = 60.0;  ///< soft stops at the ends of an open curve
+  double end_bandwidth_rad_s = 300.0;  ///< of the stops at the ends of an open curve
   double end_m_per_s = 3e-3;          ///< at which they are met at most
 
   // Bends: the tool is held back before it could be thrown off.
