@@ -8,7 +8,7 @@ _telekerf_commands() {
     telekerf-ctl) echo 'stop clear-stop engage disengage beta ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
     telekerf-experiment) echo 'closed-contour codec constraint contours delay kinematics lap open-contour space-contour ' ;;
-    telekerf-inspect) echo 'codec contour efd robot run ' ;;
+    telekerf-inspect) echo 'codec contour drive efd robot run ' ;;
   esac
 }
 
@@ -42,6 +42,7 @@ _telekerf_flags() {
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
     'telekerf-inspect contour') echo '--mode --start --end --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --out --config --print-config --help --version' ;;
+    'telekerf-inspect drive') echo '--robot --drive --drive-stale-s --mismatch --seed --control-hz --force-n --travel-mm --duration-s --move --json --out --config --print-config --help --version' ;;
     'telekerf-inspect efd') echo '--harmonics --config --print-config --help --version' ;;
     'telekerf-inspect robot') echo '--ik --fk --jacobian --workspace --hall --picture --config --print-config --help --version' ;;
     'telekerf-inspect run') echo '--config --print-config --help --version' ;;
@@ -361,6 +362,16 @@ _telekerf_values() {
     'telekerf-inspect contour --tolerance-mm') echo "" ;;
     'telekerf-inspect contour --select') echo "" ;;
     'telekerf-inspect contour --out') echo "-d" ;;
+    'telekerf-inspect drive --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
+    'telekerf-inspect drive --drive') echo "-W 'simulated udp:'" ;;
+    'telekerf-inspect drive --drive-stale-s') echo "" ;;
+    'telekerf-inspect drive --mismatch') echo "" ;;
+    'telekerf-inspect drive --seed') echo "" ;;
+    'telekerf-inspect drive --control-hz') echo "" ;;
+    'telekerf-inspect drive --force-n') echo "" ;;
+    'telekerf-inspect drive --travel-mm') echo "" ;;
+    'telekerf-inspect drive --duration-s') echo "" ;;
+    'telekerf-inspect drive --out') echo "-d" ;;
     'telekerf-inspect efd ') echo "-f" ;;
     'telekerf-inspect efd --harmonics') echo "" ;;
     'telekerf-inspect robot ') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
