@@ -225,13 +225,17 @@ std::vector<std::string> machining(const RobotProcess& robot, const std::string&
   return cell({"--no-framing", "--record", out, "--drive", robot.drive(), "--drive-stale-s", "0.5"});
 }
 
-TEST(DriveProcesses, ItMachinesAContour) {
+/// Its readings are as old as its file says.
+class Machining : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Machining, CutsAContourWithIt) {
   const std::string out = (Program::scratch() / "machined").string();
-  RobotProcess robot("slave-keops");
+  const std::string file = keops_with(GetParam(), "machines.toml");
+  RobotProcess robot(file);
   ASSERT_NE(robot.drive(), "") << robot.output();
   Program vision("telekerf-vision", cell({"--image", "circle", "--width-mm", "12"}));
   auto arguments = machining(robot, out);
-  arguments.insert(arguments.end(), {"--speed-mm-s", "20"});
+  arguments.insert(arguments.end(), {"--speed-mm-s", "20", "--robot", file});
   Program slave("telekerf-machine", arguments);
   ASSERT_EQ(slave.wait(seconds(60)), 0) << slave.output() << vision.output();
   const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
@@ -242,6 +246,17 @@ TEST(DriveProcesses, ItMachinesAContour) {
   EXPECT_EQ(result["burn"]["energy_outside_corridor_j"].get<double>(), 0.0);
   robot.interrupt();
   EXPECT_EQ(robot.wait(seconds(10)), 0) << robot.output();
+}
+INSTANTIATE_TEST_SUITE_P(DriveProcesses, Machining,
+                         ::testing::Values("drive_delay_s = 0", "drive_delay_s = 0.001"),
+                         [](const auto& test) { return test.index == 0 ? "InTime" : "Late"; });
+
+TEST(DriveProcesses, ADriveTooLateToMachineWithIsRefused) {
+  const std::string file = keops_with("drive_delay_s = 0.002", "too-late.toml");
+  Program slave("telekerf-machine", cell({"--robot", file}));
+  EXPECT_EQ(slave.wait(seconds(10)), 2) << slave.output();
+  EXPECT_TRUE(slave.says("more than 4 control periods at machining_hz = 2400; lower the rate", seconds(1)))
+      << slave.output();
 }
 
 TEST(DriveProcesses, ItsLossEndsTheMachiningWithTheBeamOut) {

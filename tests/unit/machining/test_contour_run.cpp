@@ -43,7 +43,7 @@ ContourRunSettings at(double speed_m_per_s) {
   ContourRunSettings settings;
   settings.plan.speed_m_per_s = speed_m_per_s;
   settings.follower.loop_delay = 1;
-  settings.follower.tune_for_speed(speed_m_per_s);
+  settings.follower = tuned_follower(robot::load_robot(settings.robot), settings);
   return settings;
 }
 
