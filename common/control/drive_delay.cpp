@@ -9,11 +9,12 @@
 #include <numbers>
 #include <vector>
 
+#include "common/control/drive_record.h"
+
 namespace telekerf::control {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixX3d;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -22,91 +23,6 @@ constexpr int kQuarters = 4;
 constexpr Index kReach = 2;
 constexpr double kEarliest = -1.0;  // periods: what is measured as less than zero is noise, and shows as such
 
-/// A symmetric low-pass of sum 1 whose gain is a half a bit above `half_gain_hz`; where that is beyond the
-/// rate, 1 alone.
-VectorXd low_pass(double period_s, double half_gain_hz) {
-  const Index half = std::lround(0.25 / (half_gain_hz * period_s));
-  VectorXd weights(2 * half + 1);
-  for (Index i = -half; i <= half; ++i)
-    weights[i + half] =
-        1.0 + std::cos(std::numbers::pi * static_cast<double>(i) / static_cast<double>(half + 1));
-  return weights / weights.sum();
-}
-
-/// Column by column; what lies too close to an end to be smoothed stays zero.
-MatrixXd smoothed(const MatrixXd& values, const VectorXd& weights) {
-  const Index half = weights.size() / 2;
-  MatrixXd out = MatrixXd::Zero(values.rows(), values.cols());
-  for (Index k = half; k + half < values.rows(); ++k)
-    out.row(k) = weights.transpose() * values.middleRows(k - half, weights.size());
-  return out;
-}
-
-/// Velocities, to the fourth order; noise is taken out of them far above the shaking alone, because friction
-/// changes its sign exactly where they do.
-VectorXd velocities(const VectorXd& place, double t, double highest_hz) {
-  VectorXd v = VectorXd::Zero(place.size());
-  for (Index k = 2; k + 2 < place.size(); ++k)
-    v[k] = (8.0 * (place[k + 1] - place[k - 1]) - (place[k + 2] - place[k - 2])) / (12.0 * t);
-  return smoothed(v, low_pass(t, 5.0 * highest_hz));
-}
-
-/// Viscous friction and the two shapes of dry friction, each its mean over the triangle of a second
-/// difference, with velocities straight between the samples.
-MatrixXd friction_shapes(const VectorXd& v, const robot::Friction& friction) {
-  constexpr int kParts = 8;  // a period: dry friction changes within less than one
-  MatrixXd out = MatrixXd::Zero(v.size(), 3);
-  for (Index k = 1; k + 1 < v.size(); ++k) {
-    for (int part = 1 - kParts; part < kParts; ++part) {
-      const double away = std::abs(static_cast<double>(part)) / kParts;
-      const double now = v[k] + away * (v[k + (part < 0 ? -1 : 1)] - v[k]);
-      const double side = std::tanh(now / friction.smoothing_velocity_m_per_s);
-      const double slow = now / friction.stribeck_velocity_m_per_s;
-      out.row(k) += (1.0 - away) / kParts * Eigen::RowVector3d(now, side, side * std::exp(-slow * slow));
-    }
-  }
-  return out;
-}
-
-/// What is fitted, smoothed, and the steps where all of it is there.
-struct Record {
-  MatrixXd asked;     // accelerations asked for, a column a joint
-  MatrixXd measured;  // second differences likewise
-  MatrixXd others;    // friction's shapes and place, of every joint because they are coupled, and a constant
-  std::vector<Index> steps;
-};
-
-Record record_of(std::span<const DriveSample> samples, const robot::Friction& friction, double t,
-                 double highest_hz) {
-  constexpr Index kOthers = 4;  // a joint
-  const auto n = static_cast<Index>(samples.size());
-  MatrixXd asked(n, 3), measured = MatrixXd::Zero(n, 3), others = MatrixXd::Ones(n, 3 * kOthers + 1);
-  for (int i = 0; i < 3; ++i) {
-    VectorXd place(n);
-    for (Index k = 0; k < n; ++k) {
-      const DriveSample& sample = samples[static_cast<std::size_t>(k)];
-      asked(k, i) = sample.acceleration_m_per_s2[i];
-      place[k] = sample.joints_m[i] - samples.front().joints_m[i];
-    }
-    measured.col(i).segment(1, n - 2) =
-        (place.tail(n - 2) - 2.0 * place.segment(1, n - 2) + place.head(n - 2)) / (t * t);
-    others.middleCols(kOthers * i, 3) = friction_shapes(velocities(place, t, highest_hz), friction);
-    others.col(kOthers * i + 3) = place;
-  }
-  const VectorXd weights = low_pass(t, highest_hz);
-  Record record{smoothed(asked, weights), smoothed(measured, weights), smoothed(others, weights), {}};
-  // Velocities and friction need some more to either side, and the delay looks back.
-  const Index around = 2 * (weights.size() / 2) + 4;
-  const Index first = std::max(around, static_cast<Index>(kLongestDriveDelay) + kReach + weights.size() / 2);
-  Index whole_since = 0;  // no reading is missing from here on
-  for (Index k = 0; k < n; ++k) {
-    if (!samples[static_cast<std::size_t>(k)].valid) whole_since = k + 1;
-    const Index middle = k - around;
-    if (middle >= first && middle - around >= whole_since) record.steps.push_back(middle);
-  }
-  return record;
-}
-
 /// How well a joint's motion is explained, `delay` in control periods.
 struct Fit {
   double delay = 0.0;
@@ -114,7 +30,7 @@ struct Fit {
   VectorXd parameters;
 };
 
-MatrixXd rows_of(const Record& record, std::span<const Index> steps, double delay) {
+MatrixXd rows_of(const DriveRecord& record, std::span<const Index> steps, double delay) {
   const double whole = std::floor(delay);
   const double f = delay - whole;
   const auto n = static_cast<Index>(whole);
@@ -129,13 +45,13 @@ MatrixXd rows_of(const Record& record, std::span<const Index> steps, double dela
   return rows;
 }
 
-VectorXd measured_of(const Record& record, int joint, std::span<const Index> steps) {
+VectorXd measured_of(const DriveRecord& record, int joint, std::span<const Index> steps) {
   VectorXd out(static_cast<Index>(steps.size()));
   for (Index r = 0; r < out.size(); ++r) out[r] = record.measured(steps[static_cast<std::size_t>(r)], joint);
   return out;
 }
 
-Fit fit(const Record& record, int joint, std::span<const Index> steps, double delay) {
+Fit fit(const DriveRecord& record, int joint, std::span<const Index> steps, double delay) {
   MatrixXd rows = rows_of(record, steps, delay);
   const VectorXd measured = measured_of(record, joint, steps);
   // Columns differ by orders of magnitude.
@@ -181,17 +97,17 @@ double least(const Left& left) {
   return 0.5 * (low + high);
 }
 
-double delay_of(const Record& record, int joint, std::span<const Index> steps) {
+double delay_of(const DriveRecord& record, int joint, std::span<const Index> steps) {
   return least([&](double delay) { return fit(record, joint, steps, delay).left; });
 }
 
 /// Sum of squares about the mean.
-double variation_of(const Record& record, int joint, std::span<const Index> steps) {
+double variation_of(const DriveRecord& record, int joint, std::span<const Index> steps) {
   const VectorXd measured = measured_of(record, joint, steps);
   return std::max((measured.array() - measured.mean()).square().sum(), 1e-12);
 }
 
-double common_delay(const Record& record) {
+double common_delay(const DriveRecord& record) {
   return least([&](double delay) {
     double sum = 0.0;
     for (int i = 0; i < 3; ++i)
@@ -201,7 +117,7 @@ double common_delay(const Record& record) {
 }
 
 /// Steps that a hiccup of a clock has spoilt would count by the square of what they are off.
-void leave_out_hiccups(Record& record, double delay) {
+void leave_out_hiccups(DriveRecord& record, double delay) {
   constexpr double kTooFar = 5.0;  // times the typical residual
   std::vector<bool> bad(record.steps.size(), false);
   for (int i = 0; i < 3; ++i) {
@@ -234,7 +150,8 @@ tl::expected<DriveDelay, std::string> estimate_drive_delay(std::span<const Drive
   out.missed = static_cast<double>(misses) / static_cast<double>(std::max<std::size_t>(samples.size(), 1));
   if (samples.size() < kFewest)
     return tl::unexpected(fmt::format("only {} steps were recorded", samples.size()));
-  Record record = record_of(samples, friction, period_s, highest_hz);
+  DriveRecord record =
+      drive_record(samples, friction, period_s, highest_hz, static_cast<Index>(kLongestDriveDelay) + kReach);
   if (record.steps.size() >= kFewest) leave_out_hiccups(record, common_delay(record));
   if (record.steps.size() < kFewest) {
     return tl::unexpected(fmt::format(
