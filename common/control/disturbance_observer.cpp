@@ -16,9 +16,11 @@ void move(Vec3& q_m, Vec3& v_m_per_s, const Vec3& acceleration_m_per_s2, double 
 
 }  // namespace
 
-DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept
-    : period_s_(gains.period_s),
-      gains_(observer_gains(gains.bandwidth_rad_per_s, gains.velocity_bandwidth_rad_per_s, gains.period_s)) {
+DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept : period_s_(gains.period_s) {
+  for (std::size_t i = 0; i < gains_.size(); ++i) {
+    gains_[i] = observer_gains(gains.bandwidth_rad_per_s, gains.velocity_bandwidth_rad_per_s,
+                               static_cast<double>(i + 1) * gains.period_s);
+  }
   const double delay = std::clamp(gains.loop_delay, 0.0, static_cast<double>(kMaxLoopDelay));
   whole_delay_ = static_cast<std::size_t>(delay);
   part_delay_ = delay - static_cast<double>(whole_delay_);
@@ -27,6 +29,7 @@ DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept
 
 void DisturbanceObserver::reset(const Vec3& joints_m) noexcept {
   q_ = joints_m;
+  missed_ = 0;
   v_.setZero();
   w_.setZero();
   disturbance_n_.setZero();
@@ -45,11 +48,15 @@ void DisturbanceObserver::update(const Vec3& measured_joints_m, bool valid) noex
   const double before_s = part_delay_ * t;
   if (before_s > 0.0) move(q_, v_, accelerations_[whole_delay_ + 1] + w_, before_s);
   move(q_, v_, accelerations_[whole_delay_] + w_, t - before_s);
+  missed_ = std::min(missed_ + 1, kLongestGap);
   if (valid) {
+    const ObserverGains& gains = gains_[missed_ - 1];
+    const double apart_s = static_cast<double>(missed_) * t;
     const Vec3 innovation = measured_joints_m - q_;
-    q_ += gains_.alpha * innovation;
-    v_ += gains_.beta / t * innovation;
-    w_ += gains_.gamma / (t * t) * innovation;
+    q_ += gains.alpha * innovation;
+    v_ += gains.beta / apart_s * innovation;
+    w_ += gains.gamma / (apart_s * apart_s) * innovation;
+    missed_ = 0;
   }
   disturbance_n_ = -nominal_inertia_kg_ * w_;
 }

@@ -10,6 +10,11 @@
 // Discretisation: exact for a force held over the sample (zero-order hold); poles z = exp(-p T), which in
 // this form gives the gains in closed form: with r = 1 - z and their elementary symmetric sums c1, c2, c3,
 // alpha = c1 - c2 + c3, beta = c2 - 3/2 c3, gamma = c3.
+//
+// Missing readings: between two readings that are n samples apart the model goes on by itself, so that the
+// second one corrects as in an observer of period n T with the same poles. With the gains of one sample a
+// velocity would be corrected n times too much, and a robot whose every second reading is missing would be
+// thrown to its stops.
 #pragma once
 
 #include <Eigen/Core>
@@ -65,9 +70,12 @@ class DisturbanceObserver {
 
  private:
   double period_s_;
-  ObserverGains gains_;
-  std::size_t whole_delay_;  ///< samples
-  double part_delay_;        ///< of one more
+  /// Readings that come farther apart than this correct as if they did not.
+  static constexpr std::size_t kLongestGap = 32;
+  std::array<ObserverGains, kLongestGap> gains_;  ///< of readings 1, 2, ... samples apart
+  std::size_t missed_ = 0;                        ///< samples since the last reading
+  std::size_t whole_delay_;                       ///< samples
+  double part_delay_;                             ///< of one more
   Vec3 q_ = Vec3::Zero();
   Vec3 v_ = Vec3::Zero();
   Vec3 w_ = Vec3::Zero();                              // disturbance as a joint acceleration, m/s^2

@@ -41,6 +41,24 @@ LoopBandwidths design_loop(const LoopConditions& conditions, double law_rad_per_
   return with(slow);
 }
 
+LoopBandwidths design_even_loop(const LoopConditions& conditions, double law_rad_per_s,
+                                double max_noise_m_per_s, const ObserverBounds& bounds) {
+  const auto with = [&](double observer) {
+    return LoopBandwidths{law_rad_per_s, observer, kEvenVelocityOverObserver * observer};
+  };
+  const auto even = [&](double observer) {
+    return good(conditions, with(observer)) &&
+           loop_margins(conditions, with(observer)).noise_m_per_s <= max_noise_m_per_s;
+  };
+  double slow = bounds.min_rad_per_s, fast = bounds.max_rad_per_s;
+  if (even(fast)) return with(fast);
+  for (int i = 0; i < 10; ++i) {
+    const double middle = std::sqrt(slow * fast);
+    (even(middle) ? slow : fast) = middle;
+  }
+  return with(slow);
+}
+
 LoopConditions loop_conditions(const robot::RobotModel& model, double control_hz) {
   constexpr double kNoiseShare = 0.03;
   LoopConditions out{.period_s = 1.0 / control_hz, .delay_s = model.drive_delay_s};
@@ -55,14 +73,16 @@ LoopConditions loop_conditions(const robot::RobotModel& model, double control_hz
   return out;
 }
 
+void require_short_delay(const LoopConditions& conditions, const char* rate) {
+  if (conditions.delay_s <= (kMaxLoopDelay + 1e-9) * conditions.period_s) return;
+  throw configuration_error(fmt::format(
+      "drive_delay_s = {:g} of the robot is more than {} control periods at {} = {:g}; lower the rate",
+      conditions.delay_s, kMaxLoopDelay, rate, 1.0 / conditions.period_s));
+}
+
 void require_stable(const LoopConditions& conditions, const LoopBandwidths& bandwidths, const char* law,
                     const char* observer) {
-  if (conditions.delay_s > (kMaxLoopDelay + 1e-9) * conditions.period_s) {
-    throw configuration_error(
-        fmt::format("drive_delay_s = {:g} of the robot is more than {} control periods at control_hz = "
-                    "{:g}; lower the rate",
-                    conditions.delay_s, kMaxLoopDelay, 1.0 / conditions.period_s));
-  }
+  require_short_delay(conditions);
   // With the file's own inertia the predicted loop is stable at any speed; no robot is quite its file.
   if (loop_margins(conditions, bandwidths, kWorstInertiaRatio).stable) return;
   throw configuration_error(

@@ -24,9 +24,22 @@ inline constexpr double kVelocityOverObserver = 5.0;
 LoopBandwidths design_loop(const LoopConditions& conditions, double law_rad_per_s = 0.0,
                            double observer_rad_per_s = 0.0);
 
+/// For a robot that is to move evenly along a path: the fastest observer beside `law_rad_per_s`, within
+/// `bounds`, by which the sensor's noise shakes a joint by no more than `max_noise_m_per_s` and whose margins
+/// hold. Its velocity estimate is kEvenVelocityOverObserver times as fast.
+struct ObserverBounds {
+  double min_rad_per_s, max_rad_per_s;
+};
+inline constexpr double kEvenVelocityOverObserver = 3.0;
+LoopBandwidths design_even_loop(const LoopConditions& conditions, double law_rad_per_s,
+                                double max_noise_m_per_s, const ObserverBounds& bounds);
+
 /// Conditions of a robot: drive delay and sensor of its file, and 3 % of the motors' peak force for the
 /// noise.
 LoopConditions loop_conditions(const robot::RobotModel& model, double control_hz);
+
+/// Throws StartupError if the drive's delay is too long for a rate. `rate`: the setting's name.
+void require_short_delay(const LoopConditions& conditions, const char* rate = "control_hz");
 
 /// Throws StartupError if the drive's delay is too long, or these bandwidths make a loop that is not stable
 /// on a robot that is off its file (kWorstInertiaRatio). `law`, `observer`: the settings' names.

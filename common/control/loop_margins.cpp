@@ -126,6 +126,7 @@ LoopMargins loop_margins(const LoopConditions& conditions, const LoopBandwidths&
   if (!out.stable) return out;
   constexpr int kFrequencies = 160;
   double power = 0.0;  // integral of |K S|^2 over the angle, 0..pi
+  double shake = 0.0;  // the same of |K S T / (z - 1)|^2
   double last_angle = 0.0;
   for (int i = 0; i < kFrequencies; ++i) {
     // From a thousandth of the Nyquist frequency, evenly in its logarithm.
@@ -135,9 +136,11 @@ LoopMargins loop_margins(const LoopConditions& conditions, const LoopBandwidths&
     const std::complex<double> s = 1.0 / (1.0 - joint.at(z) * k);
     out.max_sensitivity = std::max(out.max_sensitivity, std::abs(s));
     power += std::norm(k * s) * (angle - last_angle);
+    shake += std::norm(k * s * conditions.period_s / (z - 1.0)) * (angle - last_angle);
     last_angle = angle;
   }
   out.noise_m_per_s2 = conditions.noise_m * std::sqrt(power / std::numbers::pi);
+  out.noise_m_per_s = conditions.noise_m * std::sqrt(shake / std::numbers::pi);
   return out;
 }
 

@@ -25,6 +25,7 @@ struct LoopMargins {
   bool stable = false;
   double max_sensitivity = 0.0;  ///< largest |S| = |1 / (1 + L)|, at the motor's force; 1 / modulus margin
   double noise_m_per_s2 = 0.0;   ///< rms of the acceleration asked for, by the sensor's noise
+  double noise_m_per_s = 0.0;    ///< rms of the joint's true velocity, likewise; at the file's inertia
 };
 LoopMargins loop_margins(const LoopConditions& conditions, const LoopBandwidths& bandwidths,
                          double inertia_ratio = 1.0);

@@ -29,14 +29,16 @@ double HallSensor::noise() noexcept {
   return sensor_.noise * std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
 }
 
-HallCounts HallSensor::sample(double position_m) noexcept {
-  const double phi = 2 * pi * position_m / sensor_.pitch_m;
+HallCounts HallSensor::sample(double position_m, double velocity_m_per_s) noexcept {
   const double scale = volts_per_count(sensor_.adc_bits);
   const double limit = std::ldexp(1.0, sensor_.adc_bits - 1);
-  HallCounts counts;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double u = gain_[k] * std::sin(phi + phase_rad_[k]) + offset_[k] + noise();
-    counts[k] = static_cast<std::int32_t>(std::clamp(std::round(u / scale), -limit, limit - 1));
+  HallCounts counts{};
+  for (int i = sensor_.conversions - 1; i >= 0; --i) {
+    const double phi = 2 * pi * (position_m - i * sensor_.conversion_s * velocity_m_per_s) / sensor_.pitch_m;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double u = gain_[k] * std::sin(phi + phase_rad_[k]) + offset_[k] + noise();
+      counts[k] += std::clamp(std::round(u / scale), -limit, limit - 1) / sensor_.conversions;
+    }
   }
   return counts;
 }

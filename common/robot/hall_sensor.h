@@ -5,6 +5,9 @@
 // -2/3} pi). With two unknowns (sin, cos) and three channels the decoder is a least-squares map; for nominal
 // channels that map is Clarke's (eq. 151-152). A gain mismatch of 1 % costs 9.5 um, an offset of 1 % 19 um:
 // hence the calibration.
+//
+// Several conversions a reading: their noises are each other's strangers, so that the mean of n has 1/sqrt(n)
+// of it, and it is (n - 1)/2 conversions old.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +19,9 @@
 
 namespace telekerf::robot {
 
-/// What the converter gives for the three channels: signed counts.
-using HallCounts = std::array<std::int32_t, 3>;
+/// What the converter gives for the three channels: signed counts, whole ones or the mean of several
+/// conversions.
+using HallCounts = std::array<double, 3>;
 
 /// Full scale of the converter, as a share of a channel's nominal amplitude.
 inline constexpr double kHallFullScale = 1.25;
@@ -26,7 +30,8 @@ inline constexpr double kHallFullScale = 1.25;
 class HallSensor {
  public:
   HallSensor(const Sensor& sensor, std::uint64_t seed);
-  HallCounts sample(double position_m) noexcept;
+  /// One reading of Sensor::conversions conversions, `velocity_m_per_s` meanwhile; the last at `position_m`.
+  HallCounts sample(double position_m, double velocity_m_per_s = 0.0) noexcept;
 
  private:
   double noise() noexcept;

@@ -69,6 +69,13 @@ Sensor read_sensor(const ConfigFile& file) {
   s.pitch_m = file.number_or("sensor.pitch_m", s.pitch_m, {.min = 1e-4, .max = 1});
   s.adc_bits = static_cast<int>(file.integer_or("sensor.adc_bits", s.adc_bits, {.min = 4, .max = 24}));
   s.noise = file.number_or("sensor.noise", s.noise, {.min = 0, .max = 0.1});
+  s.conversions =
+      static_cast<int>(file.integer_or("sensor.conversions", s.conversions, {.min = 1, .max = 256}));
+  s.conversion_s = file.number_or("sensor.conversion_s", s.conversion_s, {.min = 0, .max = 1e-3});
+  constexpr double kLongest_s = 1e-3;  // a reading is of one moment
+  if (s.conversions * s.conversion_s > kLongest_s)
+    file.refuse("sensor.conversions",
+                "times conversion_s takes longer than 1 ms; take fewer, or faster ones");
   s.gain_mismatch = file.number_or("sensor.gain_mismatch", s.gain_mismatch, {.min = 0, .max = 0.1});
   s.offset_mismatch = file.number_or("sensor.offset_mismatch", s.offset_mismatch, {.min = 0, .max = 0.1});
   s.phase_mismatch_rad =

@@ -22,11 +22,13 @@ struct Motor {
 struct Sensor {
   enum class Kind : std::uint8_t { kEncoder, kHall };
   Kind kind = Kind::kEncoder;
-  double resolution_m = 0.5e-6;     ///< encoder: one count
-  double pitch_m = 0.018;           ///< Hall: magnetic period (eq. 150)
-  int adc_bits = 16;                ///< Hall: converter, over 1.25 x the nominal amplitude to either side
-  double noise = 0.0;               ///< Hall: rms of one channel, as a share of its amplitude
-  double gain_mismatch = 0.0;       ///< Hall: largest relative deviation of a channel's gain
+  double resolution_m = 0.5e-6;  ///< encoder: one count
+  double pitch_m = 0.018;        ///< Hall: magnetic period (eq. 150)
+  int adc_bits = 16;             ///< Hall: converter, over 1.25 x the nominal amplitude to either side
+  double noise = 0.0;            ///< Hall: rms of one conversion, as a share of its channel's amplitude
+  int conversions = 1;           ///< Hall: of every channel for one reading, which is their mean
+  double conversion_s = 5e-6;    ///< Hall: from one of them to the next; the last is of the reading's moment
+  double gain_mismatch = 0.0;    ///< Hall: largest relative deviation of a channel's gain
   double phase_mismatch_rad = 0.0;  ///< Hall: largest misplacement of a channel
   bool calibrated = true;           ///< Hall: read through calibrate_hall()'s result, not as if ideal
   double offset_mismatch = 0.0;     ///< Hall: largest offset of a channel, as a share of its amplitude

@@ -11,12 +11,15 @@
 namespace telekerf::robot {
 
 /// rms, m. Encoder: evenly spread over one count. Hall: noise and converter steps of three channels a third
-/// of a period apart, sigma_phi = sqrt(2/3) sigma_u / A; what calibration leaves of mismatch is no noise.
+/// of a period apart, sigma_phi = sqrt(2/3) sigma_u / A, less by the root of the conversions (of steps only
+/// where the noise spreads them); what calibration leaves of mismatch is no noise.
 inline double reading_noise_m(const Sensor& sensor) noexcept {
   const double step_rms = 1.0 / std::sqrt(12.0);
   if (sensor.kind == Sensor::Kind::kEncoder) return sensor.resolution_m * step_rms;
-  const double converter = kHallFullScale / std::ldexp(1.0, sensor.adc_bits - 1) * step_rms;
-  return std::sqrt(2.0 / 3.0) * std::hypot(sensor.noise, converter) * sensor.pitch_m /
+  const double step = kHallFullScale / std::ldexp(1.0, sensor.adc_bits - 1);
+  const double mean = 1.0 / std::sqrt(sensor.conversions);
+  const double converter = step * step_rms * (sensor.noise >= 0.5 * step ? mean : 1.0);
+  return std::sqrt(2.0 / 3.0) * std::hypot(sensor.noise * mean, converter) * sensor.pitch_m /
          (2.0 * std::numbers::pi);
 }
 

@@ -60,7 +60,7 @@ ContourRunSettings run_settings(const Options& options, const robot::RobotModel&
   s.follower.loop_delay = options.loop_delay;
   s.follower.preview = !options.no_preview;
   if (options.no_model_ahead) s.follower.model = machining::ModelUse::kNone;
-  s.follower.tune_for_speed(s.plan.speed_m_per_s, s.plan.corner == machining::CornerPolicy::kSlow);
+  s.follower = tuned_follower(model, s);
   if (options.along_rad_s > 0.0) s.follower.along_rad_s = options.along_rad_s;
   if (options.across_rad_s > 0.0) s.follower.across_rad_s = options.across_rad_s;
   s.controller = options.controller;

@@ -8,6 +8,7 @@
 #include "common/robot/drivers/simulated_robot.h"
 #include "common/runtime/startup_error.h"
 #include "slave/machining/tool_trace.h"
+#include "slave/machining/tuning.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -34,6 +35,14 @@ robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunS
     model.sensor.resolution_m = 0.0;
   }
   return model;
+}
+
+machining::PathFollowerSettings tuned_follower(robot::RobotModel nominal,
+                                               const ContourRunSettings& settings) {
+  nominal.sensor.kind = robot::Sensor::Kind::kHall;
+  const bool slow = settings.plan.corner == machining::CornerPolicy::kSlow;
+  return machining::tuned_for_speed(settings.follower, nominal, settings.plan.speed_m_per_s,
+                                    slow ? machining::kRippleAtCorners : machining::kRipple);
 }
 
 ContourRun run_contour(const machining::TimedPath& plan, const geometry::Polyline& contour,

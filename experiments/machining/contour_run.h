@@ -36,6 +36,10 @@ struct ContourRun {
 /// The plant of a run: the robot of the file made worse, or made ideal.
 robot::RobotModel true_robot(const robot::RobotModel& nominal, const ContourRunSettings& settings);
 
+/// The run's follower with the bandwidths for its speed and corners, and for the Hall sensors that read the
+/// joints.
+machining::PathFollowerSettings tuned_follower(robot::RobotModel nominal, const ContourRunSettings& settings);
+
 /// Runs a plan. Throws StartupError if the path leaves the workspace.
 ContourRun run_contour(const machining::TimedPath& plan, const geometry::Polyline& contour,
                        const ContourRunSettings& settings);

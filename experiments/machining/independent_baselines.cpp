@@ -56,7 +56,7 @@ std::vector<double> answer_to_a_reading(double law_rad_s, const machining::PathF
   control::DisturbanceObserver observer({.period_s = dt,
                                          .bandwidth_rad_per_s = s.observer_rad_s,
                                          .velocity_bandwidth_rad_per_s = s.velocity_rad_s,
-                                         .loop_delay = static_cast<double>(s.loop_delay)});
+                                         .loop_delay = s.loop_delay});
   std::array<double, control::kMaxLoopDelay + 1> sent{};
   double position = 0.0, velocity = 0.0;
   std::vector<double> out;
@@ -93,12 +93,12 @@ double closed_loop_hz(double law_rad_s, const machining::PathFollowerSettings& s
 }
 
 ContourRunSettings tuned_independent(ContourRunSettings settings) {
-  settings.follower.along_rad_s = 140.0;
-  return independent(settings, machining::ModelUse::kNone, 150.0, 600.0);
+  settings.follower.along_rad_s = 170.0;
+  return independent(settings, machining::ModelUse::kNone, 400.0, 600.0);
 }
 
 ContourRunSettings assisted_independent(const ContourRunSettings& settings) {
-  return independent(settings, machining::ModelUse::kJoints, 1000.0, 1800.0);
+  return independent(settings, machining::ModelUse::kJoints, 1400.0, 3200.0);
 }
 
 ordered_json tuning(const ContourRunSettings& s) {

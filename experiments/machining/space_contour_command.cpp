@@ -77,7 +77,7 @@ int run(Options& options) {
   ContourRunSettings settings;
   settings.plan.speed_m_per_s = options.speed_mm_s * 1e-3;
   settings.follower.loop_delay = 1;
-  settings.follower.tune_for_speed(settings.plan.speed_m_per_s);
+  settings.follower = tuned_follower(robot::load_robot(settings.robot), settings);
   settings.seed = options.seed;
   const geometry::Polyline flat_contour = clover(options.radius_mm * 1e-3);
   const auto flat = machining::Path::through(flat_contour, machining::path_settings(settings.plan));

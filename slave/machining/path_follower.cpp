@@ -14,7 +14,7 @@ control::JointAccelerationSettings joint_settings(ControllerKind kind,
   return {.observer = {.period_s = 1.0 / s.control_hz,
                        .bandwidth_rad_per_s = s.observer_rad_s,
                        .velocity_bandwidth_rad_per_s = s.velocity_rad_s,
-                       .loop_delay = static_cast<double>(s.loop_delay)},
+                       .loop_delay = s.loop_delay},
           .inertia = model_use(kind, s) == ModelUse::kWhole ? control::NominalInertia::kModel
                                                             : control::NominalInertia::kDiagonal,
           .friction_feedforward = false};

@@ -6,9 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "common/control/loop_design.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
+#include "slave/machining/tuning.h"
 
 namespace telekerf::machining {
 namespace {
@@ -28,10 +30,14 @@ JobSettings job_settings(const StationSettings& s, const robot::RobotModel& mode
   return job;
 }
 
-JobExecutorSettings executor_settings(const StationSettings& settings, const TimedPathSettings& plan) {
+/// `model` with the sensor that reads its joints.
+JobExecutorSettings executor_settings(const StationSettings& settings, const TimedPathSettings& plan,
+                                      const robot::RobotModel& model) {
   JobExecutorSettings out;
   out.follower.control_hz = settings.machining_hz;
-  out.follower.tune_for_speed(plan.speed_m_per_s, plan.corner == CornerPolicy::kSlow);
+  out.follower.loop_delay = model.drive_delay_s * settings.machining_hz;
+  out.follower = tuned_for_speed(out.follower, model, plan.speed_m_per_s,
+                                 plan.corner == CornerPolicy::kSlow ? kRippleAtCorners : kRipple);
   out.controller = settings.controller;
   out.laser_w = settings.laser_w;
   return out;
@@ -65,17 +71,20 @@ Station::Station(const StationSettings& settings)
     : settings_(settings),
       model_(robot::load_robot(settings.robot)),
       jobs_(job_settings(settings, model_)),
-      machine_(model_, settings.machine, settings.machining_hz,
-               robot::open_drive(settings.machine.drive,
-                                 {model_, settings.machining_hz,
-                                  {settings.mismatch, settings.seed + 1000, settings.sensor}})),
+      machine_(
+          model_, settings.machine, settings.machining_hz,
+          robot::open_drive(
+              settings.machine.drive,
+              {model_, settings.machining_hz, {settings.mismatch, settings.seed + 1000, settings.sensor}})),
       beam_(settings.beam, settings.laser_w, settings.machining_hz),
       work_{.controller = std::string(kControllers.word(settings.controller)),
             .corner = std::string(kCorners.word(settings.corner)),
             .sensor = std::string(robot::kSensorKinds.word(settings.sensor)),
             .material = settings.material,
             .speed_m_per_s = settings.speed_mm_s * 1e-3,
-            .drive = {settings.machine.drive, machine_.plant() != nullptr}} {}
+            .drive = {settings.machine.drive, machine_.plant() != nullptr}} {
+  control::require_short_delay(control::loop_conditions(model_, settings.machining_hz), "machining_hz");
+}
 
 std::unique_ptr<Job> Station::prepare(const ContourMessage& message) const {
   std::vector<geometry::Polyline> contours{{message.points_m, message.closed}};
@@ -99,7 +108,9 @@ void Station::begin(const Job& job) {
   if ((pose.tool_m - job.trajectory[0].position_m).norm() > kAtHome_m)
     from_here_ = approached_from(pose.tool_m, job, jobs_);
   job_ = from_here_ ? &*from_here_ : &job;
-  executor_.emplace(model_, *job_, executor_settings(settings_, jobs_.plan));
+  robot::RobotModel read = model_;
+  if (machine_.plant() != nullptr) read.sensor.kind = settings_.sensor;
+  executor_.emplace(model_, *job_, executor_settings(settings_, jobs_.plan, read));
   executor_->reset(pose.joints_m);
   work_.rows.reserve(job_->trajectory.size() + hold_ticks(settings_));
 }

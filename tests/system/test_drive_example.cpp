@@ -131,6 +131,19 @@ TEST(DriveExample, SwitchesOffWhenItsControllerFallsSilent) {
   EXPECT_TRUE(drive.says("9 steps", seconds(1))) << drive.output();
 }
 
+TEST(DriveExample, IsMeasuredToAnswerOnePeriodLate) {
+  ExampleDrive drive;
+  ASSERT_NE(drive.port(), 0) << drive.output();
+  Program inspect("telekerf-inspect",
+                  {"drive", "--drive", "udp:127.0.0.1:" + std::to_string(drive.port()), "--drive-stale-s",
+                   "2", "--control-hz", "500", "--travel-mm", "15", "--move"});
+  ASSERT_EQ(inspect.wait(seconds(30)), 0) << inspect.output();
+  const std::string before = "drive_delay_s = ";
+  const std::string said = inspect.output();
+  const double delay_s = std::stod(said.substr(said.rfind(before) + before.size()));
+  EXPECT_NEAR(delay_s, 2e-3, 4e-4) << said;
+}
+
 TEST(DriveExample, ASlaveTakesItForARobotAndHoldsIt) {
   ExampleDrive drive;
   ASSERT_NE(drive.port(), 0) << drive.output();

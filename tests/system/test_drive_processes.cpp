@@ -116,6 +116,85 @@ TEST(DriveProcesses, TheSlaveFollowsWithItAndStopsSafelyWithoutIt) {
   EXPECT_GE(report["cut"]["coverage"].get<double>(), 0.25) << "5 s of hand motion: 0.36";
 }
 
+/// The shipped robot file with another line at its head.
+std::string keops_with(const std::string& line, const std::string& name) {
+  const std::string file = (Program::scratch() / name).string();
+  std::ifstream shipped(TELEKERF_ROBOTS "/slave-keops.toml");
+  std::ofstream(file) << line << "\n" << shipped.rdbuf();
+  return file;
+}
+
+nlohmann::json measured_delay(const std::string& drive, const std::string& control_hz = "1000") {
+  Program inspect("telekerf-inspect", {"drive", "--drive", drive, "--drive-stale-s", "0.5", "--control-hz",
+                                       control_hz, "--move", "--json"});
+  EXPECT_EQ(inspect.wait(seconds(30)), 0) << inspect.output();
+  return nlohmann::json::parse(inspect.output(), nullptr, false);
+}
+
+TEST(DriveProcesses, ItsDelayIsMeasuredAndOnceStatedTheSlaveCutsWithItToTheEnd) {
+  RobotProcess robot(keops_with("drive_delay_s = 0.001", "late.toml"));
+  ASSERT_NE(robot.drive(), "") << robot.output();
+  const auto delay = measured_delay(robot.drive());
+  EXPECT_NEAR(delay["drive_delay_s"].get<double>(), 1e-3, 1e-4) << delay.dump(2);
+  EXPECT_LE(delay["deviation_s"].get<double>(), 1e-4);
+  EXPECT_EQ(delay["file_drive_delay_s"].get<double>(), 0.0);
+  EXPECT_LE(delay["travel_m"].get<double>(), 1e-3);
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));  // the measurement's address has gone
+
+  const std::string out = (Program::scratch() / "late").string();
+  const std::string stated = keops_with(delay["robot_file"].get<std::string>(), "stated.toml");
+  Program vision("telekerf-vision", cell({"--image", "heart"}));
+  Program slave("telekerf-slave", cell({"--record", out, "--robot", stated, "--drive", robot.drive(),
+                                        "--drive-stale-s", "0.5"}));
+  Program master("telekerf-master", cell({"--record", out, "--engage", "--duration-s", "24"}));
+  ASSERT_EQ(master.wait(seconds(60)), 0) << master.output() << slave.output();
+  slave.interrupt();
+  ASSERT_EQ(slave.wait(seconds(10)), 0) << slave.output();
+  Program inspect("telekerf-inspect", {"run", out});
+  ASSERT_EQ(inspect.wait(seconds(30)), 0) << inspect.output();
+  const auto report = nlohmann::json::parse(std::ifstream(out + "/report.json"));
+  EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 4.0) << "1.6; " << report.dump(2);
+  EXPECT_LE(report["tracking"]["max_um"].get<double>(), 60.0) << "14 to 25";
+  EXPECT_GE(report["cut"]["coverage"].get<double>(), 0.99);
+  EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
+}
+
+TEST(DriveProcesses, ItIsNotMovedWithoutAWordAndNotMeasuredWhereThereIsNone) {
+  RobotProcess robot("slave-keops");
+  ASSERT_NE(robot.drive(), "") << robot.output();
+  Program asked("telekerf-inspect", {"drive", "--drive", robot.drive()});
+  EXPECT_EQ(asked.wait(seconds(10)), 2) << asked.output();
+  EXPECT_TRUE(asked.says("with up to 1.44 N and lets none go farther than 4 mm", seconds(1)))
+      << asked.output();
+  EXPECT_TRUE(asked.says("say --move", seconds(1)));
+  robot.interrupt();
+  ASSERT_EQ(robot.wait(seconds(10)), 0);
+  EXPECT_TRUE(robot.says("robot: 0 steps", seconds(1))) << robot.output();
+  Program lonely("telekerf-inspect", {"drive", "--drive", robot.drive(), "--move"});
+  EXPECT_EQ(lonely.wait(seconds(20)), 2) << lonely.output();
+  EXPECT_TRUE(lonely.says("no reading for 5 s; is it switched on", seconds(1))) << lonely.output();
+}
+
+TEST(DriveProcesses, TheOneSimulatedHereIsMeasuredWithoutAWord) {
+  const std::string late = keops_with("drive_delay_s = 0.0015", "late-here.toml");
+  const std::string out = (Program::scratch() / "measured").string();
+  Program inspect("telekerf-inspect", {"drive", "--robot", late, "--mismatch", "0.3", "--out", out});
+  ASSERT_EQ(inspect.wait(seconds(20)), 0) << inspect.output();
+  EXPECT_TRUE(inspect.says("drive_delay_s = 0.0014", seconds(1))) << inspect.output();
+  const auto delay = nlohmann::json::parse(std::ifstream(out + "/drive.json"));
+  EXPECT_NEAR(delay["drive_delay_s"].get<double>(), 1.5e-3, 5e-5) << delay.dump(2);
+  EXPECT_EQ(delay["file_drive_delay_s"].get<double>(), 1.5e-3);
+  const auto refused = [&](std::vector<std::string> more, const std::string& sentence) {
+    more.insert(more.begin(), {"drive", "--robot", late});
+    Program wrong("telekerf-inspect", more);
+    EXPECT_EQ(wrong.wait(seconds(20)), 2) << wrong.output();
+    EXPECT_TRUE(wrong.says(sentence, seconds(1))) << wrong.output();
+  };
+  refused({"--force-n", "11"}, "--force-n 11 is more than peak_force_n = 10.7");
+  refused({"--force-n", "0.05"}, "its delay cannot be told: joint 1 does not move as its force says");
+  refused({"--travel-mm", "30"}, "nearer than travel_mm = 30 to an end of its stroke (0 to 40 mm)");
+}
+
 TEST(DriveProcesses, TheMasterMovesItToTheContourAndInventsNoHand) {
   const std::string out = (Program::scratch() / "operated").string();
   RobotProcess robot("master-horizontal");
@@ -146,13 +225,17 @@ std::vector<std::string> machining(const RobotProcess& robot, const std::string&
   return cell({"--no-framing", "--record", out, "--drive", robot.drive(), "--drive-stale-s", "0.5"});
 }
 
-TEST(DriveProcesses, ItMachinesAContour) {
+/// Its readings are as old as its file says.
+class Machining : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Machining, CutsAContourWithIt) {
   const std::string out = (Program::scratch() / "machined").string();
-  RobotProcess robot("slave-keops");
+  const std::string file = keops_with(GetParam(), "machines.toml");
+  RobotProcess robot(file);
   ASSERT_NE(robot.drive(), "") << robot.output();
   Program vision("telekerf-vision", cell({"--image", "circle", "--width-mm", "12"}));
   auto arguments = machining(robot, out);
-  arguments.insert(arguments.end(), {"--speed-mm-s", "20"});
+  arguments.insert(arguments.end(), {"--speed-mm-s", "20", "--robot", file});
   Program slave("telekerf-machine", arguments);
   ASSERT_EQ(slave.wait(seconds(60)), 0) << slave.output() << vision.output();
   const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
@@ -163,6 +246,17 @@ TEST(DriveProcesses, ItMachinesAContour) {
   EXPECT_EQ(result["burn"]["energy_outside_corridor_j"].get<double>(), 0.0);
   robot.interrupt();
   EXPECT_EQ(robot.wait(seconds(10)), 0) << robot.output();
+}
+INSTANTIATE_TEST_SUITE_P(DriveProcesses, Machining,
+                         ::testing::Values("drive_delay_s = 0", "drive_delay_s = 0.001"),
+                         [](const auto& test) { return test.index == 0 ? "InTime" : "Late"; });
+
+TEST(DriveProcesses, ADriveTooLateToMachineWithIsRefused) {
+  const std::string file = keops_with("drive_delay_s = 0.002", "too-late.toml");
+  Program slave("telekerf-machine", cell({"--robot", file}));
+  EXPECT_EQ(slave.wait(seconds(10)), 2) << slave.output();
+  EXPECT_TRUE(slave.says("more than 4 control periods at machining_hz = 2400; lower the rate", seconds(1)))
+      << slave.output();
 }
 
 TEST(DriveProcesses, ItsLossEndsTheMachiningWithTheBeamOut) {

@@ -101,7 +101,7 @@ JointReading SimulatedRobot::read() noexcept {
     const double q = joints_m[i];
     if (!hall_.empty()) {
       HallJoint& joint = hall_[static_cast<std::size_t>(i)];
-      reading.joints_m[i] = joint.decoder.update(joint.sensor.sample(q));
+      reading.joints_m[i] = joint.decoder.update(joint.sensor.sample(q, state_.joint_velocity_m_per_s[i]));
       continue;
     }
     // An incremental encoder: whole counts from a place within the first count, known on average.

@@ -66,6 +66,30 @@ TEST(DisturbanceObserver, PolesAreWhereTheyWereAsked) {
   }
 }
 
+// From reading to reading the error dies with the same poles, however far apart they are.
+TEST(DisturbanceObserver, PolesStayWhereReadingsAreMissing) {
+  const double t = 1e-3, g = 60, f = 200;
+  for (const int apart : {2, 3, 7}) {
+    DisturbanceObserver observer({t, g, f});
+    observer.reset(Vec3::Zero());
+    observer.applied(Vec3::Zero(), Mat3::Identity());
+    Joint joint;
+    joint.v = 0.3;
+    std::vector<double> errors;
+    for (int i = 1; i <= 8 * apart; ++i) {
+      joint.step(-2.0, t);
+      observer.update(Vec3::Constant(i % apart == 0 ? joint.q : std::nan("")), i % apart == 0);
+      if (i % apart == 0) errors.push_back(observer.disturbance_n()[0] - 2.0);
+    }
+    const double a = std::exp(-g * t * apart), b = std::exp(-f * t * apart);
+    const double s1 = a + 2 * b, s2 = 2 * a * b + b * b, s3 = a * b * b;
+    for (std::size_t k = 0; k + 3 < errors.size(); ++k) {
+      const double expected = s1 * errors[k + 2] - s2 * errors[k + 1] + s3 * errors[k];
+      EXPECT_NEAR(errors[k + 3], expected, 1e-9 * std::abs(errors[0])) << apart << " samples apart";
+    }
+  }
+}
+
 TEST(DisturbanceObserver, BridgesMissingReadingsByItsModel) {
   const double t = 1e-3;
   DisturbanceObserver observer({t, 300, 900});

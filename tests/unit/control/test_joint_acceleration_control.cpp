@@ -4,8 +4,11 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <cstdio>
+#include <random>
 
 #include "common/control/joint_acceleration_control.h"
+#include "common/control/loop_design.h"
+#include "common/control/tracking_law.h"
 #include "common/robot/drivers/simulated_robot.h"
 #include "tests/unit/allocations.h"
 
@@ -183,6 +186,48 @@ TEST(JointAccelerationControl, KnownForcesAreNoDisturbance) {
   const double weight_n = robot::gravity_force(model, rig.kinematics, rig.control.state()).norm();
   EXPECT_GT(weight_n, 0.5);
   EXPECT_LT(unknown_n, 0.03 * weight_n);
+}
+
+/// Largest distance from a circle of 8 mm at 30 mm/s, by the loop that is chosen for the drive, when only now
+/// and then a reading comes: evenly, or after 1 to `apart` steps.
+double farthest_m(double delay_s, int apart, bool evenly) {
+  RobotModel model = robot::load_robot("slave-keops");
+  model.drive_delay_s = delay_s;
+  const LoopBandwidths loop = design_loop(loop_conditions(model, 1000.0));
+  const SampledGains law = sampled_gains(loop.law_rad_per_s, 1.0, 1e-3);
+  JointAccelerationControl control(model, joints_of(model, loop, 1000.0));
+  SimulatedRobot plant(robot::mismatched(model, 0.1, 2), 2, model.workspace.centre_m);
+  control.reset(plant.read().joints_m);
+  std::mt19937_64 random(1);
+  double farthest = 0.0;
+  for (int i = 0, next = 500; i < 6000; ++i) {
+    robot::JointReading reading = plant.read();
+    if (i > 500 && i < next) reading = {};
+    if (i == next) next += evenly ? apart : 1 + static_cast<int>(random() % static_cast<unsigned>(apart));
+    EXPECT_TRUE(control.observe(reading));
+    const double time_s = 1e-3 * i, omega = 3.75, r = 8e-3 * std::min(1.0, 2.0 * time_s);
+    const Vec3 out(std::cos(omega * time_s), std::sin(omega * time_s), 0.0);
+    const KinematicState goal{.position_m = model.workspace.centre_m + r * out,
+                              .velocity_m_per_s = r * omega * Vec3(-out.y(), out.x(), 0.0),
+                              .acceleration_m_per_s2 = -r * omega * omega * out};
+    const robot::DeltaState& state = control.state();
+    const KinematicState tool{.position_m = state.tool_m, .velocity_m_per_s = state.tool_velocity_m_per_s};
+    plant.write(control.currents(state.joint_acceleration(
+        limited(tracking_acceleration(goal, tool, law), model.limits.acceleration_m_per_s2))));
+    if (i > 1500) farthest = std::max(farthest, (plant.true_tool_in_base_m() - goal.position_m).norm());
+    plant.advance(1e-3);
+  }
+  return farthest;
+}
+
+TEST(JointAccelerationControl, FollowsThoughMostReadingsAreMissing) {
+  for (const int apart : {2, 4, 8}) {
+    for (const bool evenly : {true, false}) {
+      EXPECT_LT(farthest_m(0.0, apart, evenly), 8e-6 * apart) << apart << (evenly ? " evenly" : " at random");
+      EXPECT_LT(farthest_m(1e-3, apart, evenly), 12e-6 * apart)
+          << apart << (evenly ? " evenly" : " at random");
+    }
+  }
 }
 
 TEST(JointAccelerationControl, JointsThatAreNoPoseAreBrakedWhereTheyAre) {

@@ -42,6 +42,7 @@ class SteppedLoop {
     return u;
   }
   double position_m() const { return q_; }
+  double speed_m_per_s() const { return v_; }
 
  private:
   double t_;
@@ -94,16 +95,19 @@ TEST(LoopMargins, OfASensorsNoiseAreWhatItMakesInTime) {
   const LoopBandwidths bandwidths{400, 1000, 3000};
   SteppedLoop loop(conditions, bandwidths, 1.0);
   std::uint64_t state = 1;
-  double squares = 0.0;
+  double squares = 0.0, speeds = 0.0;
   constexpr int kSteps = 200'000;
   for (int n = 0; n < kSteps; ++n) {
     state = state * 6364136223846793005ULL + 1442695040888963407ULL;
     const double uniform = static_cast<double>(state >> 11) * 0x1.0p-53 - 0.5;
     const double u = loop.step(0.0, conditions.noise_m * std::sqrt(12.0) * uniform);
     squares += u * u;
+    speeds += loop.speed_m_per_s() * loop.speed_m_per_s();
   }
   const double measured = std::sqrt(squares / kSteps);
   EXPECT_NEAR(loop_margins(conditions, bandwidths).noise_m_per_s2, measured, 0.03 * measured);
+  const double shaken = std::sqrt(speeds / kSteps);
+  EXPECT_NEAR(loop_margins(conditions, bandwidths).noise_m_per_s, shaken, 0.03 * shaken);
 }
 
 TEST(LoopMargins, ALoopThatRunsAwayInTimeIsNotStable) {
@@ -175,6 +179,22 @@ TEST(LoopDesign, OfARobotDoesNotDependOnItsMass) {
   EXPECT_TRUE(joints.present);
 }
 
+TEST(LoopDesign, AnEvenLoopIsAsFastAsItsNoiseAllows) {
+  const LoopConditions conditions{.period_s = 1.0 / 2400.0, .delay_s = 1.0 / 2400.0, .noise_m = 0.1e-6};
+  const ObserverBounds bounds{60.0, 500.0};
+  const auto shaken = [&](const LoopBandwidths& loop) {
+    return loop_margins(conditions, loop).noise_m_per_s;
+  };
+  for (const double max_m_per_s : {10e-6, 15e-6, 20e-6}) {
+    const LoopBandwidths loop = design_even_loop(conditions, 70.0, max_m_per_s, bounds);
+    EXPECT_NEAR(shaken(loop), max_m_per_s, 0.02 * max_m_per_s);
+    EXPECT_EQ(loop.law_rad_per_s, 70.0);
+    EXPECT_DOUBLE_EQ(loop.velocity_rad_per_s, 3.0 * loop.observer_rad_per_s);
+  }
+  EXPECT_EQ(design_even_loop(conditions, 70.0, 1.0, bounds).observer_rad_per_s, 500.0);
+  EXPECT_NEAR(design_even_loop(conditions, 70.0, 0.0, bounds).observer_rad_per_s, 60.0, 1.0);
+}
+
 TEST(LoopDesign, WhatCannotWorkIsRefused) {
   const auto refusal = [](double delay_s, const LoopBandwidths& bandwidths) {
     try {
@@ -197,6 +217,8 @@ TEST(ReadingNoise, IsACountsOrTheHallChannels) {
   EXPECT_NEAR(robot::reading_noise_m({.resolution_m = 1e-6}), 0.288675e-6, 1e-12);
   robot::Sensor hall{.kind = robot::Sensor::Kind::kHall, .pitch_m = 0.018, .adc_bits = 24, .noise = 2e-4};
   EXPECT_NEAR(robot::reading_noise_m(hall), std::sqrt(2.0 / 3.0) * 2e-4 * 0.018 / (2 * M_PI), 1e-12);
+  hall.conversions = 16;
+  EXPECT_NEAR(robot::reading_noise_m(hall), 0.25 * std::sqrt(2.0 / 3.0) * 2e-4 * 0.018 / (2 * M_PI), 1e-12);
   hall.adc_bits = 8;
   EXPECT_NEAR(robot::reading_noise_m(hall), 6.6e-6, 0.3e-6) << "the converter's steps";
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/robot/hall_calibration.h"
+#include "common/robot/sensor_noise.h"
 
 namespace telekerf::robot {
 namespace {
@@ -90,6 +91,29 @@ TEST(HallSensor, NoiseGoesThroughAsComputed) {
   const Error error = ramp_error(HallSensor(hall(noise, 0, 0), 2), HallDecoder(kPitch_m, 16), 0, 0.01, true);
   const double expected = std::sqrt(2.0 / 3) * noise * kPitch_m / (2 * std::numbers::pi);
   EXPECT_NEAR(error.rms, expected, 0.03 * expected);
+}
+
+TEST(HallSensor, SeveralConversionsHaveTheRootOfTheirNumberLess) {
+  for (const int conversions : {4, 16, 64}) {
+    Sensor spec = hall(1e-3, 0, 0);
+    spec.conversions = conversions;
+    const Error error = ramp_error(HallSensor(spec, 2), HallDecoder(kPitch_m, 16), 0, 0.01, true);
+    EXPECT_NEAR(error.rms, reading_noise_m(spec), 0.04 * error.rms) << conversions;
+    spec.conversions = 1;
+    EXPECT_NEAR(error.rms, reading_noise_m(spec) / std::sqrt(conversions), 0.04 * error.rms);
+  }
+}
+
+TEST(HallSensor, SeveralConversionsAreHalfTheirTimeOld) {
+  Sensor spec = hall(0, 0, 0);
+  spec.adc_bits = 24;
+  spec.conversions = 17;
+  spec.conversion_s = 5e-6;
+  HallSensor sensor(spec, 1);
+  HallDecoder decoder(kPitch_m, 24);
+  decoder.update(sensor.sample(0.004));
+  EXPECT_NEAR(decoder.update(sensor.sample(0.004, 0.1)), 0.004 - 0.1 * 8 * 5e-6, 1e-9);
+  EXPECT_NEAR(decoder.update(sensor.sample(0.004, -0.1)), 0.004 + 0.1 * 8 * 5e-6, 1e-9);
 }
 
 TEST(HallSensor, CalibrationTakesMismatchAway) {

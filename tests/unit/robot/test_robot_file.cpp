@@ -35,6 +35,8 @@ resolution_m = 0.25e-6
 pitch_m = 0.019
 adc_bits = 14
 noise = 0.001
+conversions = 32
+conversion_s = 2e-6
 gain_mismatch = 0.002
 offset_mismatch = 0.003
 phase_mismatch_rad = 0.004
@@ -94,6 +96,8 @@ TEST(RobotFile, EveryKeyGoesToItsOwnPlace) {
   EXPECT_EQ(robot.sensor.pitch_m, 0.019);
   EXPECT_EQ(robot.sensor.adc_bits, 14);
   EXPECT_EQ(robot.sensor.noise, 0.001);
+  EXPECT_EQ(robot.sensor.conversions, 32);
+  EXPECT_EQ(robot.sensor.conversion_s, 2e-6);
   EXPECT_EQ(robot.sensor.gain_mismatch, 0.002);
   EXPECT_EQ(robot.sensor.offset_mismatch, 0.003);
   EXPECT_EQ(robot.sensor.phase_mismatch_rad, 0.004);
@@ -154,6 +158,10 @@ TEST(RobotFile, EveryKeyIsRefusedByNameJustOutsideOfItsBoundsAndTakenJustInside)
            Case{"adc_bits = 14\n", "sensor.adc_bits", "4", "3"},
            Case{"adc_bits = 14\n", "sensor.adc_bits", "24", "25"},
            Case{"noise = 0.001\n", "sensor.noise", "0.1", "0.101"},
+           Case{"conversions = 32\n", "sensor.conversions", "1", "0"},
+           Case{"conversions = 32\n", "sensor.conversions", "256", "257"},
+           Case{"conversion_s = 2e-6\n", "sensor.conversion_s", "0", "-1e-9"},
+           Case{"conversion_s = 2e-6\n", "sensor.conversions", "3.1e-5", "3.2e-5"},
            Case{"gain_mismatch = 0.002\n", "sensor.gain_mismatch", "0.1", "0.101"},
            Case{"offset_mismatch = 0.003\n", "sensor.offset_mismatch", "0.1", "0.101"},
            Case{"phase_mismatch_rad = 0.004\n", "sensor.phase_mismatch_rad", "0.2", "0.201"},
