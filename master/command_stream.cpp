@@ -18,6 +18,15 @@ ObserverSettings observer_of(const CommandStreamSettings& settings) {
   return observer;
 }
 
+/// The slave waits for copies: a loop that spans the delay would lose more by that than by the losses. And
+/// single samples have none.
+streaming::RedundancySettings redundancy_of(const CommandStreamSettings& settings,
+                                            const codec::StreamSettings& codec) {
+  const bool fixed = settings.law == Law::kRemoteAcceleration || codec.block == 1;
+  return {.min = codec.redundancy,
+          .max = fixed ? codec.redundancy : std::max(codec.redundancy, settings.max_redundancy)};
+}
+
 }  // namespace
 
 CommandStream::CommandStream(const CommandStreamSettings& settings, std::uint32_t epoch)
@@ -28,11 +37,21 @@ CommandStream::CommandStream(const CommandStreamSettings& settings, std::uint32_
       packets_({.codec = settings.codec,
                 .ticks_per_sample = settings.ticks_per_sample,
                 .sample_period_ns = settings.codec.sample_period_ns,
-                .epoch = epoch}) {}
+                .epoch = epoch}),
+      redundancy_(redundancy_of(settings, settings.codec)) {}
+
+void CommandStream::change(const codec::StreamSettings& codec) {
+  packets_.change(codec);
+  redundancy_ = streaming::RedundancyControl(redundancy_of(settings_, codec));
+}
 
 void CommandStream::received(const streaming::Feedback& feedback) noexcept {
+  if (feedback.kind == streaming::Arrival::Kind::kRefused) return;
+  bursts_.received(feedback.number, feedback.begins);
   engagement_.received(feedback.samples, feedback.ours);
-  if (feedback.ours) observer_.correct(feedback.samples);
+  if (!feedback.ours) return;
+  observer_.correct(feedback.samples);
+  gaps_.received(feedback.samples, engaged_from_);
 }
 
 void CommandStream::place_model(std::int64_t index, Engagement::Phase phase, bool rescaled,
@@ -48,6 +67,7 @@ void CommandStream::place_model(std::int64_t index, Engagement::Phase phase, boo
                               .velocity_m_per_s = settings_.wrong_velocity_m_per_s};
       observer_.reset(index, model_);
       engagement_.approach(model_, source);
+      engaged_from_ = index;
       break;
     case Engagement::Phase::kHolds:
       if (rescaled) engagement_.approach(observer_.predicted_state(model_), source);
@@ -63,7 +83,10 @@ void CommandStream::begin_block(std::int64_t index, const MasterSample& master) 
   const KinematicState source = scaled(master.tool, beta_);
   if (!streams_accelerations(settings_.law)) {
     const auto phase = engagement_.begin_block_unaided(master.engaged);
-    if (phase == Engagement::Phase::kBegins) observer_.reset(index, source);
+    if (phase == Engagement::Phase::kBegins) {
+      observer_.reset(index, source);
+      engaged_from_ = index;
+    }
     packets_.begin(index, to_wire_precision(Anchor{source.position_m, source.velocity_m_per_s}));
     return;
   }
@@ -128,6 +151,9 @@ std::optional<CommandBlock> CommandStream::finish_block(std::int64_t now_ns,
   block.engaged_before = engagement_.engaged_before();
   engagement_.finish_block(block.engaged);
   block.button = packets_.buttons();
+  packets_.repeat(redundancy_.step(
+      {gaps_.take(), bursts_.take()},
+      {packets_.index(), packets_.block(), static_cast<double>(packets_.block()) * period_s_}));
   if (!packets_.pack(now_ns, block)) return std::nullopt;
   if (streams_accelerations(settings_.law)) {
     model_ = observer_.revise(packets_.index(), block_model_, packets_.decoded());

@@ -8,6 +8,7 @@
 
 #include "common/protocol/messages.h"
 #include "common/streaming/packetizer.h"
+#include "common/streaming/redundancy_control.h"
 #include "common/streaming/state_receiver.h"
 #include "master/engagement.h"
 #include "master/law.h"
@@ -17,7 +18,8 @@ namespace telekerf::master {
 
 struct CommandStreamSettings : LawSettings {
   ObserverSettings observer;
-  codec::StreamSettings codec;
+  codec::StreamSettings codec;                 ///< its redundancy: on a link that leaves no gaps
+  int max_redundancy = codec::kMaxRedundancy;  ///< on one that does
   int ticks_per_sample = 1;
   Vec3 wrong_position_m = Vec3::Zero();  ///< by which the first idea of the slave is wrong, for trials
   Vec3 wrong_velocity_m_per_s = Vec3::Zero();
@@ -46,14 +48,17 @@ class CommandStream {
  public:
   CommandStream(const CommandStreamSettings& settings, std::uint32_t epoch);
 
+  /// Every state, late ones too.
   void received(const streaming::Feedback& feedback) noexcept;
   /// Every control step. A block when one is full.
   std::optional<CommandBlock> step(std::int64_t now_ns, Tick tick, const MasterSample& master) noexcept;
 
   /// Another codec, block length or redundancy, from where the next block begins; the rate stays. Throws
   /// StartupError.
-  void change(const codec::StreamSettings& codec) { packets_.change(codec); }
+  void change(const codec::StreamSettings& codec);
 
+  /// Copies of earlier blocks in the last packet.
+  int copies() const noexcept { return packets_.copies(); }
   const Observed& observed() const noexcept { return observed_; }
 
  private:
@@ -69,6 +74,10 @@ class CommandStream {
   NetworkObserver observer_;
   Engagement engagement_;
   streaming::Packetizer packets_;
+  streaming::GapFinder gaps_;
+  streaming::BurstFinder bursts_;
+  streaming::RedundancyControl redundancy_;
+  std::int64_t engaged_from_ = 0;  ///< index
   Observed observed_;
   double beta_ = 1.0;           ///< changes where blocks begin only
   KinematicState model_;        ///< the commands' integral: the reference of a slave that follows the anchors

@@ -54,8 +54,8 @@ void MasterNode::receive(std::span<const Received<StateBlock>> states) noexcept 
     const streaming::Feedback& feedback = states_.receive(received);
     if (feedback.kind == streaming::Arrival::Kind::kRefused) continue;
     link_.received(received.value, received.received_ns);
-    if (feedback.kind != streaming::Arrival::Kind::kNew) continue;
     stream_.received(feedback);
+    if (feedback.kind != streaming::Arrival::Kind::kNew) continue;
     force_.received(feedback, states_.header());
   }
 }
@@ -112,7 +112,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
                                 .contour_id = modes_.guide()->contour_id,
                                 .button = inputs.button,
                                 .engaged = out.mode == MasterMode::kEngaged});
-    if (out.command) link_.sent(*out.command);
+    if (out.command) link_.sent(*out.command, stream_.copies());
   }
   out.observed = stream_.observed();
   out.slave_force = force_.step(dt_s_);

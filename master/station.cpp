@@ -117,6 +117,8 @@ void Station::report(RunRecord& record) const {
   f["keep"] = command.keep;
   f["max_rms"] = command.max_rms;
   f["redundancy"] = command.redundancy;
+  f["copies_mean"] = link.mean_copies();
+  f["copies_max"] = link.max_copies();
   f["block_ms"] = (command.block - 1) * 1e-6 * command.sample_period_ns;
   f["packets_per_s"] = run_s > 0.0 ? packets / run_s : 0.0;
   f["wire_bytes_per_s"] =

@@ -91,6 +91,8 @@ void StationSettings::add_stream_parameters(Settings& settings) {
                "RMS error of a block that is kept instead [m/s^2; law local: m], 0: keep");
   settings.add("redundancy", node.command.codec.redundancy, {.min = 0, .max = 7},
                "previous blocks repeated in a packet");
+  settings.add("max_redundancy", node.command.max_redundancy, {.min = 0, .max = 7},
+               "and at most, after losses that these did not cover; redundancy if that is more");
 }
 
 StationSettings StationSettings::validated() const {

@@ -44,7 +44,8 @@ struct BlockEncoder::State {
   Analyser analyser;
   std::array<Block, kMaxBlocks> ring;
   std::size_t newest = 0;
-  int held = 0;  // blocks in the ring, the newest included
+  int held = 0;    // blocks in the ring, the newest included
+  int copies = 0;  // in the last packet
   std::uint16_t sequence = 0;
   ContextModel model;
   std::size_t newest_bits = 0;
@@ -135,7 +136,7 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
     if (sample.cwiseAbs().maxCoeff() > kMaxMagnitude) return refuse(CodecError::kOutOfRange);
   }
   s.newest = (s.newest + 1) % kMaxBlocks;
-  s.held = std::min(s.held + 1, s.settings.redundancy + 1);
+  s.held = std::min(s.held + 1, kMaxBlocks);
   auto& block = s.back(0);
   block.button = button;
   s.code(samples, trend, block);
@@ -159,7 +160,7 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
   if (writer.overflowed()) return refuse(CodecError::kNoRoom);
   s.newest_bits = writer.position() - begin;
   int written = 1;
-  for (; written < s.held; ++written) {
+  for (; written < std::min(s.held, s.settings.redundancy + 1); ++written) {
     const auto before = writer.position();
     s.write_block(writer, written, trend);
     if (writer.overflowed()) {
@@ -168,6 +169,7 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
     }
   }
   patch_blocks(out, written);
+  s.copies = written - 1;
   s.learn(block);
   ++s.sequence;
   ++s.counters.good;
@@ -191,6 +193,10 @@ void BlockEncoder::change(const StreamSettings& settings) {
   s.model = s.first_model();
   s.held = 0;
 }
+void BlockEncoder::repeat(int copies) noexcept {
+  state_->settings.redundancy = std::clamp(copies, 0, kMaxRedundancy);
+}
+int BlockEncoder::copies() const noexcept { return state_->copies; }
 void BlockEncoder::restart() noexcept { state_->held = 0; }
 
 }  // namespace telekerf::codec

@@ -40,6 +40,11 @@ class BlockEncoder {
   /// Other settings from the next block on. The sequence goes on; copies of blocks coded under the old ones
   /// are not sent any more. Allocates nothing when the settings are in bounds; throws StartupError otherwise.
   void change(const StreamSettings& settings);
+  /// So many previous blocks in each packet from the next one on, at most kMaxRedundancy; those that were
+  /// coded already are among them.
+  void repeat(int copies) noexcept;
+  /// Previous blocks in the last packet.
+  int copies() const noexcept;
   /// Forgets previous blocks (a gap in the stream); the sequence goes on.
   void restart() noexcept;
 

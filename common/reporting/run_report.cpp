@@ -188,12 +188,15 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
                     {"payload_bytes_per_s", metric(m, "payload_bytes_per_s")},
                     {"wire_bytes_per_s", metric(m, "wire_bytes_per_s")},
                     {"packets_per_s", metric(m, "packets_per_s")}};
-  report["codec"] = {{"name", word(record, "codec")},
-                     {"block", static_cast<std::int64_t>(metric(m, "block"))},
-                     {"kept", static_cast<std::int64_t>(metric(m, "keep"))},
-                     {"max_rms", metric(m, "max_rms")},
-                     {"redundancy", static_cast<std::int64_t>(metric(m, "redundancy"))},
-                     {"bits_per_sample", metric(m, "bits_per_sample")}};
+  report["codec"] = {
+      {"name", word(record, "codec")},
+      {"block", static_cast<std::int64_t>(metric(m, "block"))},
+      {"kept", static_cast<std::int64_t>(metric(m, "keep"))},
+      {"max_rms", metric(m, "max_rms")},
+      {"redundancy", static_cast<std::int64_t>(metric(m, "redundancy"))},
+      {"copies",
+       {{"mean", metric(m, "copies_mean")}, {"max", static_cast<std::int64_t>(metric(m, "copies_max"))}}},
+      {"bits_per_sample", metric(m, "bits_per_sample")}};
   report["force"] = force_json(record);
   report["loop"] = {{"master", loop_json(m)}, {"slave", loop_json(s)}};
   report["seed"] = static_cast<std::int64_t>(metric(m, "seed"));

@@ -41,8 +41,13 @@ void CommandReceiver::receive(const Received<CommandBlock>& received,
   const CommandHeader& header = received.value;
   const PacketSamples samples(*arrival.packet, arrival.first);
   buffer_->store(samples, header, stream_.generation());
-  clock_.arrived(received.received_ns, samples.last(), static_cast<int>(samples.size()),
-                 header.sample_period_ns, arrival.missing > 0);
+  clock_.arrived({.now_ns = received.received_ns,
+                  .last = samples.last(),
+                  .count = static_cast<int>(samples.size()),
+                  .sample_period_ns = header.sample_period_ns,
+                  .copies = arrival.packet->head.redundancy,
+                  .lookahead = header.law == Law::kLocal ? kHalfWindow : 0,
+                  .lost = arrival.missing > 0});
 }
 
 std::optional<KinematicState> CommandReceiver::state_at(double cursor,
@@ -66,7 +71,7 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
   // What the play-out waits for stragglers is not silence yet.
   out.fresh = heard() && stream_.silent_s(now_ns) - clock_.wait_s() < settings_.timeout_s;
   if (!out.fresh) return out;
-  out.cursor = clock_.advance(now_ns, settings_.control_period_ns, underrun_);
+  out.cursor = clock_.advance(now_ns, settings_.control_period_ns);
   if (!out.cursor) return out;
   const double cursor = *out.cursor;
   out.tick = cursor * header().ticks_per_sample;
@@ -80,10 +85,15 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
     out.sample = buffer_->find(out.index);
     out.state = *state;
   }
-  underrun_ = out.sample == nullptr;
-  const double step =
-      static_cast<double>(settings_.control_period_ns) / static_cast<double>(header().sample_period_ns);
-  out.discontinuity = !cursor_ || std::abs(cursor - *cursor_ - step) > 1e-3;
+  out.discontinuity = !cursor_ || !clock_.went_on();
+  if (!out.discontinuity && header().law != Law::kRemoteAcceleration) {
+    // A correction goes by slower or faster: so does the motion.
+    const double step =
+        static_cast<double>(settings_.control_period_ns) / static_cast<double>(header().sample_period_ns);
+    const double pace = (cursor - *cursor_) / step;
+    out.state.velocity_m_per_s *= pace;
+    out.state.acceleration_m_per_s2 *= pace * pace;
+  }
   cursor_ = cursor;
   return out;
 }

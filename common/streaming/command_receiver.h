@@ -59,7 +59,6 @@ class CommandReceiver {
   std::unique_ptr<JitterBuffer> buffer_;
   PlayoutClock clock_;
   bool begins_ = false;
-  bool underrun_ = false;
   std::optional<double> cursor_;  ///< of the last step
 };
 

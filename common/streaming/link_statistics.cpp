@@ -8,8 +8,10 @@ namespace telekerf::streaming {
 
 LinkStatistics::LinkStatistics() : histogram_(kBins, 0) {}
 
-void LinkStatistics::sent(const CommandBlock& block) noexcept {
+void LinkStatistics::sent(const CommandBlock& block, int copies) noexcept {
   ++packets_;
+  copies_ += static_cast<std::uint64_t>(copies);
+  max_copies_ = std::max(max_copies_, copies);
   payload_bytes_ += block.payload.size;
 }
 

@@ -16,7 +16,8 @@ class LinkStatistics {
  public:
   LinkStatistics();
 
-  void sent(const CommandBlock& block) noexcept;
+  /// `copies`: earlier blocks in its packet.
+  void sent(const CommandBlock& block, int copies) noexcept;
   /// A state that the receiver did not refuse, whatever its order. Round trip of the network only: handing a
   /// command to the bus until taking the state that acknowledges it, less the time that the slave held it.
   void received(const StateHeader& state, std::int64_t received_ns) noexcept;
@@ -27,6 +28,10 @@ class LinkStatistics {
   ClockEstimate clocks() const noexcept { return clocks_.estimate(last_received_ns_); }
   std::uint64_t packets() const noexcept { return packets_; }
   std::uint64_t payload_bytes() const noexcept { return payload_bytes_; }
+  double mean_copies() const noexcept {
+    return packets_ == 0 ? 0.0 : static_cast<double>(copies_) / static_cast<double>(packets_);
+  }
+  int max_copies() const noexcept { return max_copies_; }
 
  private:
   static constexpr double kBinMs = 0.02;
@@ -38,6 +43,8 @@ class LinkStatistics {
   std::uint32_t last_echo_ = 0;
   std::uint64_t packets_ = 0;
   std::uint64_t payload_bytes_ = 0;
+  std::uint64_t copies_ = 0;
+  int max_copies_ = 0;
 };
 
 }  // namespace telekerf::streaming

@@ -53,6 +53,13 @@ class Packetizer {
   /// StartupError.
   void change(const codec::StreamSettings& codec);
 
+  /// Copies of earlier blocks in each packet from the next one on.
+  void repeat(int copies) noexcept { encoder_.repeat(copies); }
+  /// In the last packet.
+  int copies() const noexcept { return encoder_.copies(); }
+
+  /// Samples a block.
+  int block() const noexcept { return settings_.codec.block; }
   /// Of the block being filled, or of the last one that was packed.
   std::int64_t index() const noexcept { return index_; }
   std::uint64_t buttons() const noexcept { return buttons_; }

@@ -5,6 +5,12 @@
 #include <cmath>
 
 namespace telekerf::streaming {
+namespace {
+
+/// In which the pace changes, and in which the rest of a correction fades.
+constexpr double kCorrection_s = 0.02;
+
+}  // namespace
 
 void PlayoutClock::reset() noexcept {
   transits_ = 0;
@@ -13,22 +19,22 @@ void PlayoutClock::reset() noexcept {
   loss_memory_s_ = 0.0;
 }
 
-void PlayoutClock::arrived(std::int64_t now_ns, std::int64_t last, int count, std::int64_t sample_period_ns,
-                           bool lost) noexcept {
-  if (period_ns_ != 0 && period_ns_ != sample_period_ns) reset();
-  constexpr double kLossMemory = 10.0;
-  const double since_last_s = transits_ == 0 ? 0.0 : static_cast<double>(now_ns - last_arrival_ns_) * 1e-9;
-  loss_memory_s_ = lost ? kLossMemory : std::max(0.0, loss_memory_s_ - since_last_s);
-  last_arrival_ns_ = now_ns;
-  period_ns_ = sample_period_ns;
-  block_ = count;
-  transit_ns_[static_cast<std::size_t>(next_)] = now_ns - last * sample_period_ns;
+void PlayoutClock::arrived(const BlockArrival& block) noexcept {
+  if (period_ns_ != 0 && period_ns_ != block.sample_period_ns) reset();
+  constexpr double kLossMemory_s = 10.0;
+  const double since_last_s =
+      transits_ == 0 ? 0.0 : static_cast<double>(block.now_ns - last_arrival_ns_) * 1e-9;
+  loss_memory_s_ = block.lost ? kLossMemory_s : std::max(0.0, loss_memory_s_ - since_last_s);
+  last_arrival_ns_ = block.now_ns;
+  period_ns_ = block.sample_period_ns;
+  block_ = block.count;
+  transit_ns_[static_cast<std::size_t>(next_)] = block.now_ns - block.last * block.sample_period_ns;
   next_ = (next_ + 1) % kHistory;
   transits_ = std::min(transits_ + 1, kHistory);
-  choose_depth();
+  choose_depth(block);
 }
 
-void PlayoutClock::choose_depth() noexcept {
+void PlayoutClock::choose_depth(const BlockArrival& newest) noexcept {
   // The newest transits at block rate: 512 blocks of 16 ms are 8 s, so the envelope follows the clocks' skew.
   std::array<std::int64_t, kHistory> sorted = transit_ns_;
   const auto begin = sorted.begin();
@@ -40,17 +46,17 @@ void PlayoutClock::choose_depth() noexcept {
 
   const double period_s = static_cast<double>(period_ns_) * 1e-9;
   double depth_s = static_cast<double>(late - envelope_ns_) * 1e-9 + settings_.margin_s;
-  depth_s += (block_ - 1 + settings_.lookahead_samples) * period_s;
-  if (loss_memory_s_ > 0.0) depth_s += settings_.redundancy * block_ * period_s;
-  depth_ = static_cast<int>(std::ceil(std::min(depth_s, settings_.max_depth_s) / period_s));
+  depth_s += (block_ - 1 + newest.lookahead) * period_s;
+  if (loss_memory_s_ > 0.0) depth_s += newest.copies * block_ * period_s;
+  depth_ = static_cast<int>(std::ceil(std::min(depth_s, settings_.max_depth_s) / period_s - 1e-6));
 }
 
 double PlayoutClock::target(std::int64_t now_ns) const noexcept {
   return static_cast<double>(now_ns - envelope_ns_) / static_cast<double>(period_ns_) - depth_;
 }
 
-std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t control_period_ns,
-                                            bool underrun) noexcept {
+std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t control_period_ns) noexcept {
+  went_on_ = false;
   if (transits_ == 0) return std::nullopt;
   const double wanted = target(now_ns);
   // Beyond a quarter of a second nothing can be won by slow correction.
@@ -58,34 +64,31 @@ std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t co
   if (!synchronized_ || std::abs(wanted - cursor_) > give_up) {
     resyncs_ += synchronized_ ? 1 : 0;
     cursor_ = std::floor(wanted);
+    ahead_ = slowing_ = 0.0;
     synchronized_ = true;
-    last_correction_ns_ = now_ns;
     return cursor_;
   }
   const double step = static_cast<double>(control_period_ns) / static_cast<double>(period_ns_);
-  if (underrun && wanted - cursor_ < -1.5) {
-    waited_ += step;  // counted as corrections, one a sample
-    if (waited_ >= 1.0) {
-      waited_ -= 1.0;
-      ++corrections_;
-      last_correction_ns_ = now_ns;
-    }
-    return cursor_;
-  }
+  went_on_ = true;
   cursor_ += step;
-  // One whole sample at a time, rarely: late data wants more delay soon, a better link gives it back slowly.
+  // By whole samples: late data wants more delay soon; a better link may keep some of it.
   const double error = wanted - cursor_;
-  const double waited_s = static_cast<double>(now_ns - last_correction_ns_) * 1e-9;
-  if (error < -1.5 && waited_s >= settings_.grow_interval_s) {
-    cursor_ -= 1.0;
-  } else if (error > 3.5 && waited_s >= settings_.shrink_interval_s) {
-    cursor_ += 1.0;
-  } else {
-    return cursor_;
-  }
-  ++corrections_;
-  last_correction_ns_ = now_ns;
-  return cursor_;
+  const double whole = error < -1.5 ? std::ceil(error) : error > 3.5 ? std::floor(error - 2.5) : 0.0;
+  cursor_ += whole;
+  ahead_ -= whole;
+  corrections_ += static_cast<std::uint64_t>(std::abs(whole));
+  return cursor_ + catch_up(step);
+}
+
+double PlayoutClock::catch_up(double step) noexcept {
+  const double period_s = static_cast<double>(period_ns_) * 1e-9;
+  const double aim =
+      std::clamp(ahead_ * period_s / kCorrection_s, -settings_.max_hurry, settings_.max_slowing);
+  const double change = step * period_s * settings_.max_slowing / kCorrection_s;
+  slowing_ += std::clamp(aim - slowing_, -change, change);
+  ahead_ -= slowing_ * step;
+  if (std::abs(ahead_) < 1e-3 && std::abs(slowing_) < 1e-3) ahead_ = slowing_ = 0.0;
+  return ahead_;
 }
 
 }  // namespace telekerf::streaming

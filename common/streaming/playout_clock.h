@@ -11,31 +11,40 @@ namespace telekerf::streaming {
 
 struct PlayoutSettings {
   double jitter_quantile = 0.995;
-  double margin_s = 0.002;    ///< on top of the observed jitter
-  int lookahead_samples = 4;  ///< the differentiator's half window
+  double margin_s = 0.002;  ///< on top of the observed jitter
   double max_depth_s = 2.0;
-  int redundancy = 1;             ///< previous blocks in every packet: waited for where losses are seen
-  double grow_interval_s = 0.02;  ///< at most one whole sample of correction per interval ...
-  double shrink_interval_s = 0.2;
+  double max_slowing =
+      0.2;  ///< of the usual pace, while more delay is taken up; the pace itself does not jump
+  double max_hurry = 0.005;  ///< and while delay is given back
+};
+
+/// A block that came.
+struct BlockArrival {
+  std::int64_t now_ns = 0;
+  std::int64_t last = 0;  ///< index of its last sample
+  int count = 0;          ///< samples in it
+  std::int64_t sample_period_ns = 0;
+  int copies = 0;     ///< earlier blocks that its sender repeats: waited for where losses are seen
+  int lookahead = 0;  ///< samples after the one that is applied which are needed as well
+  bool lost = false;  ///< blocks before it are missing
 };
 
 /// Maps the slave's clock to the stream sample to apply. The map is the lower envelope of (arrival - sample
 /// time) plus a depth that covers block filling, jitter and, where losses are seen, the redundant copies.
+/// It is corrected by whole samples, and they little by little: what is played goes on without a jump, a
+/// little slower or faster.
 class PlayoutClock {
  public:
   explicit PlayoutClock(const PlayoutSettings& settings) noexcept : settings_(settings) {}
 
   /// Forgets the link; the next arrival synchronizes the clock.
   void reset() noexcept;
-  /// A block of `count` samples whose last has index `last` arrived; `lost` says that blocks before it are
-  /// missing.
-  void arrived(std::int64_t now_ns, std::int64_t last, int count, std::int64_t sample_period_ns,
-               bool lost) noexcept;
+  void arrived(const BlockArrival& block) noexcept;
   /// Advances by one control step; returns the stream time to apply, in samples, once the clock is
-  /// synchronized. `underrun`: the last step found no data; then a clock that runs too early waits instead of
-  /// running on.
-  std::optional<double> advance(std::int64_t now_ns, std::int64_t control_period_ns, bool underrun) noexcept;
-
+  /// synchronized.
+  std::optional<double> advance(std::int64_t now_ns, std::int64_t control_period_ns) noexcept;
+  /// The last advance() went on by a step, at the usual pace or that of a correction: it did not begin anew.
+  bool went_on() const noexcept { return went_on_; }
   /// Depth from the fastest arrival of a block's last sample to its use, in samples.
   int depth_samples() const noexcept { return depth_; }
   /// The part of the depth that is not block filling: what waiting for stragglers costs.
@@ -46,8 +55,9 @@ class PlayoutClock {
   std::uint64_t resyncs() const noexcept { return resyncs_; }
 
  private:
-  void choose_depth() noexcept;
+  void choose_depth(const BlockArrival& newest) noexcept;
   double target(std::int64_t now_ns) const noexcept;
+  double catch_up(double step) noexcept;
 
   static constexpr int kHistory = 512;
   PlayoutSettings settings_;
@@ -60,10 +70,11 @@ class PlayoutClock {
   int depth_ = 0;
   double loss_memory_s_ = 0.0;  ///< how long losses are still taken for usual
   std::int64_t last_arrival_ns_ = 0;
-  std::int64_t last_correction_ns_ = 0;
   bool synchronized_ = false;
-  double cursor_ = 0.0;
-  double waited_ = 0.0;  ///< samples, fraction not yet counted
+  bool went_on_ = false;
+  double cursor_ = 0.0;  ///< as if corrections took no time
+  double ahead_ = 0.0;   ///< samples by which what is played is still ahead of that
+  double slowing_ = 0.0;
   std::uint64_t corrections_ = 0;
   std::uint64_t resyncs_ = 0;
 };

@@ -29,6 +29,7 @@ const Feedback& StateReceiver::receive(const Received<StateBlock>& received) noe
   feedback_ = {};
   const Arrival arrival = stream_.receive(received, kNothingLate);
   feedback_.kind = arrival.kind;
+  feedback_.number = received.value.sequence;
   if (arrival.kind != Arrival::Kind::kNew) return feedback_;
   const StateBlock& block = received.value;
   feedback_.begins = arrival.begins;

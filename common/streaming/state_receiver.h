@@ -18,6 +18,7 @@ namespace telekerf::streaming {
 /// What one state block brought. Valid until the next one is received.
 struct Feedback {
   Arrival::Kind kind = Arrival::Kind::kRefused;
+  std::uint32_t number = 0;              ///< of the block
   bool begins = false;                   ///< another slave or sample rate: nothing from before goes on
   bool ours = false;                     ///< the slave follows this master's commands
   std::span<const SlaveSample> samples;  ///< not had before, in the order of the slave's clock

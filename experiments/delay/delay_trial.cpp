@@ -26,6 +26,13 @@ ErrorStatistics statistics_of(const std::vector<double>& errors) {
   return spread;
 }
 
+/// Between two ticks: while a correction of the play-out goes by.
+Vec3 at(const std::vector<Vec3>& by_tick, double tick) {
+  const auto before = static_cast<std::size_t>(tick);
+  const Vec3& after = by_tick[std::min(before + 1, by_tick.size() - 1)];
+  return by_tick[before] + (tick - static_cast<double>(before)) * (after - by_tick[before]);
+}
+
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -133,11 +140,11 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     const auto out = slave.step(now_ns, corridor.get(), commands, {});
     if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
     if (out.applied_tick < 0.0) continue;
-    const auto applied = static_cast<std::size_t>(std::llround(out.applied_tick));
+    const auto applied = static_cast<std::size_t>(out.applied_tick);
     joined = joined || (aligned[applied] && out.settled);
     if (!joined) continue;
-    result.error_m[applied] = (tool_m - hand.beta * hand.true_tool_m[applied]).norm();
-    result.prediction_error_m[applied] = (tool_m - predicted[applied]).norm();
+    result.error_m[applied] = (tool_m - hand.beta * at(hand.true_tool_m, out.applied_tick)).norm();
+    result.prediction_error_m[applied] = (tool_m - at(predicted, out.applied_tick)).norm();
   }
 
   const auto is_counted = [](double error) { return std::isfinite(error); };

@@ -347,6 +347,33 @@ TEST(Stream, AnEncoderChangesItsSettingsWithoutABreak) {
   EXPECT_EQ(decoder.counters().good, packets);
 }
 
+TEST(Stream, APacketRepeatsAsManyBlocksAsItIsAskedToAndTheyAreThere) {
+  BlockEncoder encoder(StreamSettings{.redundancy = 1});
+  BlockDecoder decoder;
+  Bytes bytes(2048);
+  double t = 0.0;
+  std::vector<std::vector<Vec3>> decoded;
+  const int asked[] = {1, 1, 1, 1, 5, 7, 7, 7, 7, 0, 9, -1, 2};
+  const int carried[] = {0, 1, 1, 1, 4, 5, 6, 7, 7, 0, 7, 0, 2};
+  for (std::size_t b = 0; b < std::size(asked); ++b) {
+    if (b > 0) encoder.repeat(asked[b]);
+    std::vector<Vec3> samples;
+    const Trend trend = trend_at(t, 1e-3);
+    for (int n = 0; n < 16; ++n, t += 1e-3) samples.push_back(hand(t));
+    const auto size = encoder.encode(samples, 0, trend, bytes);
+    ASSERT_TRUE(size);
+    EXPECT_EQ(encoder.copies(), carried[b]) << b;
+    decoded.emplace_back(encoder.decoded().begin(), encoder.decoded().end());
+    const auto packet = decoder.decode(std::span(bytes).first(*size), trend);
+    ASSERT_TRUE(packet) << to_string(packet.error());
+    ASSERT_EQ((*packet)->blocks, carried[b] + 1) << b;
+    for (std::size_t age = 0; age <= static_cast<std::size_t>(carried[b]); ++age) {
+      EXPECT_TRUE(same_bits((*packet)->blocks_newest_first[age].samples, decoded[b - age]))
+          << b << ' ' << age;
+    }
+  }
+}
+
 TEST(Settings, RefusalsNameSettingValueAndBound) {
   const auto refusal = [](const StreamSettings& settings) -> std::string {
     try {

@@ -51,6 +51,60 @@ TEST_F(CommandStreamTest, EachBlockSaysWhetherTheSlaveIsLedAndWhetherItWasInThos
   }
 }
 
+/// States that all came, or all but the last so many before the newest.
+void tell_states(CommandStream& stream, std::uint32_t& number, int missing) {
+  streaming::Feedback feedback;
+  feedback.kind = streaming::Arrival::Kind::kNew;
+  feedback.ours = true;
+  number += static_cast<std::uint32_t>(missing);
+  for (int n = 0; n < 40; ++n) {
+    feedback.number = ++number;
+    stream.received(feedback);
+  }
+}
+
+TEST_F(CommandStreamTest, PacketsCarryMoreCopiesAfterABurstOfLosses) {
+  std::uint32_t number = 0;
+  tell_states(stream_, number, 0);
+  for (int n = 0; n < 10; ++n) block();
+  EXPECT_EQ(stream_.copies(), 2) << "redundancy";
+  tell_states(stream_, number, 3);
+  block();
+  EXPECT_EQ(stream_.copies(), 6);
+  stream_.change({.block = kBlock, .redundancy = 1, .sample_period_ns = 1'000'000});
+  for (int n = 0; n < 10; ++n) block();
+  EXPECT_EQ(stream_.copies(), 1) << "other settings, another start";
+}
+
+TEST_F(CommandStreamTest, ALoopThatSpansTheDelayWaitsForNoMoreCopies) {
+  CommandStreamSettings settings = positions();
+  settings.law = Law::kRemoteAcceleration;
+  settings.codec.anchored = false;
+  stream_ = CommandStream(settings, 7);
+  std::uint32_t number = 0;
+  tell_states(stream_, number, 0);
+  tell_states(stream_, number, 9);
+  for (int n = 0; n < 10; ++n) block();
+  EXPECT_EQ(stream_.copies(), 2);
+}
+
+TEST_F(CommandStreamTest, AsManyCopiesAsItsSettingsAllowAndNoneOfSingleSamples) {
+  for (const int max : {0, 4}) {
+    for (const int length : {kBlock, 1}) {
+      CommandStreamSettings settings = positions();
+      settings.max_redundancy = max;
+      settings.codec.block = length;
+      if (length == 1) settings.codec = codec::with_codec(settings.codec, "raw");
+      stream_ = CommandStream(settings, 7);
+      std::uint32_t number = 0;
+      tell_states(stream_, number, 0);
+      tell_states(stream_, number, 9);
+      for (int n = 0; n < 10 * kBlock; ++n) (void)stream_.step(0, tick_++, master_);
+      EXPECT_EQ(stream_.copies(), length == 1 ? 0 : std::max(max, 2)) << max << ' ' << length;
+    }
+  }
+}
+
 TEST_F(CommandStreamTest, ABlockNamesItsSenderItsPlaceInTimeAndWhatItIsFor) {
   for (std::uint32_t n = 0; n < 3; ++n) {
     const CommandBlock sent = block();

@@ -37,7 +37,8 @@ TEST(MasterSettings, HaveTheseBounds) {
                            {"block", 4, 64},
                            {"keep", 1, 64},
                            {"max_rms", 0, 1000},
-                           {"redundancy", 0, 7}};
+                           {"redundancy", 0, 7},
+                           {"max_redundancy", 0, 7}};
   for (const Row& row : kRows) {
     bool found = false;
     for (const Setting& setting : settings.declared()) {

@@ -220,9 +220,9 @@ TEST(RunReport, OnlyWhatIsGuidedCountsForTheConstraint) {
 
 TEST(RunReport, FiguresOfBothSitesAreAddedWhereBothCount) {
   RunRecord record = circle_run(0.0, 0.0);
-  record.master_figures = {{"lost", 3},         {"refused", 5},      {"overruns", 7},
-                           {"rtt_p50_ms", 1.5}, {"rtt_p95_ms", 2.5}, {"rtt_p99_ms", 3.5},
-                           {"block_ms", 16},    {"seed", 9},         {"redundancy", 2}};
+  record.master_figures = {{"lost", 3},         {"refused", 5},       {"overruns", 7},  {"rtt_p50_ms", 1.5},
+                           {"rtt_p95_ms", 2.5}, {"rtt_p99_ms", 3.5},  {"block_ms", 16}, {"seed", 9},
+                           {"redundancy", 2},   {"copies_mean", 2.5}, {"copies_max", 6}};
   record.slave_figures = {
       {"lost", 20}, {"refused", 40}, {"overruns", 70}, {"playout_ms", 4}, {"control_period_s", 2e-3}};
   record.contour_closed = false;
@@ -237,6 +237,8 @@ TEST(RunReport, FiguresOfBothSitesAreAddedWhereBothCount) {
   EXPECT_EQ(report["loop"]["slave"]["overruns"].get<int>(), 70);
   EXPECT_EQ(report["seed"].get<int>(), 9);
   EXPECT_EQ(report["codec"]["redundancy"].get<int>(), 2);
+  EXPECT_EQ(report["codec"]["copies"]["mean"].get<double>(), 2.5);
+  EXPECT_EQ(report["codec"]["copies"]["max"].get<int>(), 6);
   EXPECT_EQ(report["law"], "anchored");
   EXPECT_EQ(report["netem"], "x");
   EXPECT_EQ(report["contour"]["image"], "heart");

@@ -72,6 +72,39 @@ TEST(Lap, JitterAndLossCostDelayButNoLaserOutsideTheCorridor) {
   EXPECT_GE(report["cut"]["coverage"].get<double>(), 0.85);
 }
 
+/// Tracking over bursts of losses, rms in um, and what the packets carried.
+struct Bursts {
+  const char* profile;
+  const char* image;
+  std::uint64_t seed;
+  double tracking_um;
+  double mean_copies;
+};
+
+class LapOverBursts : public testing::TestWithParam<Bursts> {};
+
+TEST_P(LapOverBursts, CopiesFollowTheLossesAndTheBeamIsNeverOnFarFromTheMaster) {
+  const auto [profile, image, seed, tracking_um, mean_copies] = GetParam();
+  SimulationSettings settings = demo(profile);
+  settings.image = image;
+  settings.seed = seed;
+  const auto report = reporting::make_report(simulate(settings));
+  const double reached_um = report["tracking"]["rms_um"].get<double>();
+  const auto& copies = report["codec"]["copies"];
+  std::printf("%s, %s, seed %d: %.2f um, %.2f copies\n", profile, image, static_cast<int>(seed), reached_um,
+              copies["mean"].get<double>());
+  EXPECT_LE(reached_um, 1.05 * tracking_um);
+  EXPECT_NEAR(copies["mean"].get<double>(), mean_copies, 0.05 * mean_copies);
+  EXPECT_LE(report["tracking"]["laser_on"]["max_um"].get<double>(), 50.0);
+  EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Profiles, LapOverBursts,
+                         testing::Values(Bursts{"thesis-tcp", "heart", 4, 0.71, 1.0},
+                                         Bursts{"wifi", "gear", 1, 3.36, 4.76},
+                                         Bursts{"leo", "gear", 5, 3.69, 4.65},
+                                         Bursts{"hostile", "circle", 1, 198.9, 6.60}));
+
 TEST(Lap, TheThesisControlRateIsOneSettingAway) {
   SimulationSettings settings = demo("thesis-constant");
   settings.duration_s = 10.0;

@@ -139,7 +139,7 @@ TEST_F(CommandReceiverTest, HeldCommandsAreOfTheSampleBeforeTheCursorAndBareOnes
     EXPECT_EQ(played_.state.acceleration_m_per_s2, acceleration);
     EXPECT_LT((acceleration - place(played_.index)).norm(), 1e-6) << "the samples are accelerations now";
     if (law == Law::kAnchored) {
-      EXPECT_NEAR(played_.state.position_m.x(), at_sample_m.x() + 0.5e-3 * 0.02, 1e-9);
+      EXPECT_NEAR(played_.state.position_m.x(), at_sample_m.x() + 0.5e-3 * 0.02, 2e-9);
     } else {
       EXPECT_EQ(played_.state.position_m, kTool.position_m);
       EXPECT_EQ(played_.state.velocity_m_per_s, kTool.velocity_m_per_s);
@@ -168,7 +168,7 @@ TEST_F(CommandReceiverTest, ALostBlockWithoutACopyIsConcealedAndItsDepthGrows) {
     block.anchor = {Vec3::Zero(), Vec3::Zero()};
   };
   run(10);
-  EXPECT_EQ(receiver_.clock().depth_samples(), 21);
+  EXPECT_EQ(receiver_.clock().depth_samples(), 17) << "no look-ahead";
   (void)next();
   (void)next();  // its copy rides on the next one
   int concealed = 0;
@@ -178,8 +178,8 @@ TEST_F(CommandReceiverTest, ALostBlockWithoutACopyIsConcealedAndItsDepthGrows) {
     concealed += played.sample != nullptr && played.sample->concealed ? 1 : 0;
   });
   EXPECT_EQ(receiver_.counters().lost, 2u);
-  EXPECT_EQ(receiver_.clock().depth_samples(), 21 + 16) << "copies are waited for now";
-  EXPECT_GT(receiver_.clock().corrections(), 0u) << "without data it waits";
+  EXPECT_EQ(receiver_.clock().depth_samples(), 17 + 16) << "copies are waited for now";
+  EXPECT_GT(receiver_.clock().corrections(), 0u);
 }
 
 TEST_F(CommandReceiverTest, AnOvertakenBlockIsTakenAsLongAsItCanBePlayed) {
@@ -192,9 +192,9 @@ TEST_F(CommandReceiverTest, AnOvertakenBlockIsTakenAsLongAsItCanBePlayed) {
     const CommandBlock late = next();  // samples 64 to 79; the longest block would end at 127
     now_ns_ += 2 * kBlock * kMs;
     run(1);
-    // The play-out waits or goes on until its cursor has passed that end.
-    for (; *played_.cursor < 126.5 + more; now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
-    EXPECT_NEAR(*played_.cursor, 127.0 + more, 1e-9);
+    // The play-out goes on, more slowly, until its cursor is just before or after that end.
+    for (; *played_.cursor < 126.0 + more; now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
+    EXPECT_NEAR(*played_.cursor, 126.5 + more, 0.5);
     receiver_.receive({late, now_ns_}, 4);
     EXPECT_EQ(receiver_.counters().stale, static_cast<std::uint64_t>(more)) << more;
   }
@@ -245,13 +245,13 @@ TEST_F(CommandReceiverTest, AGapWithBothEndsKnownIsConcealed) {
   EXPECT_EQ(concealed, 2 * kBlock);
 }
 
-TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeStandsUntilThereIsSomethingToPlay) {
+TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeGoesBySlowerUntilThereIsAlwaysSomethingToPlay) {
   run(20);
   for (int n = 0; n < 60; ++n, now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
   int missing = 0;
-  run(8, [&](const Played& played) { missing += played.sample == nullptr ? 1 : 0; });
-  EXPECT_NEAR(missing, 53, 2);
-  EXPECT_NE(played_.sample, nullptr);
+  run(30, [&](const Played& played) { missing += played.sample == nullptr ? 1 : 0; });
+  EXPECT_NEAR(missing, 240, 3);
+  run(5, [&](const Played& played) { EXPECT_NE(played.sample, nullptr); });
 }
 
 }  // namespace

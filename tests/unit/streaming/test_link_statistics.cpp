@@ -71,9 +71,11 @@ TEST(LinkStatistics, PacketsAreCountedAndClocksComparedAsOfTheNewestState) {
   LinkStatistics meter;
   CommandBlock block;
   block.payload.size = 70;
-  for (int n = 0; n < 3; ++n) meter.sent(block);
+  for (int n = 0; n < 3; ++n) meter.sent(block, n);
   EXPECT_EQ(meter.packets(), 3u);
   EXPECT_EQ(meter.payload_bytes(), 210u);
+  EXPECT_EQ(meter.mean_copies(), 1.0);
+  EXPECT_EQ(meter.max_copies(), 2);
   for (std::uint32_t n = 1; n <= 10; ++n) {
     StateHeader state;
     state.echo_sequence = n;

@@ -63,6 +63,16 @@ TEST_F(PacketizerTest, ABlockSaysItsPlaceInTheStreamAndDecodesToItsSamples) {
   }
 }
 
+TEST_F(PacketizerTest, CopiesMayChangeFromPacketToPacket) {
+  for (const int copies : {1, 1, 3, 3, 0}) {
+    packets_.repeat(copies);
+    const auto before = static_cast<int>(block_.sequence);
+    ASSERT_TRUE(fill());
+    EXPECT_EQ(packets_.copies(), std::min(copies, before));
+    EXPECT_EQ(packets_.block(), kBlock);
+  }
+}
+
 TEST_F(PacketizerTest, OtherSettingsApplyFromTheNextBlock) {
   ASSERT_TRUE(fill());
   packets_.begin(index_, {});
