@@ -3,7 +3,8 @@
 #include "tools/inspect/commands.h"
 
 int main(int argc, char** argv) {
-  telekerf::Program program("telekerf-inspect", "Looks at robots, drives, contours, codecs and finished runs");
+  telekerf::Program program("telekerf-inspect",
+                            "Looks at robots, drives, contours, codecs and finished runs");
   telekerf::inspect::add_codec_command(program);
   telekerf::inspect::add_contour_command(program);
   telekerf::inspect::add_drive_command(program);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <boost/asio/buffer.hpp>
 #include <cmath>
@@ -35,6 +36,7 @@ UdpRobot::UdpRobot(const UdpAddress& address, double period_s)
 JointReading UdpRobot::read() noexcept {
   constexpr int kMostAtOnce = 64;  // bounds the step, whatever is in the queue
   JointReading reading;
+  bool answered = false;
   for (int i = 0; i < kMostAtOnce; ++i) {
     UdpReading incoming;
     udp::endpoint from;
@@ -47,12 +49,21 @@ JointReading UdpRobot::read() noexcept {
     }
     if (incoming.sequence <= newest_) continue;  // overtaken on the way
     newest_ = incoming.sequence;
+    answered = true;
     reading.joints_m = Vec3(incoming.joints_m);
     reading.valid = incoming.valid == 1;
     reading.tick = incoming.tick;
     reading.time_ns = incoming.time_ns;
   }
+  if (answered && is_late(outgoing_.sequence - newest_)) reading.valid = false;
   return reading;
+}
+
+bool UdpRobot::is_late(std::uint64_t steps) noexcept {
+  const bool late = steps > *std::min_element(lags_.begin(), lags_.end());
+  lags_[next_lag_] = steps;
+  next_lag_ = (next_lag_ + 1) % lags_.size();
+  return late;
 }
 
 void UdpRobot::write(const Vec3& currents_a) noexcept {

@@ -7,9 +7,11 @@
 // at the next step, unless the way there and back takes longer than a control period.
 #pragma once
 
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -46,7 +48,9 @@ class UdpRobot final : public Robot {
   /// opened.
   UdpRobot(const UdpAddress& address, double period_s);
 
-  /// Newest answer that has arrived; invalid if none has come since the last call.
+  /// Newest answer that has arrived; invalid if none has come since the last call, or if it answers older
+  /// currents than usual: where a drive that was kept waiting works off what has piled up, its first answers
+  /// are milliseconds old, and the observer would take them for a throw of the tool.
   JointReading read() noexcept override;
   void write(const Vec3& currents_a) noexcept override;
   Capabilities capabilities() const override;
@@ -55,11 +59,17 @@ class UdpRobot final : public Robot {
   std::uint64_t dropped() const noexcept { return dropped_; }
 
  private:
+  /// Of an answer to the currents `steps` before the newest: whether one of the last eight was newer than
+  /// that. A way that has become longer for good is soon the usual one.
+  bool is_late(std::uint64_t steps) noexcept;
+
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
   boost::asio::ip::udp::endpoint drive_;
   UdpCurrents outgoing_;
   std::uint64_t newest_ = 0;
+  std::array<std::uint64_t, 8> lags_{};  ///< of the last answers, steps
+  std::size_t next_lag_ = 0;
   std::uint64_t dropped_ = 0;
 };
 

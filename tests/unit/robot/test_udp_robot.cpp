@@ -109,6 +109,64 @@ TEST(UdpRobot, StrangersAreNotTakenAndNothingIsReadTwice) {
   EXPECT_FALSE(robot.read().valid);  // nothing new
 }
 
+/// A drive whose answers the test gives itself.
+class HandDrive {
+ public:
+  HandDrive() : socket_(context_, {boost::asio::ip::address_v4::loopback(), 0}) {}
+  std::uint16_t port() const { return socket_.local_endpoint().port(); }
+  /// Takes one datagram of currents; its sequence.
+  std::uint64_t take() {
+    UdpCurrents currents;
+    socket_.receive_from(boost::asio::buffer(&currents, sizeof currents), controller_);
+    return currents.sequence;
+  }
+  void answer(std::uint64_t sequence) {
+    UdpReading reading;
+    reading.valid = 1;
+    reading.sequence = reading.tick = sequence;
+    for (double& joint : reading.joints_m) joint = 1e-3 * static_cast<double>(sequence);
+    socket_.send_to(boost::asio::buffer(&reading, sizeof reading), controller_);
+  }
+
+ private:
+  boost::asio::io_context context_;
+  boost::asio::ip::udp::socket socket_;
+  boost::asio::ip::udp::endpoint controller_;
+};
+
+TEST(UdpRobot, AnAnswerLaterThanUsualIsNone) {
+  HandDrive drive;
+  UdpRobot robot({"127.0.0.1", drive.port()}, kPeriod_s);
+  const auto read_after = [&](std::initializer_list<std::uint64_t> answers) {
+    for (const auto sequence : answers) drive.answer(sequence);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return robot.read();
+  };
+  std::uint64_t sequence = 0;
+  const auto write = [&] {
+    robot.write(Vec3::Zero());
+    sequence = drive.take();
+  };
+  write();
+  EXPECT_TRUE(read_after({sequence}).valid);
+  for (int i = 0; i < 4; ++i) write();  // nothing comes meanwhile
+  EXPECT_FALSE(read_after({sequence - 2}).valid) << "two steps old, while it works off what piled up";
+  const JointReading newest = read_after({sequence - 1, sequence});
+  EXPECT_TRUE(newest.valid);
+  EXPECT_EQ(newest.joints_m[0], 1e-3 * static_cast<double>(sequence));
+  // A way that takes a step longer from now on.
+  int taken = 0;
+  for (int i = 0; i < 20; ++i) {
+    write();
+    taken += read_after({sequence - 1}).valid ? 1 : 0;
+  }
+  EXPECT_GE(taken, 11);
+  write();
+  EXPECT_TRUE(read_after({sequence}).valid) << "and soon again";
+  write();
+  EXPECT_FALSE(read_after({sequence - 1}).valid);
+}
+
 TEST(UdpRobot, ADriveObeysOneControllerUntilThatHasGone) {
   const RobotModel model = load_robot("slave-keops");
   SimulatedRobot plant(model, 3, model.workspace.centre_m);
