@@ -83,9 +83,9 @@ TEST(DurationHistogram, QuantilesAreUpperEdgesOfItsBins) {
 TEST(RealTimePriority, IsThatOfTheThreadAndOfThoseItStartsAndIsGivenBack) {
   const auto policy = [] {
     sched_param parameters{};
-    int policy = -1;
-    pthread_getschedparam(pthread_self(), &policy, &parameters);
-    return policy == SCHED_FIFO ? parameters.sched_priority : 0;
+    int scheduler = -1;
+    pthread_getschedparam(pthread_self(), &scheduler, &parameters);
+    return scheduler == SCHED_FIFO ? parameters.sched_priority : 0;
   };
   ASSERT_EQ(policy(), 0);
   {
