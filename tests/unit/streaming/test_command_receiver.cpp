@@ -245,6 +245,24 @@ TEST_F(CommandReceiverTest, AGapWithBothEndsKnownIsConcealed) {
   EXPECT_EQ(concealed, 2 * kBlock);
 }
 
+TEST_F(CommandReceiverTest, WhileACorrectionGoesByTheMotionIsAsMuchSlower) {
+  run(10);
+  int slower = 0;
+  for (int b = 0; b < 40; ++b) {
+    receiver_.receive({next(), now_ns_ + 30 * kMs}, 4, now_ns_);  // a link that has become slower
+    for (int n = 0; n < kBlock; ++n, now_ns_ += kMs) {
+      const double before = *played_.cursor;
+      played_ = receiver_.play(now_ns_, kTool);
+      const double pace = *played_.cursor - before;
+      if (played_.sample == nullptr || pace > 0.9) continue;
+      EXPECT_NEAR(played_.state.velocity_m_per_s.x(), 1e-2 * pace, 1e-4);
+      EXPECT_FALSE(played_.discontinuity);
+      ++slower;
+    }
+  }
+  EXPECT_GT(slower, 50);
+}
+
 TEST_F(CommandReceiverTest, LateStepsOfBothSidesAreNeitherJitterNorCaughtUpWith) {
   double last = -1.0;
   const auto in_step = [&](const Played& played) {
