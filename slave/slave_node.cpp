@@ -78,7 +78,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   handle_events(inputs.events);
   std::optional<std::uint32_t> contour_id;
   if (inputs.corridor != nullptr) contour_id = inputs.corridor->contour_id;
-  for (const auto& command : inputs.commands) commands_.receive(command, contour_id);
+  for (const auto& command : inputs.commands) commands_.receive(command, contour_id, now_ns);
   const Selected selected = selector_.step(commands_.play(now_ns, tool));
 
   if (joints_.posed()) out.force_n = joints_.reaction_force_n();

@@ -10,6 +10,7 @@
 
 #include "common/bus/participant_qos.h"
 #include "common/bus/wire_messages.h"
+#include "common/runtime/real_time.h"
 #include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
 
@@ -63,6 +64,9 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
   auto transport = bus::udp_transport();
   if (settings_.receive_filter) transport = settings_.receive_filter->over(std::move(transport));
   const auto qos = bus::participant_qos(settings_, std::move(transport), announced);
+  // The threads that receive are started here. A busy machine would let them wait, and that looks like a bad
+  // link.
+  const RealTimePriority inherited(kNetworkPriority);
   self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
   participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());

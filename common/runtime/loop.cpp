@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/runtime/loop.h"
 
-#include <pthread.h>
-#include <sched.h>
 #include <sys/mman.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <memory>
 
 #include "common/runtime/clock.h"
+#include "common/runtime/real_time.h"
 
 namespace telekerf {
 namespace {
@@ -20,18 +19,6 @@ std::atomic<bool> stop{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 
 void on_signal(int) { stop.store(true); }
-
-bool ask_for_real_time() {
-  mlockall(MCL_CURRENT | MCL_FUTURE);  // granted or not, as the priority
-  sched_param wanted{};
-  wanted.sched_priority = 60;
-  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted) == 0;
-}
-
-void give_back_real_time() {
-  const sched_param usual{};
-  pthread_setschedparam(pthread_self(), SCHED_OTHER, &usual);
-}
 
 }  // namespace
 
@@ -61,7 +48,9 @@ LoopStatistics run_loop(double rate_hz, const std::function<bool(std::int64_t)>&
   LoopStatistics statistics;
   const auto slack = std::make_unique<DurationHistogram>();
   const auto late = std::make_unique<DurationHistogram>();
-  statistics.real_time = ask_for_real_time();
+  mlockall(MCL_CURRENT | MCL_FUTURE);  // granted or not, as the priority
+  const RealTimePriority priority(kLoopPriority);
+  statistics.real_time = priority.granted();
   const std::int64_t start_ns = monotonic_ns();
   std::int64_t deadline_ns = start_ns;
   for (;;) {
@@ -81,7 +70,6 @@ LoopStatistics run_loop(double rate_hz, const std::function<bool(std::int64_t)>&
       deadline_ns = monotonic_ns() + period_ns;
     }
   }
-  if (statistics.real_time) give_back_real_time();
   const double elapsed_s = static_cast<double>(monotonic_ns() - start_ns) * 1e-9;
   statistics.rate_hz = elapsed_s > 0.0 ? static_cast<double>(statistics.steps) / elapsed_s : 0.0;
   statistics.slack_p50_us = slack->quantile_us(0.5);

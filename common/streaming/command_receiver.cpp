@@ -26,8 +26,8 @@ CommandReceiver::CommandReceiver(const CommandReceiverSettings& settings)
       buffer_(std::make_unique<JitterBuffer>()),
       clock_(settings.playout) {}
 
-void CommandReceiver::receive(const Received<CommandBlock>& received,
-                              std::optional<std::uint32_t> contour_id) noexcept {
+void CommandReceiver::receive(const Received<CommandBlock>& received, std::optional<std::uint32_t> contour_id,
+                              std::int64_t now_ns) noexcept {
   const std::int64_t useful_from =
       cursor_ ? static_cast<std::int64_t>(std::ceil(*cursor_)) : std::numeric_limits<std::int64_t>::min();
   const Arrival arrival = stream_.receive(received, useful_from, contour_id);
@@ -41,13 +41,17 @@ void CommandReceiver::receive(const Received<CommandBlock>& received,
   const CommandHeader& header = received.value;
   const PacketSamples samples(*arrival.packet, arrival.first);
   buffer_->store(samples, header, stream_.generation());
-  clock_.arrived({.now_ns = received.received_ns,
+  clock_.arrived({.now_ns = received.received_ns - lost_ns(now_ns),
                   .last = samples.last(),
                   .count = static_cast<int>(samples.size()),
                   .sample_period_ns = header.sample_period_ns,
                   .copies = arrival.packet->head.redundancy,
                   .lookahead = header.law == Law::kLocal ? kHalfWindow : 0,
                   .lost = arrival.missing > 0});
+}
+
+std::int64_t CommandReceiver::lost_ns(std::int64_t now_ns) const noexcept {
+  return time_ns_ ? now_ns - (*time_ns_ + settings_.control_period_ns) : 0;
 }
 
 std::optional<KinematicState> CommandReceiver::state_at(double cursor,
@@ -65,13 +69,14 @@ std::optional<KinematicState> CommandReceiver::state_at(double cursor,
 }
 
 Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) noexcept {
+  time_ns_ = time_ns_ ? *time_ns_ + settings_.control_period_ns : now_ns;
   Played out;
   out.begins = begins_;
   begins_ = false;
   // What the play-out waits for stragglers is not silence yet.
   out.fresh = heard() && stream_.silent_s(now_ns) - clock_.wait_s() < settings_.timeout_s;
   if (!out.fresh) return out;
-  out.cursor = clock_.advance(now_ns, settings_.control_period_ns);
+  out.cursor = clock_.advance(*time_ns_, settings_.control_period_ns);
   if (!out.cursor) return out;
   const double cursor = *out.cursor;
   out.tick = cursor * header().ticks_per_sample;

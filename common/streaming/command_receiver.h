@@ -38,8 +38,10 @@ class CommandReceiver {
  public:
   explicit CommandReceiver(const CommandReceiverSettings& settings);
 
-  /// `contour_id`: of the contour that is known here; blocks for another one are refused.
-  void receive(const Received<CommandBlock>& received, std::optional<std::uint32_t> contour_id) noexcept;
+  /// `contour_id`: of the contour that is known here; blocks for another one are refused. `now_ns`: of the
+  /// step that takes the block.
+  void receive(const Received<CommandBlock>& received, std::optional<std::uint32_t> contour_id,
+               std::int64_t now_ns) noexcept;
   /// Every control step, once. `tool`: as measured; bare accelerations start from it.
   Played play(std::int64_t now_ns, const KinematicState& tool) noexcept;
 
@@ -52,12 +54,17 @@ class CommandReceiver {
   void describe(const Acknowledgement& acknowledgement, StateHeader& header) const noexcept;
 
  private:
+  /// By how much this side's steps are behind the clock at the step that comes next.
+  std::int64_t lost_ns(std::int64_t now_ns) const noexcept;
   std::optional<KinematicState> state_at(double cursor, const KinematicState& tool) const noexcept;
 
   CommandReceiverSettings settings_;
   StreamReceiver<CommandBlock> stream_;
   std::unique_ptr<JitterBuffer> buffer_;
   PlayoutClock clock_;
+  /// This side's time, in steps: what a late step costs is neither jitter of the link nor time to catch up
+  /// with.
+  std::optional<std::int64_t> time_ns_;
   bool begins_ = false;
   std::optional<double> cursor_;  ///< of the last step
 };

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop's deadlines: nothing here asks how late a machine wakes up.
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <sched.h>
 
+#include <thread>
 #include <vector>
 
 #include "common/runtime/clock.h"
 #include "common/runtime/loop.h"
+#include "common/runtime/real_time.h"
 
 namespace telekerf {
 namespace {
@@ -74,6 +78,26 @@ TEST(DurationHistogram, QuantilesAreUpperEdgesOfItsBins) {
   EXPECT_EQ(of.quantile_us(1.0), 20'000.0);
   EXPECT_DOUBLE_EQ(of.min_us(), -7.0);
   EXPECT_DOUBLE_EQ(of.max_us(), 1e6);
+}
+
+TEST(RealTimePriority, IsThatOfTheThreadAndOfThoseItStartsAndIsGivenBack) {
+  const auto policy = [] {
+    sched_param parameters{};
+    int scheduler = -1;
+    pthread_getschedparam(pthread_self(), &scheduler, &parameters);
+    return scheduler == SCHED_FIFO ? parameters.sched_priority : 0;
+  };
+  ASSERT_EQ(policy(), 0);
+  {
+    const RealTimePriority priority(kNetworkPriority);
+    const int expected = priority.granted() ? kNetworkPriority : 0;
+    EXPECT_EQ(policy(), expected);
+    int inherited = -1;
+    std::thread([&] { inherited = policy(); }).join();
+    EXPECT_EQ(inherited, expected);
+  }
+  EXPECT_EQ(policy(), 0);
+  EXPECT_LT(kNetworkPriority, kLoopPriority);
 }
 
 TEST(Loop, AStopThatIsRequestedStays) {

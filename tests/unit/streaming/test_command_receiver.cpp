@@ -29,7 +29,7 @@ class CommandReceiverTest : public testing::Test {
   template <class Each>
   void run(int blocks, Each each, bool deliver = true) {
     for (int b = 0; b < blocks; ++b) {
-      if (deliver) receiver_.receive({next(), now_ns_}, 4);
+      if (deliver) receiver_.receive({next(), now_ns_}, 4, now_ns_);
       for (int n = 0; n < kBlock; ++n, now_ns_ += kMs) {
         played_ = receiver_.play(now_ns_, kTool);
         each(played_);
@@ -94,7 +94,7 @@ TEST_F(CommandReceiverTest, AnotherSampleRateBeginsAnew) {
     block.ticks_per_sample = 2;
     block.first_tick *= 2;
   };
-  receiver_.receive({next(), now_ns_}, 4);
+  receiver_.receive({next(), now_ns_}, 4, now_ns_);
   std::int64_t steps = 0;
   double last = 0.0;
   for (; steps < 30; ++steps, now_ns_ += kMs) {
@@ -125,7 +125,7 @@ TEST_F(CommandReceiverTest, HeldCommandsAreOfTheSampleBeforeTheCursorAndBareOnes
       block.law = law;
       block.anchor = {Vec3(1e-3, 0, 0), Vec3(0.02, 0, 0)};
     };
-    for (int b = 0; b < 4; ++b) receiver_.receive({next(), now_ns_ + b}, 4);
+    for (int b = 0; b < 4; ++b) receiver_.receive({next(), now_ns_ + b}, 4, now_ns_);
     now_ns_ += 30 * kMs;
     played_ = receiver_.play(now_ns_, kTool);
     const double whole = *played_.cursor;
@@ -195,7 +195,7 @@ TEST_F(CommandReceiverTest, AnOvertakenBlockIsTakenAsLongAsItCanBePlayed) {
     // The play-out goes on, more slowly, until its cursor is just before or after that end.
     for (; *played_.cursor < 126.0 + more; now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
     EXPECT_NEAR(*played_.cursor, 126.5 + more, 0.5);
-    receiver_.receive({late, now_ns_}, 4);
+    receiver_.receive({late, now_ns_}, 4, now_ns_);
     EXPECT_EQ(receiver_.counters().stale, static_cast<std::uint64_t>(more)) << more;
   }
 }
@@ -230,7 +230,7 @@ TEST_F(CommandReceiverTest, AGapWithBothEndsKnownIsConcealed) {
   };
   for (int b = 0; b < 8; ++b) {
     const CommandBlock block = next();
-    if (b < 3 || b > 5) receiver_.receive({block, now_ns_ + b}, 4);
+    if (b < 3 || b > 5) receiver_.receive({block, now_ns_ + b}, 4, now_ns_);
   }
   // Block 6 brings a copy of block 5: two blocks are gone.
   int concealed = 0;
@@ -243,6 +243,48 @@ TEST_F(CommandReceiverTest, AGapWithBothEndsKnownIsConcealed) {
     concealed += played_.sample->concealed ? 1 : 0;
   }
   EXPECT_EQ(concealed, 2 * kBlock);
+}
+
+TEST_F(CommandReceiverTest, WhileACorrectionGoesByTheMotionIsAsMuchSlower) {
+  run(10);
+  int slower = 0;
+  for (int b = 0; b < 40; ++b) {
+    receiver_.receive({next(), now_ns_ + 30 * kMs}, 4, now_ns_);  // a link that has become slower
+    for (int n = 0; n < kBlock; ++n, now_ns_ += kMs) {
+      const double before = *played_.cursor;
+      played_ = receiver_.play(now_ns_, kTool);
+      const double pace = *played_.cursor - before;
+      if (played_.sample == nullptr || pace > 0.9) continue;
+      EXPECT_NEAR(played_.state.velocity_m_per_s.x(), 1e-2 * pace, 1e-4);
+      EXPECT_FALSE(played_.discontinuity);
+      ++slower;
+    }
+  }
+  EXPECT_GT(slower, 50);
+}
+
+TEST_F(CommandReceiverTest, LateStepsOfBothSidesAreNeitherJitterNorCaughtUpWith) {
+  double last = -1.0;
+  const auto in_step = [&](const Played& played) {
+    if (last >= 0.0) {
+      EXPECT_DOUBLE_EQ(*played.cursor, last + 1.0);
+    }
+    last = *played.cursor;
+  };
+  for (int n = 0; n < 10; ++n) {
+    run(3, in_step);
+    now_ns_ += (7 * n % 40) * kMs;  // the machine did something else
+  }
+  EXPECT_EQ(receiver_.clock().depth_samples(), 21);
+  EXPECT_EQ(receiver_.clock().corrections(), 0u);
+}
+
+TEST_F(CommandReceiverTest, ABlockThatCameBeforeALateStepIsAsEarlyAsItWas) {
+  run(10);
+  const std::int64_t came_ns = now_ns_ + 2 * kMs;
+  now_ns_ += 9 * kMs;
+  receiver_.receive({next(), came_ns}, 4, now_ns_);
+  EXPECT_EQ(receiver_.clock().depth_samples(), 21 + 7) << "7 ms earlier in steps than those before";
 }
 
 TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeGoesBySlowerUntilThereIsAlwaysSomethingToPlay) {

@@ -102,6 +102,17 @@ TEST_F(BurstFinderTest, TellsTheLongestRunOfNumbersThatHaveNotComeWithin32) {
   EXPECT_EQ(finder_.take(), 0);
 }
 
+TEST_F(BurstFinderTest, WhatComesAfter31OthersCameAndAfter32ItIsLost) {
+  for (const std::uint32_t others : {31U, 32U}) {
+    finder_ = {};
+    come(0, 50);
+    come(51, 51 + others);
+    come({50});
+    come(51 + others, 120);
+    EXPECT_EQ(finder_.take(), others == 31 ? 0 : 1) << others;
+  }
+}
+
 TEST_F(BurstFinderTest, OrderAndRepetitionAreNoLossAndNumbersWrapAround) {
   come(0xFFFFFFF0U, 0xFFFFFFFEU);
   come({2, 0xFFFFFFFFU, 0xFFFFFFFEU, 0, 1, 1, 2, 0xFFFFFFF3U});

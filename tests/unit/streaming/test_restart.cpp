@@ -25,7 +25,7 @@ class Restart : public testing::Test {
   Played run(Sender<CommandBlock>& sender, int blocks, bool button) {
     Played played;
     for (int b = 0; b < blocks; ++b) {
-      receiver_.receive({next(sender, button), now_ns_}, 4);
+      receiver_.receive({next(sender, button), now_ns_}, 4, now_ns_);
       for (int n = 0; n < kBlock; ++n, now_ns_ += kMs) played = receiver_.play(now_ns_, kTool);
     }
     return played;
@@ -40,9 +40,10 @@ class Restart : public testing::Test {
 TEST_F(Restart, ThePressedButtonOfTheMasterBeforeIsForgotten) {
   ASSERT_TRUE(run(before_, 20, true).sample->button);
   now_ns_ += kSilence_ns;
-  // The new master counts from 0 again: every place was held by a sample of the old one with its button pressed.
+  // The new master counts from 0 again: every place was held by a sample of the old one with its button
+  // pressed.
   for (int b = 0; b < 12; ++b) {
-    receiver_.receive({next(after_, false), now_ns_}, 4);
+    receiver_.receive({next(after_, false), now_ns_}, 4, now_ns_);
     for (int n = 0; n < kBlock; ++n, now_ns_ += kMs) {
       const Played played = receiver_.play(now_ns_, kTool);
       EXPECT_EQ(played.begins, b == 0 && n == 0);
@@ -70,12 +71,13 @@ TEST_F(Restart, WhatTheMasterBeforeSaidOfLaterTicksIsNotThere) {
 
 TEST_F(Restart, ItsTimeIsCountedFromItsOwnFirstBlock) {
   for (int b = 0; b < 20; ++b) {
-    now_ns_ += (b % 2 == 0 ? 30 : -30) * kMs;  // the old one's link shook
-    run(before_, 1, true);
+    const std::int64_t waited_ns = b % 2 == 0 ? 0 : 30 * kMs;  // the old one's link shook
+    receiver_.receive({next(before_, true), now_ns_ - waited_ns}, 4, now_ns_);
+    for (int n = 0; n < kBlock; ++n, now_ns_ += kMs) (void)receiver_.play(now_ns_, kTool);
   }
   ASSERT_GT(receiver_.clock().depth_samples(), 40);
   now_ns_ += kSilence_ns;
-  receiver_.receive({next(after_, false), now_ns_}, 4);
+  receiver_.receive({next(after_, false), now_ns_}, 4, now_ns_);
   for (int n = 0; n < kBlock; ++n, now_ns_ += kMs) {
     const Played played = receiver_.play(now_ns_, kTool);
     ASSERT_TRUE(played.cursor);
@@ -88,12 +90,12 @@ TEST_F(Restart, ItsTimeIsCountedFromItsOwnFirstBlock) {
 TEST_F(Restart, ItsOvertakenBlocksAreOfUseAlthoughTheOldMasterWasFurther) {
   run(before_, 20, true);
   now_ns_ += kSilence_ns;
-  receiver_.receive({next(after_, false), now_ns_}, 4);
+  receiver_.receive({next(after_, false), now_ns_}, 4, now_ns_);
   const CommandBlock overtaken = next(after_, false);
   (void)next(after_, false);
-  receiver_.receive({next(after_, false), now_ns_}, 4);
+  receiver_.receive({next(after_, false), now_ns_}, 4, now_ns_);
   const StreamCounters counters = receiver_.counters();
-  receiver_.receive({overtaken, now_ns_}, 4);
+  receiver_.receive({overtaken, now_ns_}, 4, now_ns_);
   EXPECT_EQ(receiver_.counters().blocks, counters.blocks + 1);
   EXPECT_EQ(receiver_.counters().stale, counters.stale);
 }

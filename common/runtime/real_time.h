@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Real-time priority: asked for, never required.
+#pragma once
+
+namespace telekerf {
+
+/// Of the control loop, and of the threads that hand it what arrives: they wait for it and for nobody else.
+inline constexpr int kLoopPriority = 60;
+inline constexpr int kNetworkPriority = 40;
+
+/// This thread runs under SCHED_FIFO as long as the object lives, if the system grants it; threads that it
+/// starts meanwhile inherit that and keep it.
+class RealTimePriority {
+ public:
+  explicit RealTimePriority(int priority) noexcept;
+  ~RealTimePriority();
+  RealTimePriority(const RealTimePriority&) = delete;
+  RealTimePriority& operator=(const RealTimePriority&) = delete;
+
+  bool granted() const noexcept { return granted_; }
+
+ private:
+  bool granted_;
+};
+
+}  // namespace telekerf
