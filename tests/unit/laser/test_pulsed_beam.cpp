@@ -140,6 +140,16 @@ TEST(PulsedBeam, APulseFallsWhereTheBeamIsThenAndIsBookedThere) {
   EXPECT_NEAR(beam.energy().absorbed_j, 0.7 * 6e-3, 1e-12);
 }
 
+TEST(PulsedBeam, APulseOnTheCorridorsEdgeIsInside) {
+  Workpiece piece = piece_of("wood", 1e-3, 10e-6);
+  PulsedBeam beam(PulsedSourceSettings{}, piece);
+  const geometry::NearestIndex contour(kLine);
+  const double edge_m = std::ldexp(1.0, -11);
+  beam.expose({0, edge_m}, {0, edge_m}, 20.0, 1 / 20e3, &contour, edge_m);
+  EXPECT_EQ(beam.energy().outside_j, 0.0);
+  EXPECT_EQ(beam.energy().inside_j, 1e-3);
+}
+
 TEST(PulsedBeam, DefocusedItsPulsesAreWiderAndShallower) {
   const auto depths = [](double defocus_m) {
     Workpiece piece = piece_of("wood", 0.1e-3, 0.5e-6);

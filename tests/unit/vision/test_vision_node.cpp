@@ -2,6 +2,7 @@
 // The vision process without its bus: what it publishes of what cameras show, and when.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <opencv2/imgproc.hpp>
@@ -42,6 +43,43 @@ TEST(VisionNode, ALiveContourIsPublishedOnceWhenFramesAgree) {
   EXPECT_LT(record.at("contrast"), 190.0);
   EXPECT_GT(record.at("width_mm"), 10.0);
   EXPECT_LT(record.at("deviation_mm"), 0.01);
+}
+
+TEST(VisionNode, ItsRecordHasTheSizesOfWhatIsPublished) {
+  const Folder folder("sizes");
+  std::ofstream(folder.file("part.svg")) << "<svg width='20mm' height='20mm' viewBox='0 0 20 20'><rect x='4' "
+                                            "y='7' width='12' height='6'/></svg>";
+  VisionNode node({});
+  EXPECT_EQ(node.record().values.size(), 6u) << "nothing is published yet";
+  const auto outcome = node.step(Frame{"part.svg", folder.file("part.svg"), {}, false});
+  ASSERT_TRUE(outcome.publish) << outcome.remark;
+  const auto values = node.record().values;
+  const std::map<std::string, double> record(values.begin(), values.end());
+  EXPECT_EQ(record.at("contour_id"), static_cast<double>(outcome.publish->id));
+  EXPECT_EQ(record.at("published"), 1.0);
+  EXPECT_EQ(record.at("camera_gone"), 0.0);
+  EXPECT_NEAR(record.at("length_mm"), 36.0, 0.01);
+  EXPECT_NEAR(record.at("width_mm"), 12.0, 1e-6);
+  EXPECT_NEAR(record.at("height_mm"), 6.0, 1e-6);
+  EXPECT_NEAR(record.at("deviation_mm"), 1e3 * outcome.publish->deviation_m, 1e-12);
+}
+
+TEST(SameContour, ItsToleranceIsTheLastDistanceWithin) {
+  const double tolerance_m = std::ldexp(1.0, -10);
+  const auto line = [](double y_m, double length_m, bool closed = false) {
+    ContourMessage out;
+    out.points_m = {{0.0, y_m}, {0.5 * length_m, y_m}, {length_m, y_m}};
+    out.closed = closed;
+    return out;
+  };
+  const auto base = line(0.0, 1.0);
+  EXPECT_TRUE(same_contour(base, line(tolerance_m, 1.0), tolerance_m));
+  EXPECT_FALSE(same_contour(base, line(std::nextafter(tolerance_m, 1.0), 1.0), tolerance_m));
+  EXPECT_FALSE(same_contour(base, line(0.0, 1.0, true), tolerance_m));
+  // Each is looked for in the other: a part of a line is not the line.
+  EXPECT_TRUE(same_contour(base, line(0.0, 1.0 + tolerance_m), tolerance_m));
+  EXPECT_FALSE(same_contour(base, line(0.0, 1.0 + 1.5 * tolerance_m), tolerance_m));
+  EXPECT_FALSE(same_contour(line(0.0, 1.0 + 1.5 * tolerance_m), base, tolerance_m));
 }
 
 TEST(VisionNode, WhatPassesIsIgnoredAndWhatStaysIsPublished) {
