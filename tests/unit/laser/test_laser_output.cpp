@@ -104,6 +104,7 @@ TEST(LaserOutput, GivesNothingThatIsNoPowerAndNeverMoreThanItsLimit) {
     EXPECT_EQ(steps.back(), (Told::Step{0.0, false})) << wrong;
   }
   EXPECT_EQ(beam.clipped(), 0u);
+  EXPECT_EQ(beam.emit(1e-3, false), 1e-3) << "however little";
   EXPECT_EQ(beam.emit(12.0, false), 12.0);
   EXPECT_EQ(beam.clipped(), 0u);
   EXPECT_EQ(beam.emit(15.0, false), 12.0);

@@ -41,6 +41,8 @@ TEST(PulsedSource, GivesTheEnergyThatIsAskedForInWholePulses) {
   EXPECT_NEAR(energy, 7.3, 1.001e-3) << "but for what is left of one pulse";
   for (const double none : {0.0, -1.0, -1e-300, double{NAN}})
     EXPECT_EQ(source.fire(none, 1.0).count, 0) << none;
+  EXPECT_EQ(source.fire(0.0, 1.0).first, 0.0);
+  EXPECT_EQ(source.fire(0.0, 1.0).step, 0.0);
   EXPECT_NEAR(source.fire(1e6, 1.0).count, 20000, 1);
 }
 

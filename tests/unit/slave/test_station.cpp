@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The slave's settings with their bounds, contours that it refuses, and the figures of its report.
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
 #include "common/runtime/startup_error.h"
 #include "tests/unit/slave/commanded_slave.h"
 
@@ -71,6 +76,101 @@ TEST(SlaveStation, BothPartsOfTheStateStreamAreCutAndCodedAlike) {
   EXPECT_EQ(node.force.redundancy, 3);
   EXPECT_EQ(node.force.kind, node.feedback.kind);
   EXPECT_NE(node.force.kind, codec::StreamSettings{}.kind);
+  settings.node.force.keep = 40;
+  EXPECT_EQ(settings.validated().node.force.keep, 32) << "no more than there are";
+  settings.node.force.keep = 65;
+  EXPECT_NE(refusal_of([&] { (void)settings.validated(); }).find("keep"), std::string::npos);
+}
+
+/// Tells where it stands as often as the test says, and remembers the currents.
+class ToldRobot : public robot::Robot {
+ public:
+  robot::JointReading read() noexcept override {
+    robot::JointReading reading;
+    reading.joints_m = joints_m;
+    reading.valid = readings > 0;
+    reading.tick = ++tick_;
+    readings -= readings > 0 ? 1 : 0;
+    return reading;
+  }
+  void write(const Vec3& currents_a) noexcept override {
+    ++writes;
+    currents_a_ = currents_a;
+  }
+  robot::Capabilities capabilities() const override { return {.name = "told", .max_rate_hz = 1e4}; }
+
+  Vec3 joints_m = Vec3::Zero();
+  int readings = 1;
+  int writes = 0;
+  Vec3 currents_a_ = Vec3::Zero();
+
+ private:
+  std::uint64_t tick_ = 0;
+};
+
+class ToldLaser : public laser::Laser {
+ public:
+  explicit ToldLaser(std::vector<double>& told_w) : told_w_(told_w) {}
+  bool emit(double power_w, bool /*pilot*/) noexcept override {
+    told_w_.push_back(power_w);
+    return true;
+  }
+
+ private:
+  std::vector<double>& told_w_;
+};
+
+class StationOfADrive : public testing::Test {
+ protected:
+  StationOfADrive() {
+    const robot::RobotModel model = robot::load_robot("slave-keops");
+    auto robot = std::make_unique<ToldRobot>();
+    robot_ = robot.get();
+    robot_->joints_m = *robot::DeltaKinematics(model.geometry).inverse(model.in_base(Vec3(0, 0, 1e-3)));
+    station_.emplace(StationSettings{}, robot::Drive{std::move(robot), nullptr},
+                     std::make_unique<ToldLaser>(told_w_));
+  }
+  SlaveOutputs step(std::span<const EventMessage> events = {}) {
+    return station_->step(now_ns_ += kMs, nullptr, {}, events);
+  }
+
+  std::vector<double> told_w_;
+  ToldRobot* robot_ = nullptr;
+  std::optional<Station> station_;
+  std::int64_t now_ns_ = 0;
+};
+
+TEST_F(StationOfADrive, BeforeTheLoopsFirstReadingBeamAndCurrentsAreOffAndAStopIsHeard) {
+  robot_->writes = 0;
+  told_w_.clear();
+  EventMessage stop;
+  stop.kind = EventMessage::Kind::kStop;
+  for (int n = 1; n <= 3; ++n) {
+    const SlaveOutputs out =
+        step(n == 2 ? std::span<const EventMessage>(&stop, 1) : std::span<const EventMessage>());
+    EXPECT_EQ(out.laser_w, 0.0);
+    EXPECT_EQ(out.currents_a, Vec3(Vec3::Zero()));
+    EXPECT_FALSE(out.settled || out.state);
+    EXPECT_LT(out.applied_tick, 0.0);
+    EXPECT_EQ(out.mode, SlaveMode::kWaiting) << "nobody asked it";
+    EXPECT_EQ(robot_->writes, n) << "each step, so that a drive's watchdog is content";
+    EXPECT_EQ(told_w_, std::vector<double>(static_cast<std::size_t>(n), 0.0));
+  }
+  robot_->readings = 1;
+  EXPECT_EQ(step().mode, SlaveMode::kStopped);
+}
+
+TEST_F(StationOfADrive, ReleasedItHasNeitherBeamNorCurrent) {
+  robot_->readings = 100;
+  for (int n = 0; n < 10; ++n) (void)step();
+  robot_->joints_m.x() += 10e-6;
+  for (int n = 0; n < 10; ++n) (void)step();
+  ASSERT_GT(robot_->currents_a_.norm(), 1e-3) << "back to where it was";
+  const std::size_t told = told_w_.size();
+  station_->release();
+  EXPECT_EQ(robot_->currents_a_, Vec3(Vec3::Zero()));
+  ASSERT_EQ(told_w_.size(), told + 1);
+  EXPECT_EQ(told_w_.back(), 0.0);
 }
 
 TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
@@ -105,6 +205,13 @@ TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
       EXPECT_EQ(setting.bounds.max, row.max) << row.name;
     }
     EXPECT_TRUE(found) << row.name;
+  }
+  const auto declared = settings.declared();
+  for (const char* name : {"robot", "drive", "laser", "seed", "codec"}) {
+    EXPECT_EQ(std::count_if(declared.begin(), declared.end(),
+                            [&](const Setting& setting) { return setting.name == name; }),
+              1)
+        << name;
   }
   EXPECT_EQ(station.node.control_hz, 1000.0);
   EXPECT_EQ(station.node.stream_hz, 1000.0);
@@ -146,6 +253,42 @@ TEST_F(SlaveNodeTest, ItsFiguresAreThoseOfTheRun) {
   EXPECT_EQ(record.slave.back().laser_w, out_.laser_w);
   EXPECT_EQ(record.slave.back().applied, out_.applied_tick);
   EXPECT_NEAR(record.slave.back().t_s, run_s - 1e-3, 1e-12);
+}
+
+TEST_F(SlaveNodeTest, ItsStateStreamIsCountedInItsOwnStepsAndMayChangeItsBlocks) {
+  std::vector<StateBlock> blocks;
+  each_tick_ = [&] {
+    if (out_.state) blocks.push_back(*out_.state);
+  };
+  follow(0.1);
+  ASSERT_EQ(blocks.size(), 6u);
+  for (std::size_t n = 0; n < blocks.size(); ++n) {
+    EXPECT_EQ(blocks[n].first_tick, 16 * n);
+    EXPECT_EQ(blocks[n].contour_id, 1u);
+  }
+  blocks.clear();
+  SlaveSettings node = StationSettings{}.validated().node;
+  node.feedback.block = node.force.block = 8;
+  station_.change(node.feedback, node.force);
+  follow(0.1);
+  ASSERT_EQ(blocks.size(), 12u) << "twice as many, of half the length";
+  for (std::size_t n = 0; n < blocks.size(); ++n) EXPECT_EQ(blocks[n].first_tick, 6 * 16 + 8 * n);
+}
+
+TEST(SlaveStation, WhatNobodyHasSetAsksForNothing) {
+  EXPECT_EQ(SlaveCounters{}.missed_ticks, 0u);
+  EXPECT_EQ(SlaveCounters{}.states, 0u);
+  EXPECT_EQ(StateReportSettings{}.ticks_per_sample, 1);
+  EXPECT_EQ(ReportSample{}.contour_id, 0u);
+  EXPECT_FALSE(ReportSample{}.laser_on);
+  const Selected nothing;
+  EXPECT_FALSE(nothing.following || nothing.bare || nothing.button);
+  EXPECT_LT(nothing.applied_tick, 0.0);
+  const SlaveOutputs out;
+  EXPECT_EQ(out.laser_w, 0.0);
+  EXPECT_EQ(out.applied_tick, -1.0);
+  EXPECT_FALSE(out.settled);
+  EXPECT_EQ(SlaveInputs{}.corridor, nullptr);
 }
 
 }  // namespace

@@ -73,6 +73,20 @@ TEST(Acknowledgement, AStreamThatBeginsAnewHasNothingApplied) {
   EXPECT_EQ(said.age, 0);
 }
 
+TEST(Acknowledgement, BeforeTheFirstSampleNothingWasApplied) {
+  AcknowledgementLog log;
+  for (int n = 1; n <= 3; ++n) {
+    const Acknowledgement said = log.step(Applied::kNothing, -1, n == 1);
+    EXPECT_EQ(said.index, -1);
+    EXPECT_EQ(said.age, n) << "steps since the beginning";
+    EXPECT_EQ(said.bitmap, 0u);
+  }
+  EXPECT_EQ(log.step(Applied::kSample, 0, false).bitmap, 1u);
+  const AppliedCommand nobodys;
+  EXPECT_EQ(nobodys.index, -1);
+  EXPECT_FALSE(nobodys.applied);
+}
+
 TEST(Acknowledgement, TheTwoStreamsMayHaveDifferentRates) {
   StateHeader header;
   header.ticks_per_sample = 2;    // slave's control steps a sample

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "common/streaming/command_receiver.h"
+#include "common/streaming/slave_sample.h"
 #include "tests/unit/streaming/blocks.h"
 
 namespace telekerf::streaming {
@@ -252,6 +253,22 @@ TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeStandsUntilThereIsSome
   run(8, [&](const Played& played) { missing += played.sample == nullptr ? 1 : 0; });
   EXPECT_NEAR(missing, 53, 2);
   EXPECT_NE(played_.sample, nullptr);
+}
+
+TEST(Played, WhatNobodyHasSaidAllowsNothing) {
+  const StreamSample sample;
+  EXPECT_FALSE(sample.button || sample.engaged || sample.concealed);
+  EXPECT_EQ(sample.generation, 0u);
+  EXPECT_EQ(sample.block, 0u);
+  CommandReceiver receiver{{}};
+  const Played played = receiver.play(0, {});
+  EXPECT_FALSE(played.begins || played.fresh || played.cursor);
+  EXPECT_TRUE(played.discontinuity);
+  EXPECT_EQ(played.sample, nullptr);
+  EXPECT_EQ(played.tick, -1.0);
+  EXPECT_EQ(played.index, -1);
+  EXPECT_EQ(SlaveSample{}.index, -1);
+  EXPECT_FALSE(SlaveSample{}.applied);
 }
 
 }  // namespace

@@ -152,5 +152,17 @@ TEST_F(PacketInBuffer, WhatIsKnownStaysAndWhatWasConcealedGivesWay) {
   }
 }
 
+TEST(JitterBuffer, ASampleBeforeTheFirstTakesNobodysPlace) {
+  auto buffer = std::make_unique<JitterBuffer>();
+  StreamSample sample;
+  sample.value = Vec3(1, 2, 3);
+  buffer->store(JitterBuffer::kSize - 1, sample);
+  sample.value = Vec3(4, 5, 6);
+  buffer->store(-1, sample);
+  EXPECT_EQ(buffer->find(-1), nullptr);
+  ASSERT_NE(buffer->find(JitterBuffer::kSize - 1), nullptr);
+  EXPECT_EQ(buffer->find(JitterBuffer::kSize - 1)->value, Vec3(1, 2, 3));
+}
+
 }  // namespace
 }  // namespace telekerf::streaming

@@ -192,6 +192,21 @@ TEST_F(Corrected, RunsBackByASampleAtMostEvery20Milliseconds) {
   EXPECT_EQ(advance(1050.0, 51.5), 1025.5) << "and so is one and a half to the very bit";
 }
 
+TEST_F(Corrected, TheIntervalItselfIsLongEnoughAndOneAndAHalfIsNotTooFar) {
+  EXPECT_DOUBLE_EQ(begin(), 974.0);
+  EXPECT_DOUBLE_EQ(advance(1020.0, 21.6), 994.6) << "20 ms, and a sample back";
+  EXPECT_DOUBLE_EQ(advance(1220.0, 195.8), 1191.4) << "200 ms, and a sample on";
+  EXPECT_EQ(clock_.corrections(), 2u);
+  clock_.reset();
+  arrive(clock_, {5.0});
+  EXPECT_EQ(begin(), 974.0);
+  EXPECT_EQ(advance(1001.0, 2.5), 976.5);
+  EXPECT_EQ(advance(1001.0, 1.0, true), 977.5) << "without data, one and a half too far: it goes on";
+  const PlayoutClock silent{PlayoutSettings{}};
+  EXPECT_EQ(silent.wait_s(), 0.0);
+  EXPECT_EQ(silent.depth_samples(), 0);
+}
+
 TEST_F(Corrected, CatchesUpByASampleAtMostEvery200Milliseconds) {
   EXPECT_DOUBLE_EQ(begin(), 974.0);
   EXPECT_DOUBLE_EQ(advance(1199.0, 195.4), 1169.4) << "3.6 behind, too soon";

@@ -137,6 +137,28 @@ TYPED_TEST(StreamReceiverTest, SilenceIsMeasuredFromTheNewestBlockThatWasTaken) 
   EXPECT_EQ(at(1166 * kMs + 1, other.next()), Kind::kNew);
 }
 
+TYPED_TEST(StreamReceiverTest, ASilenceOfItsVeryLengthIsNotLongEnough) {
+  StreamReceiver<TypeParam> receiver(0.25);
+  Sender<TypeParam> other(8);
+  ASSERT_EQ(receiver.receive({this->sender_.next(), 0}, kAlways).kind, Kind::kNew);
+  ASSERT_EQ(receiver.silent_s(250 * kMs), 0.25);
+  EXPECT_EQ(receiver.receive({other.next(), 250 * kMs}, kAlways).kind, Kind::kRefused);
+  EXPECT_EQ(receiver.receive({other.next(), 250 * kMs + 1}, kAlways).kind, Kind::kNew);
+}
+
+// The decoder remembers 64 numbers; that the first block has come needs no memory.
+TYPED_TEST(StreamReceiverTest, TheFirstBlockIsNeverLostHoweverLateItComesAgain) {
+  const TypeParam first = this->sender_.next();
+  this->take(first);
+  const TypeParam second = this->sender_.next();
+  this->take(this->sender_.next());
+  EXPECT_EQ(this->take(second), Kind::kLate) << "the one after it may have been";
+  for (int n = 0; n < 100; ++n) this->take(this->sender_.next());
+  EXPECT_EQ(this->take(first), Kind::kStale);
+  EXPECT_EQ(this->receiver_.counters().lost, 0u);
+  EXPECT_EQ(this->receiver_.counters().blocks, 103u);
+}
+
 TYPED_TEST(StreamReceiverTest, AnotherSenderBeginsEverythingAnew) {
   for (int n = 0; n < 100; ++n) this->take(this->sender_.next());
   this->now_ns_ += 200 * kMs;
