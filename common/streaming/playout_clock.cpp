@@ -15,7 +15,7 @@ void PlayoutClock::reset() noexcept {
 
 void PlayoutClock::arrived(std::int64_t now_ns, std::int64_t last, int count, std::int64_t sample_period_ns,
                            bool lost) noexcept {
-  if (period_ns_ != 0 && period_ns_ != sample_period_ns) reset();
+  if (period_ns_ != sample_period_ns) reset();
   constexpr double kLossMemory = 10.0;
   const double since_last_s = transits_ == 0 ? 0.0 : static_cast<double>(now_ns - last_arrival_ns_) * 1e-9;
   loss_memory_s_ = lost ? kLossMemory : std::max(0.0, loss_memory_s_ - since_last_s);

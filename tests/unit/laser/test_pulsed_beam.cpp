@@ -44,6 +44,7 @@ TEST(PulsedSource, GivesTheEnergyThatIsAskedForInWholePulses) {
   EXPECT_EQ(source.fire(0.0, 1.0).first, 0.0);
   EXPECT_EQ(source.fire(0.0, 1.0).step, 0.0);
   EXPECT_NEAR(source.fire(1e6, 1.0).count, 20000, 1);
+  EXPECT_NEAR(source.fire(0.05, 1.0).count, 50, 1) << "however little";
 }
 
 TEST(PulsedSource, AsItIsSetItIsTheThesisLaser) {

@@ -13,9 +13,7 @@ class Permit : public SlaveNodeTest {
     ASSERT_GT(out_.laser_w, 0.0);
   }
   /// Of the sample that is applied, by the master's circle: what the interlock takes for the tracking error.
-  double off_m() const {
-    return (out_.tool_m - place(out_.applied_tick * 1e-3)).norm();
-  }
+  double off_m() const { return (out_.tool_m - place(out_.applied_tick * 1e-3)).norm(); }
 };
 
 TEST_F(Permit, AnotherContourPutsTheBeamOutUntilTheMasterWorksOnItToo) {
@@ -218,6 +216,32 @@ TEST_F(PermitOfANode, ItRestsWhereItsFirstReadingFindsIt) {
   EXPECT_LT((out_.reference.position_m - there_m).norm(), 5e-6);
   EXPECT_LT((out_.tool_m - there_m).norm(), 0.15e-3) << "its weight is not known yet";
   EXPECT_FALSE(out_.settled) << "nothing is followed";
+}
+
+TEST_F(PermitOfANode, HoweverLittleTheBeamHasTheStateSaysThatItIsOn) {
+  SlaveSettings settings = StationSettings{}.validated().node;
+  settings.laser_w = 0.05;
+  SlaveNode faint(model_, settings, 1);
+  SlaveOutputs out;
+  int lit = 0;
+  for (int b = 0; b < 200; ++b) {
+    const Received<CommandBlock> block{next_block(), now_ns_};
+    for (int n = 0; n < 16; ++n, now_ns_ += kMs) {
+      SlaveInputs inputs;
+      inputs.joints = plant_.read();
+      if (n == 0) inputs.commands = {&block, 1};
+      inputs.corridor = corridor_.get();
+      out = faint.step(now_ns_, inputs);
+      ASSERT_TRUE(out.laser_w == 0.0 || out.laser_w == 0.05);
+      if (out.state) {
+        ASSERT_EQ(out.state->laser_on, out.laser_w > 0.0);
+      }
+      lit += out.laser_w > 0.0 ? 1 : 0;
+      plant_.write(out.currents_a);
+      plant_.advance(1e-3);
+    }
+  }
+  EXPECT_GT(lit, 1000);
 }
 
 TEST_F(PermitOfANode, AToolBeyondTheWorkspacesEdgeBurnsNothing) {

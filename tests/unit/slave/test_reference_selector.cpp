@@ -287,6 +287,7 @@ TEST_F(Selector, BareAccelerationsAreLetGoWhereTheyCouldNotComeToRestWithinBound
                                     {{0.008, 0.006 + eps, 0}, {0, 0, 0}, false},
                                     {{0, 0, 0.005 - eps}, {0, 0, 0}, true},
                                     {{0, 0, 0.005}, {0, 0, 0}, false},
+                                    {{0.0095, 0, 0.004}, {0, 0, 0}, true},
                                     {{0, 0, -0.005 + eps}, {0, 0, 0}, true},
                                     {{0, 0, -0.005}, {0, 0, 0}, false},
                                     {{0.01 - way_on_m(slow) - eps, 0, 0}, {slow, 0, 0}, true},

@@ -56,6 +56,8 @@ TEST(SlaveStation, TheControlRateIsAWholeMultipleOfTheStreams) {
   };
   EXPECT_EQ(refusal(2400, 1200), "accepted");
   EXPECT_EQ(refusal(1000, 1000), "accepted");
+  ASSERT_LT(2102.1 / 700.7, 3.0) << "but for its rounding";
+  EXPECT_EQ(refusal(2102.1, 700.7), "accepted");
   for (const auto& [control_hz, stream_hz] :
        {std::pair{500.0, 1000.0}, {1500.0, 1000.0}, {1000.0001, 1000.0}}) {
     EXPECT_NE(refusal(control_hz, stream_hz).find("must be a whole multiple of stream_hz"), std::string::npos)
@@ -167,6 +169,7 @@ TEST_F(StationOfADrive, ReleasedItHasNeitherBeamNorCurrent) {
   for (int n = 0; n < 10; ++n) (void)step();
   ASSERT_GT(robot_->currents_a_.norm(), 1e-3) << "back to where it was";
   const std::size_t told = told_w_.size();
+  EXPECT_EQ(told, 1u + 20u) << "at its beginning and each step";
   station_->release();
   EXPECT_EQ(robot_->currents_a_, Vec3(Vec3::Zero()));
   ASSERT_EQ(told_w_.size(), told + 1);
@@ -226,6 +229,9 @@ TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
   EXPECT_EQ(station.node.force.max_rms, 0.01);
   EXPECT_EQ(station.node.force.quantum, 0.01);
   EXPECT_EQ(station.mismatch, 0.1);
+  EXPECT_EQ(station.epoch, 1u);
+  EXPECT_EQ(station.seed, 1u);
+  EXPECT_EQ(station.record_s, 120.0);
 }
 
 TEST_F(SlaveNodeTest, ItsFiguresAreThoseOfTheRun) {
@@ -249,10 +255,25 @@ TEST_F(SlaveNodeTest, ItsFiguresAreThoseOfTheRun) {
   EXPECT_GT(f["position_bits_per_sample"], 0.0);
   EXPECT_NEAR(f["playout_ms"], 6.0, 1e-9) << "4 samples of look-ahead and 2 ms";
   EXPECT_EQ(f["playout_corrections"], 0.0);
+  EXPECT_EQ(record.slave_drive.name, "simulated");
+  EXPECT_TRUE(record.slave_drive.true_tool);
   ASSERT_EQ(record.slave.size(), 62u * 16u);
   EXPECT_EQ(record.slave.back().laser_w, out_.laser_w);
   EXPECT_EQ(record.slave.back().applied, out_.applied_tick);
   EXPECT_NEAR(record.slave.back().t_s, run_s - 1e-3, 1e-12);
+}
+
+TEST_F(SlaveNodeTest, OneBlocksFiguresAreItsOwn) {
+  std::size_t bytes = 0;
+  each_tick_ = [&] {
+    if (out_.state) bytes += out_.state->payload.size;
+  };
+  run(next_block());
+  RunRecord record;
+  station_.report(record);
+  EXPECT_EQ(record.slave_figures["blocks"], 1.0);
+  EXPECT_NEAR(record.slave_figures["position_bits_per_sample"], 8.0 * static_cast<double>(bytes) / 48.0,
+              1e-12);
 }
 
 TEST_F(SlaveNodeTest, ItsStateStreamIsCountedInItsOwnStepsAndMayChangeItsBlocks) {

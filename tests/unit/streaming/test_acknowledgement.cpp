@@ -57,6 +57,12 @@ TEST(Acknowledgement, TheSameSampleTwiceIsOneAndALongGapEmptiesTheBitmap) {
   EXPECT_EQ(said.bitmap, 3u);
   said = log.step(Applied::kSample, 7 + 64, false);
   EXPECT_EQ(said.bitmap, 1u);
+  (void)log.step(Applied::kSample, 72, false);
+  said = log.step(Applied::kSample, 72 + 63, false);
+  EXPECT_EQ(said.bitmap, (std::uint64_t{1} << 63) | 1U);
+  (void)log.step(Applied::kSample, 136, false);
+  said = log.step(Applied::kSample, 136 + 64, false);
+  EXPECT_EQ(said.bitmap, 1u);
 }
 
 TEST(Acknowledgement, AStreamThatBeginsAnewHasNothingApplied) {
@@ -85,6 +91,14 @@ TEST(Acknowledgement, BeforeTheFirstSampleNothingWasApplied) {
   const AppliedCommand nobodys;
   EXPECT_EQ(nobodys.index, -1);
   EXPECT_FALSE(nobodys.applied);
+}
+
+TEST(Acknowledgement, WhatIsOlderThanTheBitmapIsTakenForApplied) {
+  const Acknowledgement heard{.index = 100, .age = 2, .bitmap = 0};
+  for (const std::int64_t back : {0, 1, 2, 65, 66, 80}) {
+    EXPECT_EQ(applied_at(heard, back).index, 102 - back);
+    EXPECT_EQ(applied_at(heard, back).applied, back >= 66) << back;
+  }
 }
 
 TEST(Acknowledgement, TheTwoStreamsMayHaveDifferentRates) {

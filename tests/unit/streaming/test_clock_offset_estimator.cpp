@@ -146,6 +146,13 @@ TEST(ClockOffsetEstimator, TwoExchangesGiveTheLineThroughThemHoweverNearOrUnequa
   EXPECT_NEAR(unequal.estimate(0).skew, 1e-3 / 1.45, 1e-8);
 }
 
+TEST(ClockOffsetEstimator, TheMeanOfTwoIsExactHoweverFarTheyAreApart) {
+  ClockOffsetEstimator clocks;
+  clocks.add(exchange(0, 0, 1'000'000, 1'000'000));
+  clocks.add(exchange(0, 2'000'000'000'000, 1'000'000, 1'000'000));
+  EXPECT_NEAR(clocks.estimate(0).offset_s, 1000.0, 1e-9);
+}
+
 // The weight of one against all the others' is how well the line's slope is known.
 TEST(ClockOffsetEstimator, FromExchangesAtOneTimeButForOneThatWaitedLongNoSkewIsTaken) {
   for (const std::int64_t queued_s : {2, 4, 100}) {

@@ -88,6 +88,14 @@ TEST_F(CommandReceiverTest, IsFreshUntilTheTimeoutAndWhatThePlayOutWaitsForAreOv
   EXPECT_EQ(played_.sample, nullptr);
 }
 
+TEST_F(CommandReceiverTest, ItHasDriedUpAtTheTimeoutItself) {
+  receiver_ = CommandReceiver({.playout = {.margin_s = 0.0, .lookahead_samples = 0}, .timeout_s = 0.25});
+  receiver_.receive({next(), now_ns_}, 4);
+  ASSERT_EQ(receiver_.clock().wait_s(), 0.0);
+  EXPECT_TRUE(receiver_.play(now_ns_ + 250 * kMs - 1, kTool).fresh);
+  EXPECT_FALSE(receiver_.play(now_ns_ + 250 * kMs, kTool).fresh);
+}
+
 TEST_F(CommandReceiverTest, AnotherSampleRateBeginsAnew) {
   run(10);
   change_ = [](CommandBlock& block) {
@@ -241,16 +249,64 @@ TEST_F(CommandReceiverTest, AGapWithBothEndsKnownIsConcealed) {
     if (*played_.cursor < 0.0) continue;
     ASSERT_NE(played_.sample, nullptr) << *played_.cursor;
     EXPECT_EQ(played_.sample->concealed, played_.index >= 3 * kBlock && played_.index < 5 * kBlock);
+    EXPECT_LT((played_.state.position_m - place(played_.index)).norm(), 2e-6) << played_.index;
     concealed += played_.sample->concealed ? 1 : 0;
   }
   EXPECT_EQ(concealed, 2 * kBlock);
 }
 
+TEST_F(CommandReceiverTest, AGapOf400SamplesIsConcealedAndNoLongerOne) {
+  for (const int more : {0, 1}) {
+    receiver_ = CommandReceiver{{}};
+    sender_ = Sender<CommandBlock>(7);
+    change_ = [&](CommandBlock& block) {
+      block.law = Law::kAnchored;
+      if (block.sequence > 20) block.first_tick += static_cast<Tick>(more);
+      block.anchor = {place(static_cast<std::int64_t>(block.first_tick)), Vec3(1e-2, 0, 0)};
+    };
+    // Blocks 1 and 2, and 29 with a copy of 28: 25 blocks are missing between.
+    for (int b = 1; b <= 29; ++b) {
+      const CommandBlock block = next();
+      if (b <= 2 || b == 29) receiver_.receive({block, 15 * kMs + b}, 4);
+    }
+    int concealed = 0;
+    for (int n = 0; n < 30 * kBlock; ++n) {
+      played_ = receiver_.play(15 * kMs + 100 + n * kMs / 4, kTool);
+      if (played_.sample != nullptr && played_.sample->concealed) ++concealed;
+    }
+    EXPECT_EQ(concealed > 0, more == 0) << concealed;
+  }
+}
+
+TEST_F(CommandReceiverTest, PositionsThatAreMissingAreNotConcealed) {
+  for (int b = 0; b < 8; ++b) {
+    const CommandBlock block = next();
+    if (b < 3 || b > 5) receiver_.receive({block, now_ns_ + b}, 4);
+  }
+  int missing = 0;
+  for (int n = 0; n < 7 * kBlock; ++n, now_ns_ += kMs) {
+    played_ = receiver_.play(now_ns_, kTool);
+    ASSERT_TRUE(played_.cursor);
+    if (*played_.cursor < 0.0) continue;
+    EXPECT_EQ(played_.sample == nullptr, played_.index >= 3 * kBlock && played_.index < 5 * kBlock);
+    missing += played_.sample == nullptr ? 1 : 0;
+  }
+  EXPECT_EQ(missing, 2 * kBlock);
+}
+
 TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeStandsUntilThereIsSomethingToPlay) {
   run(20);
   for (int n = 0; n < 60; ++n, now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
-  int missing = 0;
-  run(8, [&](const Played& played) { missing += played.sample == nullptr ? 1 : 0; });
+  int missing = 0, jumps = 0;
+  double last = *played_.cursor;
+  run(8, [&](const Played& played) {
+    missing += played.sample == nullptr ? 1 : 0;
+    const bool stood = std::abs(*played.cursor - last - 1.0) > 0.5;
+    EXPECT_EQ(played.discontinuity, stood) << *played.cursor;
+    jumps += stood ? 1 : 0;
+    last = *played.cursor;
+  });
+  EXPECT_GT(jumps, 40);
   EXPECT_NEAR(missing, 53, 2);
   EXPECT_NE(played_.sample, nullptr);
 }
@@ -267,6 +323,13 @@ TEST(Played, WhatNobodyHasSaidAllowsNothing) {
   EXPECT_EQ(played.sample, nullptr);
   EXPECT_EQ(played.tick, -1.0);
   EXPECT_EQ(played.index, -1);
+  StateHeader header;
+  receiver.describe({}, header);
+  EXPECT_EQ(header.echo_received_ns, 0);
+  EXPECT_EQ(header.echo_sequence, 0u);
+  EXPECT_EQ(header.applied_tick, 0u);
+  EXPECT_EQ(header.applied_age_ticks, 0u);
+  EXPECT_EQ(header.playout_ticks, 0);
   EXPECT_EQ(SlaveSample{}.index, -1);
   EXPECT_FALSE(SlaveSample{}.applied);
 }

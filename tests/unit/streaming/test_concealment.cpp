@@ -64,6 +64,7 @@ bool conceals(int index, int reach, double max_m_per_s2) {
 TEST(Concealment, AGapOfAsManySamplesAsItMayReachIsClosedFromWhereverItIsSeen) {
   for (const int index : {40, 50, 59}) {
     EXPECT_TRUE(conceals(index, 21, 20.0)) << index;
+    EXPECT_TRUE(conceals(index, 20, 20.0)) << index;
     EXPECT_FALSE(conceals(index, 19, 20.0)) << index;
   }
 }

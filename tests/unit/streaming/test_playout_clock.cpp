@@ -202,6 +202,15 @@ TEST_F(Corrected, TheIntervalItselfIsLongEnoughAndOneAndAHalfIsNotTooFar) {
   EXPECT_EQ(begin(), 974.0);
   EXPECT_EQ(advance(1001.0, 2.5), 976.5);
   EXPECT_EQ(advance(1001.0, 1.0, true), 977.5) << "without data, one and a half too far: it goes on";
+  clock_.reset();
+  arrive(clock_, {5.0});
+  EXPECT_EQ(begin(), 974.0);
+  EXPECT_EQ(advance(1220.0, 216.5), 1190.5) << "three and a half behind";
+  clock_.reset();
+  arrive(clock_, {5.0});
+  EXPECT_EQ(begin(), 974.0);
+  EXPECT_EQ(advance(1001.0, 2.625), 976.625);
+  EXPECT_EQ(advance(1001.0, 1.0, true), 976.625) << "without data, more than that too far: it waits";
   const PlayoutClock silent{PlayoutSettings{}};
   EXPECT_EQ(silent.wait_s(), 0.0);
   EXPECT_EQ(silent.depth_samples(), 0);

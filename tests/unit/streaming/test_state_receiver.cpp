@@ -128,11 +128,12 @@ TEST_F(StateReceiverTest, ARestartedSlaveIsListenedToAfterASilence) {
   take(next());
   Sender<StateBlock> restarted(8);
   EXPECT_EQ(receiver_.receive({restarted.next(), now_ns_}).kind, Arrival::Kind::kRefused);
+  EXPECT_FALSE(receiver_.receive({restarted.next(), now_ns_}).begins);
   now_ns_ += 600 * kMs;
   const Feedback& feedback = receiver_.receive({restarted.next(), now_ns_});
   EXPECT_TRUE(feedback.begins);
   ASSERT_FALSE(feedback.samples.empty());
-  EXPECT_EQ(feedback.samples.back().time, 2 * kBlock - 1);
+  EXPECT_EQ(feedback.samples.back().time, 3 * kBlock - 1);
 }
 
 TEST(StateReceiverMemory, TheLongestBlockIsTakenWithoutAllocating) {

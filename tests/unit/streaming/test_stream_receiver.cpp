@@ -294,6 +294,8 @@ TYPED_TEST(StreamReceiverTest, WhatCannotBeIsRefusedAndChangesNothing) {
   const TypeParam good = bad;
   bad.sample_period_ns = 0;
   EXPECT_EQ(this->take(bad), Kind::kRefused);
+  EXPECT_EQ(this->last_.first, 0);
+  EXPECT_EQ(this->last_.missing, 0u);
   bad = good;
   bad.ticks_per_sample = 0;
   EXPECT_EQ(this->take(bad), Kind::kRefused);
