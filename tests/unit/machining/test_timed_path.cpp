@@ -83,6 +83,24 @@ TEST(TimedPath, SlowCornersKeepTheAccelerationAndThePowerFollowsTheSpeed) {
   EXPECT_LT(worst, 1.5 * settings.slow_acceleration_m_per_s2);
 }
 
+// The speed is smoothed in time, so that the slow place is made longer than the bend.
+TEST(TimedPath, SlowCornersArePassedWithWhatTheyMayHaveAcross) {
+  for (const double speed : {8e-3, 20e-3}) {
+    TimedPathSettings settings;
+    settings.corner = CornerPolicy::kSlow;
+    settings.speed_m_per_s = speed;
+    const auto plan = make_timed_path(kSquare, settings);
+    ASSERT_TRUE(plan);
+    double across = 0.0;
+    for (std::size_t i = 0; i < plan->trajectory.size(); ++i) {
+      const Reference& r = plan->trajectory[i];
+      across = std::max(across, r.speed_m_per_s * r.speed_m_per_s * r.tangent_s.norm());
+    }
+    EXPECT_NEAR(across, 0.25004, 1e-4) << speed;
+    EXPECT_NEAR(plan->slowest_m_per_s, 1.98e-3, 0.01e-3) << speed;
+  }
+}
+
 TEST(TimedPath, TheMachinesAccelerationIsNeverPassedHoweverFast) {
   for (const CornerPolicy corner : {CornerPolicy::kExact, CornerPolicy::kRounded, CornerPolicy::kSlow}) {
     TimedPathSettings settings;
