@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The slave's settings with their bounds, contours that it refuses, and the figures of its report.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -41,10 +43,10 @@ TEST(SlaveStation, AContourMayReachTheWorkspacesEdgeAndNoFurther) {
               }).find("use a smaller --width-mm"),
               std::string::npos);
   }
-  EXPECT_EQ(refusal_of([&] {
-              (void)station.prepare(reaching(0.06, 0.08));
-            }).find("the contour reaches 100.0 mm from the workspace's centre, but "),
-            0u);
+  EXPECT_EQ(refusal_of([&] { (void)station.prepare(reaching(0.06, 0.08)); }),
+            fmt::format("the contour reaches 100.0 mm from the workspace's centre, but slave-keops reaches "
+                        "{:.1f} mm; use a smaller --width-mm",
+                        1e3 * edge_m));
 }
 
 TEST(SlaveStation, TheControlRateIsAWholeMultipleOfTheStreams) {
@@ -63,6 +65,16 @@ TEST(SlaveStation, TheControlRateIsAWholeMultipleOfTheStreams) {
     EXPECT_NE(refusal(control_hz, stream_hz).find("must be a whole multiple of stream_hz"), std::string::npos)
         << control_hz;
   }
+}
+
+TEST(SlaveStation, MoreThanItsLaserMayGiveIsRefusedWithTheSettings) {
+  StationSettings settings;
+  settings.beam.laser_max_w = 5.0;
+  EXPECT_EQ(
+      refusal_of([&] { (void)settings.validated(); }).find("laser_w = 10 must be at most laser_max_w = 5"),
+      0u);
+  settings.node.laser_w = 5.0;
+  EXPECT_EQ(refusal_of([&] { (void)settings.validated(); }), "accepted");
 }
 
 TEST(SlaveStation, BothPartsOfTheStateStreamAreCutAndCodedAlike) {

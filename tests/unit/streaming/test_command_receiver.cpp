@@ -331,6 +331,7 @@ TEST(Played, WhatNobodyHasSaidAllowsNothing) {
   EXPECT_EQ(header.applied_age_ticks, 0u);
   EXPECT_EQ(header.playout_ticks, 0);
   EXPECT_EQ(SlaveSample{}.index, -1);
+  EXPECT_EQ(SlaveSample{}.time, 0);
   EXPECT_FALSE(SlaveSample{}.applied);
 }
 

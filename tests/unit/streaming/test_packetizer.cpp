@@ -82,6 +82,7 @@ TEST_F(PacketizerTest, OtherSettingsApplyFromTheNextBlock) {
   const auto packet = decoder_.decode(block_.payload.view(), trend());
   ASSERT_TRUE(packet);
   EXPECT_EQ((*packet)->head.sample_period_ns, 1'000'000u) << "the rate stays";
+  EXPECT_TRUE((*packet)->head.anchored);
   for (std::size_t i = 0; i < 32; ++i) {
     EXPECT_LT(
         ((*packet)->blocks_newest_first[0].samples[i] - place(first + static_cast<std::int64_t>(i))).norm(),
