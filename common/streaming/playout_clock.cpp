@@ -17,7 +17,7 @@ void PlayoutClock::arrived(std::int64_t now_ns, std::int64_t last, int count, st
                            bool lost) noexcept {
   if (period_ns_ != sample_period_ns) reset();
   constexpr double kLossMemory = 10.0;
-  const double since_last_s = transits_ == 0 ? 0.0 : static_cast<double>(now_ns - last_arrival_ns_) * 1e-9;
+  const double since_last_s = static_cast<double>(now_ns - last_arrival_ns_) * 1e-9;
   loss_memory_s_ = lost ? kLossMemory : std::max(0.0, loss_memory_s_ - since_last_s);
   last_arrival_ns_ = now_ns;
   period_ns_ = sample_period_ns;

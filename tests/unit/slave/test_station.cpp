@@ -125,7 +125,8 @@ class ToldRobot : public robot::Robot {
 class ToldLaser : public laser::Laser {
  public:
   explicit ToldLaser(std::vector<double>& told_w) : told_w_(told_w) {}
-  bool emit(double power_w, bool /*pilot*/) noexcept override {
+  bool emit(double power_w, bool pilot) noexcept override {
+    EXPECT_FALSE(pilot) << "nobody has asked for it";
     told_w_.push_back(power_w);
     return true;
   }

@@ -80,6 +80,9 @@ TEST(Acknowledgement, AStreamThatBeginsAnewHasNothingApplied) {
 }
 
 TEST(Acknowledgement, BeforeTheFirstSampleNothingWasApplied) {
+  AcknowledgementLog unheard;  // nobody has begun anything yet
+  EXPECT_EQ(unheard.step(Applied::kNothing, -1, false).index, -1);
+  EXPECT_EQ(unheard.step(Applied::kNothing, -1, false).bitmap, 0u);
   AcknowledgementLog log;
   for (int n = 1; n <= 3; ++n) {
     const Acknowledgement said = log.step(Applied::kNothing, -1, n == 1);

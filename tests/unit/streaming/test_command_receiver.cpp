@@ -156,6 +156,22 @@ TEST_F(CommandReceiverTest, HeldCommandsAreOfTheSampleBeforeTheCursorAndBareOnes
   }
 }
 
+TEST_F(CommandReceiverTest, ACommandIsHeldToTheLastMillionthOfItsSample) {
+  for (const std::int64_t short_ns : {5, 0}) {
+    CommandReceiverSettings settings;
+    settings.control_period_ns = kMs - short_ns;
+    receiver_ = CommandReceiver(settings);
+    sender_ = Sender<CommandBlock>(7);
+    change_ = [](CommandBlock& block) { block.law = Law::kAnchored; };
+    for (int b = 0; b < 4; ++b) receiver_.receive({next(), 15 * kMs + b}, 4);
+    const std::int64_t index = receiver_.play(45 * kMs, kTool).index;
+    EXPECT_EQ(receiver_.play(46 * kMs, kTool).index, short_ns == 0 ? index + 1 : index);
+  }
+  EXPECT_EQ(CommandReceiverSettings{}.max_acceleration_m_per_s2, 10.0);
+  EXPECT_EQ(CommandReceiverSettings{}.timeout_s, 0.15);
+  EXPECT_EQ(CommandReceiverSettings{}.control_period_ns, kMs);
+}
+
 TEST_F(CommandReceiverTest, SamplesOfAnotherLawAreNotFollowedWithThisOne) {
   run(10);
   change_ = [](CommandBlock& block) {

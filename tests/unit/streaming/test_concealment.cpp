@@ -34,6 +34,9 @@ TEST(Concealment, JoinsTheStatesOnBothSidesAndNeverWithTheLaser) {
     EXPECT_NEAR(sample->acceleration_m_per_s2.x(), 6.0 * t, 1e-10);
     EXPECT_TRUE(sample->concealed && sample->engaged && !sample->button) << i;
   }
+  for (const int i : {37, 38, 39, 60, 61}) {
+    EXPECT_TRUE(!ring->find(i)->concealed && ring->find(i)->button) << i << " was known and is";
+  }
 }
 
 TEST(Concealment, LeavesAloneWhatItCannotKnow) {

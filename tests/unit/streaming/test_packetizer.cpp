@@ -89,6 +89,13 @@ TEST_F(PacketizerTest, OtherSettingsApplyFromTheNextBlock) {
         1e-6)
         << "and the anchor's line";
   }
+  ASSERT_TRUE(fill());
+  const auto next = decoder_.decode(block_.payload.view(), trend());
+  ASSERT_TRUE(next);
+  EXPECT_EQ((*next)->blocks, 2) << "changed once, not at every block";
+  EXPECT_EQ(PacketizerSettings{}.ticks_per_sample, 1);
+  EXPECT_EQ(PacketizerSettings{}.sample_period_ns, 1'000'000u);
+  EXPECT_EQ(PacketizerSettings{}.epoch, 1u);
 }
 
 TEST_F(PacketizerTest, ABlockThatCannotBeCodedCostsItsNumberAndNothingElse) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/codec/settings.h"
 #include "common/streaming/packet_samples.h"
 #include "common/streaming/stream_receiver.h"
 #include "tests/unit/streaming/blocks.h"
@@ -197,6 +198,28 @@ TYPED_TEST(StreamReceiverTest, AStampMayBeASecondAheadOfWhatTheTimeAllows) {
       EXPECT_EQ(receiver.receive({block, wait_ms * kMs + 1}, kAlways).kind, Kind::kNew) << period_ms;
     }
   }
+}
+
+TYPED_TEST(StreamReceiverTest, AFirstBlockOfOneSampleIsCountedAsOne) {
+  codec::StreamSettings settings = codec::with_codec({}, "batched");
+  settings.block = 1;
+  settings.redundancy = 0;
+  codec::BlockEncoder encoder(settings);
+  const auto block_at = [&](std::uint32_t number, Tick tick) {
+    TypeParam block;
+    block.sequence = number;
+    block.sample_period_ns = 1'000'000;
+    block.ticks_per_sample = 1;
+    block.first_tick = tick;
+    const std::vector<Vec3> one(1, Vec3(1e-3, 0, 0));
+    block.payload.size =
+        static_cast<std::uint16_t>(encoder.encode(one, 0, {}, block.payload.room()).value_or(0));
+    return block;
+  };
+  auto& receiver = this->receiver_;
+  ASSERT_EQ(receiver.receive({block_at(1, 0), 0}, kAlways).kind, Kind::kNew);
+  EXPECT_EQ(receiver.receive({block_at(2, 1017), 16 * kMs + kMs / 2}, kAlways).kind, Kind::kRefused);
+  EXPECT_EQ(receiver.receive({block_at(3, 1016), 16 * kMs + kMs / 2}, kAlways).kind, Kind::kNew);
 }
 
 TYPED_TEST(StreamReceiverTest, TheNewestSampleIsTheFurthestOneThatCame) {
