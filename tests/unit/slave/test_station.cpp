@@ -61,10 +61,25 @@ TEST(SlaveStation, TheControlRateIsAWholeMultipleOfTheStreams) {
   ASSERT_LT(2102.1 / 700.7, 3.0) << "but for its rounding";
   EXPECT_EQ(refusal(2102.1, 700.7), "accepted");
   for (const auto& [control_hz, stream_hz] :
-       {std::pair{500.0, 1000.0}, {1500.0, 1000.0}, {1000.0001, 1000.0}}) {
+       {std::pair{500.0, 1000.0}, {1500.0, 1000.0}, {1000.0001, 1000.0}, {1000.000005, 1000.0}}) {
     EXPECT_NE(refusal(control_hz, stream_hz).find("must be a whole multiple of stream_hz"), std::string::npos)
         << control_hz;
   }
+}
+
+TEST(SlaveStation, ARatioIsWholeAlsoWhereItIsRoundedDown) {
+  StationSettings settings;
+  settings.node.control_hz = 2102.1;
+  settings.node.stream_hz = 700.7;
+  Station station(settings);
+  int blocks = 0;
+  for (int n = 0; n < 200; ++n) {
+    const SlaveOutputs out = station.step(n * kMs / 2, nullptr, {}, {});
+    if (!out.state) continue;
+    EXPECT_EQ(out.state->ticks_per_sample, 3);
+    ++blocks;
+  }
+  EXPECT_EQ(blocks, 200 / (3 * 16));
 }
 
 TEST(SlaveStation, MoreThanItsLaserMayGiveIsRefusedWithTheSettings) {
@@ -241,6 +256,7 @@ TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
   EXPECT_EQ(station.node.laser_w, 10.0);
   EXPECT_EQ(station.node.force.max_rms, 0.01);
   EXPECT_EQ(station.node.force.quantum, 0.01);
+  EXPECT_FALSE(station.node.force.anchored);
   EXPECT_EQ(station.mismatch, 0.1);
   EXPECT_EQ(station.epoch, 1u);
   EXPECT_EQ(station.seed, 1u);

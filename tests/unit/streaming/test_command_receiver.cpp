@@ -225,6 +225,25 @@ TEST_F(CommandReceiverTest, AnOvertakenBlockIsTakenAsLongAsItCanBePlayed) {
   }
 }
 
+TEST_F(CommandReceiverTest, AnOvertakenBlockWhoseLastSampleIsHalfASampleAgoIsOfNoUse) {
+  for (const double more : {0.0, 0.5}) {
+    CommandReceiverSettings settings;
+    settings.control_period_ns = kMs / 2;
+    receiver_ = CommandReceiver(settings);
+    sender_ = Sender<CommandBlock>(7);
+    for (int b = 0; b < 3; ++b) receiver_.receive({next(), (15 + b * kBlock) * kMs}, 4);
+    (void)next();
+    const CommandBlock late = next();  // samples 64 to 79; the longest block would end at 127
+    now_ns_ = (15 + 5 * kBlock) * kMs;
+    receiver_.receive({next(), now_ns_}, 4);
+    for (played_ = {}; !played_.cursor || *played_.cursor < 126.75 + more; now_ns_ += kMs / 2)
+      played_ = receiver_.play(now_ns_, kTool);
+    ASSERT_EQ(*played_.cursor, 127.0 + more);
+    receiver_.receive({late, now_ns_}, 4);
+    EXPECT_EQ(receiver_.counters().stale, more > 0.0 ? 1u : 0u);
+  }
+}
+
 TEST_F(CommandReceiverTest, SaysOfTheStreamWhatItsNewestBlockSaid) {
   StateHeader header;
   receiver_.describe({}, header);

@@ -211,6 +211,11 @@ TEST_F(Corrected, TheIntervalItselfIsLongEnoughAndOneAndAHalfIsNotTooFar) {
   EXPECT_EQ(begin(), 974.0);
   EXPECT_EQ(advance(1001.0, 2.625), 976.625);
   EXPECT_EQ(advance(1001.0, 1.0, true), 976.625) << "without data, more than that too far: it waits";
+  const std::uint64_t before = clock_.corrections();
+  for (int n = 1; n <= 3; ++n) {
+    EXPECT_EQ(advance(1001.0, 0.475, true), 976.625);
+    EXPECT_EQ(clock_.corrections() - before, n < 3 ? 0u : 1u) << n;
+  }
   const PlayoutClock silent{PlayoutSettings{}};
   EXPECT_EQ(silent.wait_s(), 0.0);
   EXPECT_EQ(silent.depth_samples(), 0);
