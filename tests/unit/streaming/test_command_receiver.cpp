@@ -351,6 +351,7 @@ TEST(Played, WhatNobodyHasSaidAllowsNothing) {
   EXPECT_FALSE(sample.button || sample.engaged || sample.concealed);
   EXPECT_EQ(sample.generation, 0u);
   EXPECT_EQ(sample.block, 0u);
+  EXPECT_FALSE(Played{}.fresh || Played{}.begins);
   CommandReceiver receiver{{}};
   const Played played = receiver.play(0, {});
   EXPECT_FALSE(played.begins || played.fresh || played.cursor);

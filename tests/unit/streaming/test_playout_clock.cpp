@@ -150,6 +150,9 @@ TEST(PlayoutClock, ALossDeepensItByTheCopiesForTenSeconds) {
   EXPECT_EQ(depth(22, true), 21 + 32);
   EXPECT_EQ(depth(31, false), 21 + 32) << "each loss counts anew";
   EXPECT_EQ(depth(32, false), 21);
+  EXPECT_EQ(depth(33, true), 21 + 32);
+  clock.arrived(42'950 * kMs, 42'950, 16, kMs, false);
+  EXPECT_EQ(clock.depth_samples(), 21 + 32) << "for the last twentieth of a second too";
 }
 
 /// A link that is 5 ms slow: at 1000 ms the cursor is 1000 - 5 - 21.
@@ -211,6 +214,11 @@ TEST_F(Corrected, TheIntervalItselfIsLongEnoughAndOneAndAHalfIsNotTooFar) {
   EXPECT_EQ(begin(), 974.0);
   EXPECT_EQ(advance(1001.0, 2.625), 976.625);
   EXPECT_EQ(advance(1001.0, 1.0, true), 976.625) << "without data, more than that too far: it waits";
+  for (int n = 1; n <= 4; ++n) {
+    const std::uint64_t corrections = clock_.corrections();
+    EXPECT_EQ(advance(1001.0, 0.25, true), 976.625);
+    EXPECT_EQ(clock_.corrections() - corrections, n == 4 ? 1u : 0u) << n;
+  }
   const std::uint64_t before = clock_.corrections();
   for (int n = 1; n <= 3; ++n) {
     EXPECT_EQ(advance(1001.0, 0.475, true), 976.625);
