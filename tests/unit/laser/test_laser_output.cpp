@@ -207,6 +207,8 @@ TEST(LaserOutput, ALostLaserIsToldToBeOffAtEveryStepAndItsPilotToo) {
 }
 
 TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
+  EXPECT_EQ(UdpPower{}.magic, 0x4c554b54u);
+  EXPECT_EQ(UdpPower{}.version, 1u);
   EXPECT_EQ(UdpPower{}.sequence, 0u);
   EXPECT_EQ(UdpPower{}.power_w, 0.0);
   EXPECT_EQ(UdpPower{}.period_ns, 0u);
