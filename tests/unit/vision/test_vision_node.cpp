@@ -51,6 +51,8 @@ TEST(VisionNode, ItsRecordHasTheSizesOfWhatIsPublished) {
                                             "y='7' width='12' height='6'/></svg>";
   VisionNode node({});
   EXPECT_EQ(node.record().values.size(), 6u) << "nothing is published yet";
+  EXPECT_EQ(node.record().role, "vision");
+  EXPECT_EQ(node.record().tick, 0u);
   const auto outcome = node.step(Frame{"part.svg", folder.file("part.svg"), {}, false});
   ASSERT_TRUE(outcome.publish) << outcome.remark;
   const auto values = node.record().values;
@@ -105,6 +107,27 @@ TEST(VisionNode, WhatPassesIsIgnoredAndWhatStaysIsPublished) {
       geometry::bounding_box(moved[0].points_m).centre() - geometry::bounding_box(first[0].points_m).centre();
   EXPECT_NEAR(by.x(), 12.0 * pixel, 0.5 * pixel);
   EXPECT_NEAR(by.y(), -5.0 * pixel, 0.5 * pixel);
+}
+
+TEST(VisionNode, AnInterruptionBeginsTheCountOfAgreeingFramesAnew) {
+  const auto shown = [](VisionNode& node, int frames) {
+    int published = 0;
+    for (int i = 0; i < frames; ++i)
+      published += node.step(live(picture_of("heart", 1 + i))).publish.has_value();
+    return published;
+  };
+  for (const bool gone : {true, false}) {
+    VisionNode node(at_true_size());
+    EXPECT_EQ(shown(node, VisionNode::kAgreeing - 1), 0);
+    if (gone) (void)node.step(tl::unexpected(std::string("camera 7: gives no picture")));
+    if (!gone) (void)node.step(live(cv::Mat(480, 640, CV_8U, cv::Scalar(90))));
+    EXPECT_EQ(shown(node, VisionNode::kAgreeing - 1), 0) << gone;
+    EXPECT_EQ(shown(node, 1), 1) << gone;
+    // Nor does what was published count for what comes next.
+    for (int i = 0; i < VisionNode::kAgreeing - 1; ++i)
+      EXPECT_FALSE(node.step(live(picture_of("cam", 1 + i))).publish);
+    EXPECT_TRUE(node.step(live(picture_of("cam", 9))).publish);
+  }
 }
 
 TEST(VisionNode, AChangeInAnotherLineIsAnotherContour) {
