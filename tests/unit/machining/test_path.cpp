@@ -115,6 +115,27 @@ TEST(Path, IsSmoothedAsMuchAsItsToleranceAllows) {
   EXPECT_EQ(path->harmonics(), static_cast<std::size_t>(std::ceil(3.7 * 0.4e-3 / 2.0 / path->smoothing_m())));
 }
 
+TEST(Path, ItsHarmonicsAreEightAtLeastAndFourThousandAtMost) {
+  const auto harmonics = [](double radius_m, int points) {
+    return Path::through(circle(radius_m, points), {.tolerance_m = 0.0})->harmonics();
+  };
+  // 3.7 L / (2 pi 12 um): 5 of a circle of 16 um, 4317 of one of 14 mm.
+  EXPECT_EQ(harmonics(16e-6, 60), 8u);
+  EXPECT_EQ(harmonics(30e-6, 60), 10u);
+  EXPECT_EQ(harmonics(14e-3, 720), 4096u);
+}
+
+TEST(Path, ItsSmoothingIsASixtyFourthPartOfItsRange) {
+  const auto ring = circle(0.2e-3, 400);
+  int odd = 0;
+  for (const double tolerance_m : {1e-6, 1.2e-6, 1.5e-6, 2e-6, 2.3e-6}) {
+    const double steps = (smoothing_for(ring, {.tolerance_m = tolerance_m}) - 12e-6) / (28e-6 / 64);
+    EXPECT_NEAR(steps, std::round(steps), 1e-6) << tolerance_m;
+    odd += std::lround(steps) % 2 != 0 ? 1 : 0;
+  }
+  EXPECT_GT(odd, 0) << "and no coarser";
+}
+
 TEST(Path, TheThirdDerivativeIsThatOfTheSecond) {
   const auto path = Path::through(circle(1e-3, 800), {});
   ASSERT_TRUE(path);
