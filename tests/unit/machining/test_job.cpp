@@ -131,6 +131,22 @@ TEST(Job, AnIslandInAHoleIsAPieceAgain) {
   }
 }
 
+TEST(Job, ItsSettingsHaveTheseDefaultsAndNothingPlannedIsNothingDone) {
+  const JobSettings settings;
+  EXPECT_TRUE(settings.framing);
+  EXPECT_EQ(settings.travel_m_per_s, 30e-3);
+  EXPECT_EQ(settings.travel_m_per_s2, 1.0);
+  EXPECT_EQ(settings.kerf_m, 0.0);
+  EXPECT_EQ(settings.settle_s, 0.3);
+  EXPECT_EQ(settings.reach_m, 0.1);
+  EXPECT_EQ(JobExecutorSettings{}.laser_w, 10.0);
+  const JobExecutorOutputs out;
+  EXPECT_FALSE(out.pilot || out.done || out.saturated);
+  EXPECT_EQ(out.laser_w, 0.0);
+  EXPECT_EQ(out.tick, 0u);
+  EXPECT_EQ(out.progress, 0.0);
+}
+
 TEST(Job, RefusesAnEmptyOne) { EXPECT_FALSE(make_job({}, JobSettings{})); }
 
 class AtWork : public testing::Test {

@@ -265,6 +265,49 @@ TEST(TimedPath, CornersAreRoundedByWhatThePolicySays) {
   EXPECT_EQ(path_settings(settings).tolerance_m, 4e-6);
 }
 
+TEST(TimedPath, ItsSettingsHaveTheseDefaults) {
+  const TimedPathSettings settings;
+  EXPECT_EQ(settings.control_hz, 2400.0);
+  EXPECT_EQ(settings.speed_m_per_s, 8e-3);
+  EXPECT_EQ(settings.corner, CornerPolicy::kRounded);
+  EXPECT_EQ(settings.tolerance_m, 10e-6);
+  EXPECT_EQ(settings.slow_acceleration_m_per_s2, 0.25);
+  EXPECT_EQ(settings.max_acceleration_m_per_s2, 10.0);
+  EXPECT_EQ(settings.max_speed_m_per_s, 0.3);
+  EXPECT_EQ(settings.ramp_m_per_s2, 2.0);
+  EXPECT_EQ(settings.smoothing_s, 0.012);
+  EXPECT_EQ(settings.settle_s, 0.15);
+  EXPECT_EQ(settings.settle_m, 2e-3);
+  EXPECT_EQ(settings.overlap_m, 0.2e-3);
+  EXPECT_EQ(settings.spot_radius_m, 30e-6);
+  EXPECT_EQ(PathSettings{}.tolerance_m, 15e-6);
+  EXPECT_EQ(PathSettings{}.min_smoothing_m, 12e-6);
+  EXPECT_EQ(PathSettings{}.max_smoothing_m, 40e-6);
+  // What nobody has planned neither moves nor burns.
+  const Reference nothing;
+  EXPECT_FALSE(nothing.beam);
+  for (const double value :
+       {nothing.speed_m_per_s, nothing.speed_rate_m_per_s2, nothing.arc_length_m, nothing.power})
+    EXPECT_EQ(value, 0.0);
+}
+
+TEST(TimedPath, ASpeedAtTheMachinesLimitIsTakenAndASizeOfTheBeamsToo) {
+  TimedPathSettings settings;
+  settings.max_speed_m_per_s = settings.speed_m_per_s = 20e-3;
+  EXPECT_TRUE(make_timed_path(kSquare, settings));
+  settings.speed_m_per_s = std::nextafter(20e-3, 1.0);
+  EXPECT_FALSE(make_timed_path(kSquare, settings));
+  settings.speed_m_per_s = 8e-3;
+  geometry::Polyline small{{{0, 0}, {2.0 * settings.spot_radius_m, 0}}, false};
+  EXPECT_TRUE(make_timed_path(small, settings));
+  small.points_m[1].x() = std::nextafter(small.points_m[1].x(), 0.0);
+  const auto refused = make_timed_path(small, settings);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(),
+            "the contour is 0.06 mm across, less than the beam's 0.06 mm; use a larger --width-mm");
+  EXPECT_FALSE(make_timed_path(geometry::Polyline{}, settings)) << "of no points, in a sentence";
+}
+
 TEST(TimedPath, RefusesASpeedOfZero) {
   TimedPathSettings settings;
   settings.speed_m_per_s = 0.0;
