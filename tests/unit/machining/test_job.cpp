@@ -329,6 +329,7 @@ TEST_F(AtWork, TheBeamsPowerFollowsTheSpeedAlongThePathBetweenNothingAndHalfAsMu
   }
   reference.tangent = -reference.tangent;
   EXPECT_EQ(follower.beam_power(reference), 0.0) << "backwards nothing";
+  reference.tangent = -reference.tangent;
   reference.speed_m_per_s = 0.0;
   EXPECT_EQ(follower.beam_power(reference), 0.0) << "nor at rest";
 }

@@ -204,6 +204,7 @@ TEST(Trajectory, IsReadBetweenItsTicksAndRestsBeyondThem) {
   const Trajectory t = straight();
   EXPECT_EQ(t.at(2.0).position_m, t[2].position_m);
   EXPECT_NEAR(t.at(2.25).position_m.x(), 2.25e-3, 1e-15);
+  EXPECT_NEAR(t.at(0.1).position_m.x(), 0.1e-3, 1e-15);
   EXPECT_NEAR(t.at(2.25).acceleration_m_per_s2.x(), 0.325, 1e-15);
   EXPECT_EQ(t.at(4.0).velocity_m_per_s.x(), 0.02) << "the last point itself moves still";
   EXPECT_EQ(t.at(0.0).velocity_m_per_s.x(), 0.02);

@@ -147,6 +147,28 @@ TEST(Path, TheThirdDerivativeIsThatOfTheSecond) {
   }
 }
 
+// Pieces of a third of a radian: what the fifth power has of the third derivative is a twelfth of it.
+TEST(Path, WithinAPieceEachDerivativeIsThatOfTheOneBefore) {
+  std::vector<PathNode> nodes;
+  for (int i = 0; i <= 6; ++i) {
+    const double a = 0.4 * i;
+    const Vec3 out(std::cos(a), std::sin(a), 0), along(-std::sin(a), std::cos(a), 0);
+    nodes.push_back({a, 1e-3 * out, 1e-3 * along, -1e-3 * out});
+  }
+  const auto path = Path::through(nodes, false);
+  ASSERT_TRUE(path);
+  const double h = 0.1e-6;
+  for (int piece = 0; piece < 6; ++piece) {
+    for (const double u : {0.1, 0.3, 0.5, 0.8, 0.95}) {
+      const double s = (piece + u) / 6.0 * path->length_m();
+      const PathPoint a = path->at(s - h), b = path->at(s), c = path->at(s + h);
+      EXPECT_LT(((c.position_m - a.position_m) / (2 * h) - b.first).norm(), 1e-3) << s;
+      EXPECT_LT(((c.first - a.first) / (2 * h) - b.second).norm(), 1e-2 * 1e3) << s;
+      EXPECT_LT(((c.second - a.second) / (2 * h) - b.third).norm(), 1e-3 * 1e6) << s;
+    }
+  }
+}
+
 TEST(Path, GoesRoundAgainOrOnStraight) {
   const auto ring = Path::through(circle(5e-3, 800), {});
   ASSERT_TRUE(ring);
@@ -182,6 +204,16 @@ TEST(Path, ThroughNodesItsParameterIsTheArcAndBadOnesAreRefused) {
     EXPECT_NEAR(path->at(s).second.norm(), 500.0, 0.5);
   }
   EXPECT_FALSE(Path::through(std::vector<PathNode>{nodes[0]}, false));
+  for (const double bad : {0.0, double{INFINITY}, double{NAN}}) {
+    auto without = nodes;
+    without[3].first = Vec3::Constant(bad);
+    const auto refused = Path::through(without, false);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error(), "the path has a point without a direction");
+  }
+  auto twice = nodes;
+  twice[3].parameter = twice[2].parameter;
+  EXPECT_FALSE(Path::through(twice, false)) << "not even as large";
   std::swap(nodes[3], nodes[4]);
   EXPECT_FALSE(Path::through(nodes, false));
   EXPECT_FALSE(Path::through(Polyline{{{0, 0}, {1e-3, 0}}, true}, PathSettings{}))
