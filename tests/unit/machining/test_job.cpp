@@ -117,6 +117,17 @@ TEST(Job, RestsBeforeEachContourAndFramesTheirBox) {
   EXPECT_LT((job->trajectory[job->trajectory.size() - 1].position_m - Vec3(1e-3, 0, 0)).norm(), 1e-9);
 }
 
+TEST(Job, ARestIsNoShorterThanItMustBe) {
+  JobSettings settings;
+  settings.framing = false;
+  settings.settle_s = 0.2501;
+  const auto job = make_job({square(2e-3)}, settings);
+  ASSERT_TRUE(job);
+  std::size_t rests = 0;
+  for (const JobPhase phase : job->phases) rests += phase == JobPhase::kTravel ? 1 : 0;
+  EXPECT_EQ(rests, 601u) << "600.24 ticks";
+}
+
 TEST(Job, AnIslandInAHoleIsAPieceAgain) {
   JobSettings settings;
   settings.kerf_m = 0.2e-3;

@@ -102,6 +102,18 @@ TEST(MachiningStation, PreparesEveryLineOfTheContourAsItsSettingsSay) {
   }
 }
 
+TEST(MachiningStation, PlansWithHalfOfItsRobotsAcceleration) {
+  StationSettings settings = quick();
+  settings.robot = "master-horizontal";  // 10 m/s^2
+  settings.speed_mm_s = 100.0;
+  const auto job = Station(settings).prepare(square(5e-3));
+  double most_m_per_s2 = 0.0;
+  for (std::size_t i = 0; i < job->trajectory.size(); ++i)
+    most_m_per_s2 = std::max(most_m_per_s2, job->trajectory[i].acceleration_m_per_s2.norm());
+  EXPECT_LT(most_m_per_s2, 5.0 * 1.05);
+  EXPECT_GT(most_m_per_s2, 3.5) << "and uses it";
+}
+
 TEST(MachiningStation, WhatCannotBeMachinedOrReachedIsRefused) {
   const Station station(quick());
   EXPECT_EQ(refusal_of([&] {
