@@ -198,6 +198,9 @@ TEST_F(StationOfADrive, ReleasedItHasNeitherBeamNorCurrent) {
   ASSERT_GT(robot_->currents_a_.norm(), 1e-3) << "back to where it was";
   const std::size_t told = told_w_.size();
   EXPECT_EQ(told, 1u + 20u) << "at its beginning and each step";
+  RunRecord record;
+  station_->report(record);
+  EXPECT_FALSE(record.slave_drive.true_tool) << "nobody knows it";
   station_->release();
   EXPECT_EQ(robot_->currents_a_, Vec3(Vec3::Zero()));
   ASSERT_EQ(told_w_.size(), told + 1);
