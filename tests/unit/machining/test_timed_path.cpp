@@ -252,6 +252,21 @@ TEST(EvenBurn, AStraightStrokeIsBurntFullyAndAnOverlapFadesOver) {
   for (double s = 0.5e-3; s < length - 0.5e-3; s += 0.1e-3) EXPECT_NEAR(round.fraction(s), 1.0, 0.002) << s;
 }
 
+TEST(EvenBurn, NoPlaceGetsMoreThanAQuarterMoreThanWasPlanned) {
+  geometry::Polyline zigzag{{}, false};  // legs of 0.3 mm, a spot radius apart
+  for (int i = 0; i < 20; ++i) zigzag.points_m.emplace_back(30e-6 * i, i % 2 == 0 ? 0.0 : 0.3e-3);
+  const auto path = Path::through(zigzag, {.tolerance_m = 0.0});
+  ASSERT_TRUE(path);
+  const EvenBurn even(*path, path->length_m(), 30e-6, 0.0);
+  double most = 0.0, least = 1.0;
+  for (double s = 0.0; s < path->length_m(); s += 1e-6) {
+    most = std::max(most, even.fraction(s));
+    least = std::min(least, even.fraction(s));
+  }
+  EXPECT_NEAR(most, 1.25, 1e-9) << "the outermost corners";
+  EXPECT_LT(least, 0.5) << "and in between little";
+}
+
 TEST(TimedPath, CornersAreRoundedByWhatThePolicySays) {
   TimedPathSettings settings;
   settings.tolerance_m = 25e-6;
