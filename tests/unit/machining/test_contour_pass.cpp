@@ -2,6 +2,7 @@
 // What is measured of a pass, against passes whose errors are known.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -46,7 +47,20 @@ TEST(CornersOf, TurnByMoreThanThirtyDegrees) {
 
 TEST(CornersOf, OfAClosedContourTheStartsIsFoundOnceAndAnOpenOnesEndsAreNone) {
   Polyline square{{{0, 0}, {4e-3, 0}, {4e-3, 4e-3}, {0, 4e-3}}, true};
-  EXPECT_EQ(corners_of(square).size(), 4u);
+  // Wherever it begins: at a corner, within its window, on a side.
+  for (const Vec2& start : {Vec2(0, 0), Vec2(0.1e-3, 0), Vec2(2e-3, 0), Vec2(3.9e-3, 0)}) {
+    Polyline from = square;
+    if (start.x() > 0.0) {
+      from.points_m = {start, {4e-3, 0}, {4e-3, 4e-3}, {0, 4e-3}, {0, 0}};
+    }
+    const auto corners = corners_of(from);
+    ASSERT_EQ(corners.size(), 4u) << start.x();
+    for (const Vec2& vertex : square.points_m) {
+      EXPECT_TRUE(std::any_of(corners.begin(), corners.end(),
+                              [&](const Vec2& c) { return (c - vertex).norm() < 25e-6; }))
+          << start.x() << ": " << vertex.transpose();
+    }
+  }
   square.closed = false;
   EXPECT_EQ(corners_of(square).size(), 2u);
 }
