@@ -115,6 +115,29 @@ TEST(LoopMargins, ALoopThatRunsAwayInTimeIsNotStable) {
   EXPECT_GT(std::abs(loop.position_m()), 1e-3);
 }
 
+TEST(LoopMargins, AreThoseOfTheLoopUpToWhereItIsNoLongerStable) {
+  const LoopConditions conditions{.period_s = 1e-3, .delay_s = 1e-3};
+  const auto with = [](double law) { return LoopBandwidths{law, 2.5 * law, 12.5 * law}; };
+  double low = 100.0, high = 2000.0;
+  ASSERT_TRUE(loop_margins(conditions, with(low), kWorstInertiaRatio).stable);
+  ASSERT_FALSE(loop_margins(conditions, with(high), kWorstInertiaRatio).stable);
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    (loop_margins(conditions, with(middle), kWorstInertiaRatio).stable ? low : high) = middle;
+  }
+  const auto rest_m = [&](double law) {
+    SteppedLoop loop(conditions, with(law), kWorstInertiaRatio);
+    double last_m = 0.0;
+    for (int n = 0; n < 6000; ++n) {
+      loop.step(n == 0 ? 1.0 : 0.0);
+      if (n >= 5900) last_m = std::max(last_m, std::abs(loop.position_m()));
+    }
+    return last_m;
+  };
+  EXPECT_LT(rest_m(0.97 * low), 1e-9) << "the push of a step is forgotten at " << low << " rad/s";
+  EXPECT_GT(rest_m(1.03 * low), 1e-3) << "and grows beyond it";
+}
+
 TEST(LoopDesign, IsTheFastestWithinItsMarginsAndFollowsTheRate) {
   for (const double delay : {0.0, 0.5, 1.0, 2.0}) {
     const LoopConditions conditions{.period_s = 1e-3, .delay_s = delay * 1e-3};

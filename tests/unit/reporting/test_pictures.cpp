@@ -123,6 +123,8 @@ TEST(Plot, LogarithmicAxesAndGapsAndDashes) {
   int on = 0;
   for (int column = 0; column < 394; ++column) on += coloured(dashed, column / 394.0, 0.5);
   EXPECT_NEAR(on / 394.0, 0.766, 0.03) << "7 of 13 pixels, and the ends of dashes that are two wide";
+  EXPECT_TRUE(coloured(dashed, 4 / 394.0, 0.5)) << "a dash first";
+  EXPECT_FALSE(coloured(dashed, 10 / 394.0, 0.5));
   panel.lines = {{.x = {2}, .y = {1}, .style = Line::Style::kPoints}};
   const cv::Mat points = drawn(panel);
   EXPECT_TRUE(coloured(points, 0.5, 0.5));
@@ -272,6 +274,15 @@ TEST(Plot, ALegendStandsInTheEmptiestCornerOrBesideThePlot) {
   EXPECT_EQ(orange, cv::Vec3b(0, 94, 213));
   EXPECT_EQ(picture.at<cv::Vec3b>(top + 13, right + 3), cv::Vec3b(255, 255, 255));
   EXPECT_EQ(picture.at<cv::Vec3b>(top + 13, right + 33), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(picture.at<cv::Vec3b>(top + 13, right + 28), blue);
+  panel.lines = {{}, {.label = "first"}};
+  EXPECT_EQ(drawn(panel).at<cv::Vec3b>(top + 13, right + 18), orange) << "what has no label takes no row";
+  const cv::Vec3b palette[] = {{178, 114, 0}, {0, 94, 213},   {115, 158, 0},  {167, 121, 204},
+                               {0, 159, 230}, {233, 180, 86}, {66, 228, 240}, {60, 60, 60}};
+  for (int colour = 0; colour < 8; ++colour) {
+    panel.lines = {{.label = "first", .colour = colour}};
+    EXPECT_EQ(drawn(panel).at<cv::Vec3b>(top + 13, right + 18), palette[colour]) << colour;
+  }
   panel.lines = {{.label = "first", .x = {0.8, 1.0}, .y = {0.95, 0.95}}};
   EXPECT_TRUE(frame(drawn(panel), right, bottom(1), 1));
   panel.lines.push_back({.x = {0.8, 1.0}, .y = {0.05, 0.05}});

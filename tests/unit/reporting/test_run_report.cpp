@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/reporting/run_lookup.h"
 #include "common/reporting/run_report.h"
 #include "common/runtime/startup_error.h"
 
@@ -60,6 +61,21 @@ TEST(RunReport, ARoundTripThatWasNeverMeasuredIsUnknownNotZero) {
   EXPECT_TRUE(make_report(record)["link"]["total_ms"].is_null());
   record.master_figures["rtt_p50_ms"] = 100.0;
   EXPECT_EQ(make_report(record)["link"]["total_ms"].get<double>(), 118.0);
+}
+
+TEST(RunReport, TheControlPeriodIsWhatTheSlaveSaysOrTheTimeBetweenItsRows) {
+  RunRecord record;
+  EXPECT_EQ(control_period_s(record), 0.0);
+  record.slave.resize(1);
+  EXPECT_EQ(control_period_s(record), 0.0);
+  record.slave.resize(2);
+  record.slave[1].t_s = 0.25;
+  EXPECT_EQ(control_period_s(record), 0.25);
+  record.slave.resize(3);
+  record.slave[2].t_s = 1.0;
+  EXPECT_EQ(control_period_s(record), 0.5);
+  record.slave_figures["control_period_s"] = 0.125;
+  EXPECT_EQ(control_period_s(record), 0.125);
 }
 
 TEST(RunReport, ABetaThatChangesInMidRunChangesNoFigureAtTheWorkpiece) {
