@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "common/reporting/run_lookup.h"
 #include "common/reporting/run_report.h"
@@ -112,6 +113,18 @@ TEST(RunReport, TheForceIsHeldAgainstTheSlavesOfTheSameTick) {
   EXPECT_NEAR(report["force"]["max_n"].get<double>(), 0.939, 1e-9);
   EXPECT_NEAR(report["force"]["coding_max_n"].get<double>(), 0.01, 1e-9);
   EXPECT_NEAR(report["force"]["coding_rms_n"].get<double>(), 0.01 / std::sqrt(3.0), 1e-9);
+}
+
+TEST(RunReport, ForcesOfTicksThatTheSlaveHasNotRecordedDoNotCount) {
+  RunRecord record = circle_run(0.0, 0.0);  // the slave's ticks are 40 to 1039
+  for (MasterRow& row : record.master) row.force_tick = -1.0;
+  const auto samples = [&] { return make_report(record)["force"]["samples"].get<int>(); };
+  EXPECT_EQ(samples(), 0);
+  for (const auto& [tick, counts] :
+       {std::pair{39.0, false}, {40.0, true}, {1039.0, true}, {1040.0, false}, {1e9, false}}) {
+    record.master[0].force_tick = tick;
+    EXPECT_EQ(samples(), counts ? 1 : 0) << tick;
+  }
 }
 
 TEST(RunReport, TheVerdictIsBadOnceTheLaserLeavesTheCorridor) {
