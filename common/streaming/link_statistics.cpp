@@ -2,7 +2,6 @@
 #include "common/streaming/link_statistics.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace telekerf::streaming {
 
@@ -30,13 +29,11 @@ void LinkStatistics::received(const StateHeader& state, std::int64_t received_ns
 
 double LinkStatistics::rtt_quantile_ms(double fraction) const {
   if (round_trips_ == 0) return 0.0;
-  const auto rank = static_cast<std::uint64_t>(std::ceil(fraction * static_cast<double>(round_trips_)));
-  std::uint64_t seen = 0;
-  for (std::size_t bin = 0; bin < kBins; ++bin) {
-    seen += histogram_[bin];
-    if (seen >= rank) return (static_cast<double>(bin) + 0.5) * kBinMs;
-  }
-  return kBins * kBinMs;
+  const double rank = fraction * static_cast<double>(round_trips_);
+  std::size_t bin = 0;
+  double seen = histogram_[0];
+  while (seen < rank && bin + 1 < kBins) seen += histogram_[++bin];
+  return (static_cast<double>(bin) + 0.5) * kBinMs;
 }
 
 }  // namespace telekerf::streaming

@@ -87,7 +87,7 @@ Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int
 template <class Block>
 Arrival StreamReceiver<Block>::overtaken(const Block& block, std::int64_t useful_from) noexcept {
   Arrival arrival{.kind = Arrival::Kind::kStale, .first = first_index(block)};
-  const bool counted_lost = ahead(block.sequence, first_sequence_) >= 0;
+  const bool counted_lost = ahead(block.sequence, first_sequence_) > 0;
   if (counted_lost && same_count<Header>(block, header_) && same_source(block, header_) &&
       arrival.first + codec::kMaxBlock - 1 >= useful_from) {
     // What comes twice is refused by the decoder.

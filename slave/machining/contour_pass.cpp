@@ -68,16 +68,24 @@ std::vector<Vec2> corners_of(const Polyline& contour) {
   };
   std::vector<double> turn(count);
   for (std::size_t i = 0; i < count; ++i) turn[i] = turn_at(static_cast<double>(i) * step);
+  // A closed contour is gone round from a place that is no corner, so that the one at its start is seen
+  // whole.
+  std::size_t first = 0;
+  while (contour.closed && first < count && turn[first] >= kCornerTurn_rad) ++first;
+  const auto sharp = [&](std::size_t i) { return turn[(first + i) % count] >= kCornerTurn_rad; };
+  const auto arc_m = [&](std::size_t i) {
+    return static_cast<double>((first + i) % count) * step + (first + i < count ? 0.0 : length);
+  };
   // One corner a run of sharp places: in its middle.
   std::vector<Vec2> corners;
   for (std::size_t i = 0; i < count; ++i) {
-    if (turn[i] < kCornerTurn_rad) continue;
+    if (!sharp(i)) continue;
     std::size_t end = i;
-    while (end + 1 < count && turn[end + 1] >= kCornerTurn_rad) ++end;
-    const Vec2 place = index.at(0.5 * static_cast<double>(i + end) * step).point_m;
+    while (end + 1 < count && sharp(end + 1)) ++end;
+    const Vec2 place = index.at(0.5 * (arc_m(i) + arc_m(end))).point_m;
     // A smooth bend turns all the way: a corner does so within its window.
-    const bool known = near_any(corners, place, 2 * kCornerWindow_m);  // around the start twice
-    if (!known && static_cast<double>(end - i) * step < 6 * kCornerWindow_m) corners.push_back(place);
+    const bool known = near_any(corners, place, 2 * kCornerWindow_m);
+    if (!known && arc_m(end) - arc_m(i) < 6 * kCornerWindow_m) corners.push_back(place);
     i = end;
   }
   return corners;

@@ -134,9 +134,10 @@ tl::expected<Path, std::string> Path::through(const Polyline& line, const PathSe
   const double sigma_m = smoothing_for(clean, settings);
   std::size_t harmonics = 0;
   auto path = clean.closed ? closed_path(clean, sigma_m, harmonics) : open_path(clean, sigma_m);
-  if (!path) return path;
-  path->smoothing_m_ = sigma_m;
-  path->harmonics_ = harmonics;
+  if (path) {
+    path->smoothing_m_ = sigma_m;
+    path->harmonics_ = harmonics;
+  }
   return path;
 }
 

@@ -84,7 +84,6 @@ TelemetryMessage VisionNode::record() const {
 VisionNode::Outcome VisionNode::enter(State state, const std::string& reason) {
   const bool news = state != state_;
   state_ = state;
-  agreeing_ = 0;
   candidate_.reset();
   if (!news) return {};
   return {std::nullopt, reason + (published_ ? "; the published contour stands" : "")};
@@ -106,7 +105,6 @@ VisionNode::Outcome VisionNode::step(const Camera::Result& result) {
   Outcome out;
   if (back) out.remark = fmt::format("{}: the contour is seen again", frame.source);
   if (published_ && same_contour(*published_, *seen, tolerance_for(*published_))) {
-    agreeing_ = 0;
     candidate_.reset();
     return out;
   }
@@ -115,7 +113,6 @@ VisionNode::Outcome VisionNode::step(const Camera::Result& result) {
   candidate_ = std::move(*seen);
   if (frame.settles && agreeing_ < kAgreeing) return out;
   published_ = std::exchange(candidate_, std::nullopt);
-  agreeing_ = 0;
   ++published_count_;
   out.publish = published_;
   if (!unsupported_.empty()) {

@@ -51,7 +51,7 @@ class VisionNode {
   std::string unsupported_;
   double contrast_ = 0.0;
   double noise_ = 0.0;
-  int agreeing_ = 0;
+  int agreeing_ = 0;  ///< frames that show `candidate_`
   int frames_ = 0;
   int published_count_ = 0;
   int losses_ = 0;

@@ -23,34 +23,40 @@ class SteppedLoop {
                    .bandwidth_rad_per_s = bandwidths.observer_rad_per_s,
                    .velocity_bandwidth_rad_per_s = bandwidths.velocity_rad_per_s,
                    .loop_delay = conditions.delay_s / t_}),
-        delay_(static_cast<std::size_t>(std::lround(conditions.delay_s / t_))) {
+        whole_(static_cast<std::size_t>(conditions.delay_s / t_ + 1e-9)),
+        part_s_(conditions.delay_s - static_cast<double>(whole_) * t_) {
     observer_.reset(Vec3::Zero());
-    positions_.assign(delay_ + 1, 0.0);
+    both_.assign(whole_ + 2, 0.0);
   }
   /// One step; returns the acceleration asked for. `push` acts beside it, `noise_m` on the reading.
   double step(double push, double noise_m = 0.0) {
-    observer_.update(Vec3::Constant(positions_[delay_] + noise_m), true);
+    observer_.update(Vec3::Constant(q_ + noise_m), true);
     const auto now = observer_.ahead();
     const double u = -law_.position * now.joints_m[0] - law_.velocity * now.velocity_m_per_s[0] +
                      observer_.disturbance_n()[0];
     observer_.applied(Vec3::Constant(u), Mat3::Identity());
-    const double a = (u + push) / ratio_;
-    q_ += t_ * v_ + 0.5 * t_ * t_ * a;
-    v_ += t_ * a;
-    for (std::size_t i = delay_; i > 0; --i) positions_[i] = positions_[i - 1];
-    positions_[0] = q_;
+    for (std::size_t i = both_.size() - 1; i > 0; --i) both_[i] = both_[i - 1];
+    both_[0] = u + push;
+    move(both_[whole_ + 1] / ratio_, part_s_);
+    move(both_[whole_] / ratio_, t_ - part_s_);
     return u;
   }
   double position_m() const { return q_; }
   double speed_m_per_s() const { return v_; }
 
  private:
+  void move(double m_per_s2, double h_s) {
+    q_ += h_s * v_ + 0.5 * h_s * h_s * m_per_s2;
+    v_ += h_s * m_per_s2;
+  }
+
   double t_;
   double ratio_;
   SampledGains law_;
   DisturbanceObserver observer_;
-  std::size_t delay_;
-  std::vector<double> positions_;  ///< of the last steps, newest first
+  std::size_t whole_;         ///< samples of the delay
+  double part_s_;             ///< and what is left of it
+  std::vector<double> both_;  ///< asked for and pushed in the last steps, newest first
   double q_ = 0.0;
   double v_ = 0.0;
 };
@@ -77,10 +83,10 @@ double measured_sensitivity(const LoopConditions& conditions, const LoopBandwidt
 }
 
 TEST(LoopMargins, AreWhatASweepInTimeShows) {
-  for (const double delay_s : {0.0, 1e-3}) {
+  for (const double delay_s : {0.0, 0.4e-3, 1e-3, 1.08e-3}) {
     const LoopConditions conditions{.period_s = 1e-3, .delay_s = delay_s};
     const LoopBandwidths bandwidths =
-        delay_s == 0.0 ? LoopBandwidths{400, 1000, 3000} : LoopBandwidths{150, 400, 1500};
+        delay_s < 1e-3 ? LoopBandwidths{400, 1000, 3000} : LoopBandwidths{150, 400, 1500};
     for (const double ratio : {0.7, 1.0, 1.3}) {
       const LoopMargins margins = loop_margins(conditions, bandwidths, ratio);
       ASSERT_TRUE(margins.stable);
@@ -117,6 +123,29 @@ TEST(LoopMargins, ALoopThatRunsAwayInTimeIsNotStable) {
   SteppedLoop loop(late, fast, kWorstInertiaRatio);
   for (int n = 0; n < 500; ++n) loop.step(n == 0 ? 1.0 : 0.0);
   EXPECT_GT(std::abs(loop.position_m()), 1e-3);
+}
+
+TEST(LoopMargins, AreThoseOfTheLoopUpToWhereItIsNoLongerStable) {
+  const LoopConditions conditions{.period_s = 1e-3, .delay_s = 1e-3};
+  const auto with = [](double law) { return LoopBandwidths{law, 2.5 * law, 12.5 * law}; };
+  double low = 100.0, high = 2000.0;
+  ASSERT_TRUE(loop_margins(conditions, with(low), kWorstInertiaRatio).stable);
+  ASSERT_FALSE(loop_margins(conditions, with(high), kWorstInertiaRatio).stable);
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    (loop_margins(conditions, with(middle), kWorstInertiaRatio).stable ? low : high) = middle;
+  }
+  const auto rest_m = [&](double law) {
+    SteppedLoop loop(conditions, with(law), kWorstInertiaRatio);
+    double last_m = 0.0;
+    for (int n = 0; n < 6000; ++n) {
+      loop.step(n == 0 ? 1.0 : 0.0);
+      if (n >= 5900) last_m = std::max(last_m, std::abs(loop.position_m()));
+    }
+    return last_m;
+  };
+  EXPECT_LT(rest_m(0.97 * low), 1e-9) << "the push of a step is forgotten at " << low << " rad/s";
+  EXPECT_GT(rest_m(1.03 * low), 1e-3) << "and grows beyond it";
 }
 
 TEST(LoopDesign, IsTheFastestWithinItsMarginsAndFollowsTheRate) {

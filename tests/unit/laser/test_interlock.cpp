@@ -36,7 +36,8 @@ TEST(Interlock, EveryDoubtForbidsTheBeamByItselfAndTheFirstOneIsSaid) {
       {Interlock::kOutsideCorridor, [](InterlockInputs& now) { now.contour_distance_m = 0.0; }},
       {Interlock::kTracking, [](InterlockInputs& now) { now.offset_m = 0.0; }},
       {Interlock::kTracking, [](InterlockInputs& now) { now.tracking_error_m = 0.0; }}};
-  const InterlockInputs wrong{.stopped = true, .contour_distance_m = 1.0, .tracking_error_m = 1.0, .offset_m = 1.0};
+  const InterlockInputs wrong{
+      .stopped = true, .contour_distance_m = 1.0, .tracking_error_m = 1.0, .offset_m = 1.0};
   InterlockInputs inputs = wrong;
   for (const auto& [reason, repair] : repairs) {
     EXPECT_EQ(evaluate_interlock(inputs, {}), reason);
@@ -55,9 +56,11 @@ TEST(Interlock, EveryDoubtForbidsTheBeamByItselfAndTheFirstOneIsSaid) {
 
 /// Numbers that binary fractions hold exactly.
 TEST(Interlock, BoundsAreReachedByEqualityAlready) {
-  const InterlockSettings settings{
-      .corridor_m = 1.0, .reaction_s = 0.25, .measurement_m = 0.125, .max_tracking_error_m = 0.5,
-      .max_offset_m = 0.25};
+  const InterlockSettings settings{.corridor_m = 1.0,
+                                   .reaction_s = 0.25,
+                                   .measurement_m = 0.125,
+                                   .max_tracking_error_m = 0.5,
+                                   .max_offset_m = 0.25};
   auto inputs = good();
   inputs.speed_m_per_s = 0.5;
   inputs.contour_distance_m = 0.75;  // + 0.5 x 0.25 + 0.125 = 1
@@ -96,6 +99,15 @@ TEST(Interlock, AsItIsSetTheCorridorIsHalfAMillimetreAndAFastToolIsStoppedEarlie
   EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kReady);
   inputs.offset_m = 2e-6 + 1e-9;
   EXPECT_EQ(evaluate_interlock(inputs, {}), Interlock::kTracking);
+}
+
+TEST(Interlock, WhatIsNotSaidIsZero) {
+  const InterlockInputs nothing;
+  EXPECT_FALSE(nothing.stopped || nothing.contour_known || nothing.engaged || nothing.fresh ||
+               nothing.inside_workspace);
+  for (const double value :
+       {nothing.contour_distance_m, nothing.speed_m_per_s, nothing.tracking_error_m, nothing.offset_m})
+    EXPECT_EQ(value, 0.0);
 }
 
 TEST(Interlock, NotANumberAndInfinityForbid) {

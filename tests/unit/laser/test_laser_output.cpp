@@ -51,6 +51,7 @@ TEST(Laser, WhatIsNoneIsRefusedWithWhatItMustBe) {
 
 TEST(Laser, MoreThanItMayGiveIsRefusedBeforeTheStart) {
   LaserOutputSettings settings;
+  EXPECT_EQ(settings.laser_max_w, 1000.0);
   settings.laser_max_w = 20.0;
   EXPECT_EQ(refusal_of(settings, 20.0), "accepted");
   EXPECT_EQ(
@@ -104,6 +105,7 @@ TEST(LaserOutput, GivesNothingThatIsNoPowerAndNeverMoreThanItsLimit) {
     EXPECT_EQ(steps.back(), (Told::Step{0.0, false})) << wrong;
   }
   EXPECT_EQ(beam.clipped(), 0u);
+  EXPECT_EQ(beam.emit(1e-3, false), 1e-3) << "however little";
   EXPECT_EQ(beam.emit(12.0, false), 12.0);
   EXPECT_EQ(beam.clipped(), 0u);
   EXPECT_EQ(beam.emit(15.0, false), 12.0);
@@ -174,6 +176,23 @@ TEST(LaserOutput, ThreeUntoldStepsAreEnoughAndOneIsForgottenInFourSeconds) {
   EXPECT_FALSE(lost_after(1025));
 }
 
+TEST(LaserOutput, ANewOneHasNoDoubtsYet) {
+  std::vector<Told::Step> steps;
+  auto laser = std::make_unique<Told>(steps, true);
+  Told& told = *laser;
+  LaserOutput beam({}, 10.0, 1000.0, std::move(laser));
+  const auto emit = [&](bool reached, int times) {
+    told.reached = reached;
+    for (int n = 0; n < times; ++n) beam.emit(8.0, false);
+  };
+  emit(false, 2);
+  emit(true, 200);  // a twentieth is forgotten
+  emit(false, 1);
+  EXPECT_FALSE(beam.failed()) << "2.95";
+  emit(false, 1);
+  EXPECT_TRUE(beam.failed());
+}
+
 TEST(LaserOutput, ALostLaserIsToldToBeOffAtEveryStepAndItsPilotToo) {
   std::vector<Told::Step> steps;
   LaserOutput beam({}, 10.0, 1000.0, std::make_unique<Told>(steps, false));
@@ -188,6 +207,12 @@ TEST(LaserOutput, ALostLaserIsToldToBeOffAtEveryStepAndItsPilotToo) {
 }
 
 TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
+  EXPECT_EQ(UdpPower{}.magic, 0x4c554b54u);
+  EXPECT_EQ(UdpPower{}.version, 1u);
+  EXPECT_EQ(UdpPower{}.sequence, 0u);
+  EXPECT_EQ(UdpPower{}.power_w, 0.0);
+  EXPECT_EQ(UdpPower{}.period_ns, 0u);
+  EXPECT_EQ(UdpPower{}.pilot, 0u);
   LaserSocket socket;
   UdpLaser laser(socket.address(), 2400.0);
   std::uint64_t sequence = 0;

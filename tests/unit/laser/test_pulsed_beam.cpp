@@ -41,7 +41,10 @@ TEST(PulsedSource, GivesTheEnergyThatIsAskedForInWholePulses) {
   EXPECT_NEAR(energy, 7.3, 1.001e-3) << "but for what is left of one pulse";
   for (const double none : {0.0, -1.0, -1e-300, double{NAN}})
     EXPECT_EQ(source.fire(none, 1.0).count, 0) << none;
+  EXPECT_EQ(source.fire(0.0, 1.0).first, 0.0);
+  EXPECT_EQ(source.fire(0.0, 1.0).step, 0.0);
   EXPECT_NEAR(source.fire(1e6, 1.0).count, 20000, 1);
+  EXPECT_NEAR(source.fire(0.05, 1.0).count, 50, 1) << "however little";
 }
 
 TEST(PulsedSource, AsItIsSetItIsTheThesisLaser) {
@@ -138,6 +141,16 @@ TEST(PulsedBeam, APulseFallsWhereTheBeamIsThenAndIsBookedThere) {
   beam.expose({0, 0.9e-3}, {0, 0.9e-3}, 20.0, 1 / 20e3);
   EXPECT_NEAR(beam.energy().inside_j, 4e-3, 1e-12) << "no corridor: all that is on the raster";
   EXPECT_NEAR(beam.energy().absorbed_j, 0.7 * 6e-3, 1e-12);
+}
+
+TEST(PulsedBeam, APulseOnTheCorridorsEdgeIsInside) {
+  Workpiece piece = piece_of("wood", 1e-3, 10e-6);
+  PulsedBeam beam(PulsedSourceSettings{}, piece);
+  const geometry::NearestIndex contour(kLine);
+  const double edge_m = std::ldexp(1.0, -11);
+  beam.expose({0, edge_m}, {0, edge_m}, 20.0, 1 / 20e3, &contour, edge_m);
+  EXPECT_EQ(beam.energy().outside_j, 0.0);
+  EXPECT_EQ(beam.energy().inside_j, 1e-3);
 }
 
 TEST(PulsedBeam, DefocusedItsPulsesAreWiderAndShallower) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/robot/drivers/simulated_robot.h"
@@ -116,6 +117,17 @@ TEST(Job, RestsBeforeEachContourAndFramesTheirBox) {
   EXPECT_LT((job->trajectory[job->trajectory.size() - 1].position_m - Vec3(1e-3, 0, 0)).norm(), 1e-9);
 }
 
+TEST(Job, ARestIsNoShorterThanItMustBe) {
+  JobSettings settings;
+  settings.framing = false;
+  settings.settle_s = 0.2501;
+  const auto job = make_job({square(2e-3)}, settings);
+  ASSERT_TRUE(job);
+  std::size_t rests = 0;
+  for (const JobPhase phase : job->phases) rests += phase == JobPhase::kTravel ? 1 : 0;
+  EXPECT_EQ(rests, 601u) << "600.24 ticks";
+}
+
 TEST(Job, AnIslandInAHoleIsAPieceAgain) {
   JobSettings settings;
   settings.kerf_m = 0.2e-3;
@@ -128,6 +140,22 @@ TEST(Job, AnIslandInAHoleIsAPieceAgain) {
     EXPECT_NEAR(1e3 * size.x(), sides_mm[i], 0.001) << i;
     EXPECT_NEAR(1e3 * size.y(), sides_mm[i], 0.001) << i;
   }
+}
+
+TEST(Job, ItsSettingsHaveTheseDefaultsAndNothingPlannedIsNothingDone) {
+  const JobSettings settings;
+  EXPECT_TRUE(settings.framing);
+  EXPECT_EQ(settings.travel_m_per_s, 30e-3);
+  EXPECT_EQ(settings.travel_m_per_s2, 1.0);
+  EXPECT_EQ(settings.kerf_m, 0.0);
+  EXPECT_EQ(settings.settle_s, 0.3);
+  EXPECT_EQ(settings.reach_m, 0.1);
+  EXPECT_EQ(JobExecutorSettings{}.laser_w, 10.0);
+  const JobExecutorOutputs out;
+  EXPECT_FALSE(out.pilot || out.done || out.saturated);
+  EXPECT_EQ(out.laser_w, 0.0);
+  EXPECT_EQ(out.tick, 0u);
+  EXPECT_EQ(out.progress, 0.0);
 }
 
 TEST(Job, RefusesAnEmptyOne) { EXPECT_FALSE(make_job({}, JobSettings{})); }
@@ -214,6 +242,107 @@ TEST_F(AtWork, AToolThatRestsElsewhereIsBroughtToTheStartFirst) {
     if (out.laser_w > 0.0) lit_s += whole.period_s;
   }
   EXPECT_NEAR(lit_s, 8e-3 / 8e-3, 0.05);
+}
+
+TEST_F(AtWork, EachMillimetreGetsWhatWasPlannedByTheSpeedThatIsMeasured) {
+  JobExecutorSettings settings;
+  settings.laser_w = 8.0;
+  JobExecutor executor(model, *job, settings);
+  executor.reset(plant.read().joints_m);
+  int lit = 0;
+  const auto last = static_cast<double>(job->trajectory.size() - 1);
+  for (std::size_t i = 0; i < job->trajectory.size(); ++i) {
+    const auto out = executor.step(plant.read(), false);
+    plant.write(out.currents_a);
+    plant.advance(job->period_s);
+    ASSERT_EQ(out.tick, i);
+    ASSERT_EQ(out.progress, static_cast<double>(i) / last);
+    ASSERT_EQ(out.done, i + 1 == job->trajectory.size());
+    ASSERT_FALSE(out.saturated);
+    const Reference& r = job->trajectory[i];
+    ASSERT_EQ(out.reference_m, r.position_m);
+    ASSERT_LT((out.tool_m - r.position_m).norm(), 20e-6) << i;
+    if (!r.beam) {
+      ASSERT_EQ(out.laser_w, 0.0);
+      continue;
+    }
+    ASSERT_EQ(out.interlock, Interlock::kReady) << i;
+    const double ratio = out.tool_velocity_m_per_s.dot(r.tangent) / r.speed_m_per_s;
+    ASSERT_NEAR(out.laser_w, 8.0 * r.power * std::clamp(ratio, 0.0, 1.5), 1e-12) << i;
+    lit += out.laser_w > 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(lit, 2000);
+  const auto after = executor.step(plant.read(), false);
+  EXPECT_TRUE(after.done) << "and it stays so";
+  EXPECT_EQ(after.tick, job->trajectory.size() - 1);
+}
+
+TEST_F(AtWork, EachDoubtPutsTheBeamOutAtItsVeryStep) {
+  robot::RobotModel narrow = model;
+  narrow.workspace.radius_m = 1.2e-3;  // the square's corners are 1.41 mm away
+  JobExecutor executor(narrow, *job, {});
+  executor.reset(plant.read().joints_m);
+  int stale = 0, beyond = 0, tracking = 0, ready = 0;
+  for (std::size_t i = 0; i < job->trajectory.size(); ++i) {
+    auto reading = plant.read();
+    const bool cut = job->phases[i] == JobPhase::kCut;
+    if (cut && i % 100 == 0) reading.valid = false;
+    plant.set_tool_force({0.0, 0.0, cut && i / 300 % 2 == 1 ? 12.0 : 0.0});
+    const auto out = executor.step(reading, false);
+    plant.write(out.currents_a);
+    plant.advance(job->period_s);
+    if (out.interlock != Interlock::kReady) {
+      ASSERT_EQ(out.laser_w, 0.0) << i;
+    }
+    if (!cut) {
+      ASSERT_EQ(out.interlock, Interlock::kNotEngaged);
+      continue;
+    }
+    const double arc_m = job->trajectory[i].arc_length_m;
+    if (arc_m < -0.4e-3 || arc_m > job->plans[0].path.length_m() + 0.4e-3) continue;  // outside its corridor
+    const double off_m = (out.tool_m - out.reference_m).norm();
+    const Interlock expected = !reading.valid                         ? Interlock::kStale
+                               : out.tool_m.head<2>().norm() > 1.2e-3 ? Interlock::kOutsideWorkspace
+                               : off_m < 50e-6                        ? Interlock::kReady
+                                                                      : Interlock::kTracking;
+    ASSERT_EQ(out.interlock, expected) << i << " " << off_m;
+    stale += expected == Interlock::kStale;
+    beyond += expected == Interlock::kOutsideWorkspace;
+    tracking += expected == Interlock::kTracking;
+    ready += expected == Interlock::kReady;
+  }
+  EXPECT_GT(stale, 20);
+  EXPECT_GT(beyond, 300);
+  EXPECT_GT(tracking, 20);
+  EXPECT_GT(ready, 500);
+}
+
+TEST_F(AtWork, TheBeamsPowerFollowsTheSpeedAlongThePathBetweenNothingAndHalfAsMuchAgain) {
+  PathFollowerSettings settings;
+  const Controller controller = make_controller(ControllerKind::kContouring, true, settings);
+  PathFollower follower(model, joint_settings(ControllerKind::kContouring, settings), controller,
+                        model_use(ControllerKind::kContouring, settings));
+  Vec3 joints_m = plant.read().joints_m;
+  follower.reset(joints_m);
+  const Trajectory rest({Reference{}});
+  for (int n = 0; n < 200; ++n) {
+    joints_m.x() += 5e-6;
+    (void)follower.step({.joints_m = joints_m, .valid = true}, rest, 0.0);
+  }
+  const Vec3 velocity = follower.joints().state().tool_velocity_m_per_s;
+  ASSERT_GT(velocity.norm(), 5e-3);
+  Reference reference;
+  reference.power = 0.8;
+  reference.tangent = velocity.normalized();
+  for (const double ratio : {0.01, 0.5, 1.0, 1.45, 1.6, 10.0}) {
+    reference.speed_m_per_s = velocity.norm() / ratio;
+    EXPECT_NEAR(follower.beam_power(reference), 0.8 * std::min(ratio, 1.5), 1e-12) << ratio;
+  }
+  reference.tangent = -reference.tangent;
+  EXPECT_EQ(follower.beam_power(reference), 0.0) << "backwards nothing";
+  reference.tangent = -reference.tangent;
+  reference.speed_m_per_s = 0.0;
+  EXPECT_EQ(follower.beam_power(reference), 0.0) << "nor at rest";
 }
 
 TEST_F(AtWork, ThePilotBeamIsOffWithoutAReadingAndAfterAStop) {

@@ -65,6 +65,29 @@ TEST(Kerf, AWideKerfReachesAsFarIntoACornerAsItCan) {
   EXPECT_LT(moved.find({10e-3 - half, half}).distance_m, 15e-6);
 }
 
+TEST(Kerf, APointWithinTheRoundingOfItsOffsetFromAnotherPartIsLeftOut) {
+  // A slot in the right side. What its lower wall moves into it lies at y = 0, this far from its upper wall.
+  const double half = std::ldexp(1.0, -12);
+  const auto kept = [&](double upper_m) {
+    const geometry::Polyline comb{{{0, -4e-3},
+                                   {8e-3, -4e-3},
+                                   {8e-3, -half},
+                                   {4e-3, -half},
+                                   {4e-3, upper_m},
+                                   {8e-3, upper_m},
+                                   {8e-3, 4e-3},
+                                   {0, 4e-3}},
+                                  true};
+    const auto line = compensated(comb, 2.0 * half, false);
+    return line ? std::count_if(line->points_m.begin(), line->points_m.end(),
+                                [](const Vec2& p) { return p.x() > 5e-3 && p.x() < 7e-3 && p.y() == 0.0; })
+                : -1;
+  };
+  const double bound_m = half * (1.0 - 1e-3);
+  EXPECT_EQ(kept(bound_m), 0);
+  EXPECT_NEAR(static_cast<double>(kept(std::nextafter(bound_m, 1.0))), 200, 1) << "10 um apart";
+}
+
 TEST(Kerf, WhatIsNarrowerThanTheKerfIsRefused) {
   // Two rooms of 3 mm, joined by a passage of 1 mm.
   const geometry::Polyline rooms{{{0, 0},

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "slave/machining/controller.h"
+#include "slave/machining/path_follower.h"
 
 namespace telekerf::machining {
 namespace {
@@ -122,10 +123,88 @@ TEST(Controllers, AutoIsContouringOnAClosedContourAndPreviewOnAnOpenOne) {
   EXPECT_EQ(IndependentControl::tuned(settings).acceleration_ahead, 1.5);
 }
 
+TEST(Controllers, AreAsFastAsTheirSettingsSayAndTheSettingsFollowTheSpeed) {
+  struct Row {
+    double speed_m_per_s;
+    bool stiff;
+    double observer, velocity, along;
+  };
+  for (const Row& row :
+       {Row{1e-3, false, 60, 220, 50}, Row{1.6e-3, false, 60, 220, 50}, Row{2e-3, false, 75, 225, 55},
+        Row{4e-3, false, 150, 450, 70}, Row{8e-3, false, 300, 900, 70}, Row{20e-3, false, 400, 900, 70},
+        Row{4e-3, true, 200, 600, 70}, Row{6e-3, true, 225, 675, 70}, Row{20e-3, true, 400, 900, 70}}) {
+    PathFollowerSettings settings;
+    settings.tune_for_speed(row.speed_m_per_s, row.stiff);
+    EXPECT_NEAR(settings.observer_rad_s, row.observer, 1e-9) << row.speed_m_per_s;
+    EXPECT_NEAR(settings.velocity_rad_s, row.velocity, 1e-9) << row.speed_m_per_s;
+    EXPECT_NEAR(settings.along_rad_s, row.along, 1e-9) << row.speed_m_per_s;
+    EXPECT_EQ(settings.across_rad_s, 240.0);
+  }
+  PathFollowerSettings settings;
+  EXPECT_EQ(settings.control_hz, 2400.0);
+  EXPECT_EQ(settings.loop_delay, 0);
+  EXPECT_EQ(settings.along_rad_s, 70.0);
+  EXPECT_EQ(settings.observer_rad_s, 400.0);
+  EXPECT_EQ(settings.velocity_rad_s, 900.0);
+  settings.loop_delay = 2;
+  ContouringControl contouring = ContouringControl::tuned(settings);
+  EXPECT_EQ(contouring.bandwidth_rad_s, Vec3(70, 240, 240));
+  EXPECT_EQ(contouring.damping, Vec3(1, 1, 1));
+  EXPECT_EQ(contouring.acceleration_ahead, 2.5);
+  settings.preview = false;
+  EXPECT_EQ(ContouringControl::tuned(settings).acceleration_ahead, 0.0);
+  EXPECT_EQ(IndependentControl::tuned(settings).bandwidth_rad_s, 70.0);
+  EXPECT_EQ(IndependentControl::tuned(settings).damping, 1.0);
+  EXPECT_EQ(PreviewControl{}.reaching_m_per_s2, 0.0);
+  EXPECT_EQ(PreviewControl{}.velocity_ahead, 0.0);
+  const auto joints = joint_settings(ControllerKind::kContouring, settings);
+  EXPECT_EQ(joints.observer.period_s, 1.0 / 2400.0);
+  EXPECT_EQ(joints.observer.bandwidth_rad_per_s, 400.0);
+  EXPECT_EQ(joints.observer.velocity_bandwidth_rad_per_s, 900.0);
+  EXPECT_EQ(joints.observer.loop_delay, 2.0);
+  EXPECT_FALSE(joints.friction_feedforward);
+  EXPECT_EQ(joints.inertia, control::NominalInertia::kModel);
+  EXPECT_EQ(joint_settings(ControllerKind::kIndependent, settings).inertia,
+            control::NominalInertia::kDiagonal);
+}
+
+// A frame that turns fast is not turned along with: from where its second rate is the bandwidth's square on
+// less and less, from four times it on not at all.
+TEST_F(Laws, ContouringOnATightBendIsAsFastAcrossAsAlongAndLetsTheFrameBe) {
+  ContouringControl law;
+  law.bandwidth_rad_s = {30.0, 50.0, 80.0};
+  law.acceleration_ahead = 0.0;
+  const Vec3 error(10e-6, -20e-6, 30e-6), rate(1e-3, 2e-3, -3e-3);
+  for (const double turn_rad_s : {20.0, 45.0, 59.0, 61.0, 200.0}) {
+    // Round a circle of v / w: the frame's second rate is w^2.
+    Reference r;
+    r.speed_m_per_s = 0.02;
+    const double curvature = turn_rad_s / r.speed_m_per_s;
+    r.tangent = Vec3::UnitX();
+    r.tangent_s = curvature * Vec3::UnitY();
+    r.tangent_ss = -curvature * curvature * Vec3::UnitX();
+    r.velocity_m_per_s = 0.02 * Vec3::UnitX();
+    const Trajectory one({r});
+    const MovingFrame frame = moving_frame(r);
+    const double followed = std::clamp(2.0 - std::sqrt(frame.rate2.norm()) / 30.0, 0.0, 1.0);
+    const Vec3 w(50.0 - followed * 20.0, 50.0, 80.0);
+    const robot::DeltaState now = state(r.position_m - error, r.velocity_m_per_s - rate);
+    const Mat3 k1 = w.cwiseAbs2().asDiagonal();
+    const Mat3 k2 = (2.0 * w).asDiagonal();
+    const Vec3 in_frame = (2.0 * followed * frame.rate + k2 * frame.rows) * rate +
+                          (followed * frame.rate2 + followed * k2 * frame.rate + k1 * frame.rows) * error;
+    const Vec3 wanted = frame.rows.transpose() * in_frame;
+    const Vec3 got = law.update({kinematics, now, one, 0.0, origin});
+    EXPECT_LT((now.tool_acceleration(got) - wanted).norm(), 1e-6) << turn_rad_s;
+    EXPECT_NEAR(std::sqrt(frame.rate2.norm()), std::pow(2.0, 0.25) * turn_rad_s, 1e-6);
+  }
+}
+
 TEST(Trajectory, IsReadBetweenItsTicksAndRestsBeyondThem) {
   const Trajectory t = straight();
   EXPECT_EQ(t.at(2.0).position_m, t[2].position_m);
   EXPECT_NEAR(t.at(2.25).position_m.x(), 2.25e-3, 1e-15);
+  EXPECT_NEAR(t.at(0.1).position_m.x(), 0.1e-3, 1e-15);
   EXPECT_NEAR(t.at(2.25).acceleration_m_per_s2.x(), 0.325, 1e-15);
   EXPECT_EQ(t.at(4.0).velocity_m_per_s.x(), 0.02) << "the last point itself moves still";
   EXPECT_EQ(t.at(0.0).velocity_m_per_s.x(), 0.02);

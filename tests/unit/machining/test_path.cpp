@@ -115,6 +115,27 @@ TEST(Path, IsSmoothedAsMuchAsItsToleranceAllows) {
   EXPECT_EQ(path->harmonics(), static_cast<std::size_t>(std::ceil(3.7 * 0.4e-3 / 2.0 / path->smoothing_m())));
 }
 
+TEST(Path, ItsHarmonicsAreEightAtLeastAndFourThousandAtMost) {
+  const auto harmonics = [](double radius_m, int points) {
+    return Path::through(circle(radius_m, points), {.tolerance_m = 0.0})->harmonics();
+  };
+  // 3.7 L / (2 pi 12 um): 5 of a circle of 16 um, 4317 of one of 14 mm.
+  EXPECT_EQ(harmonics(16e-6, 60), 8u);
+  EXPECT_EQ(harmonics(30e-6, 60), 10u);
+  EXPECT_EQ(harmonics(14e-3, 720), 4096u);
+}
+
+TEST(Path, ItsSmoothingIsASixtyFourthPartOfItsRange) {
+  const auto ring = circle(0.2e-3, 400);
+  int odd = 0;
+  for (const double tolerance_m : {1e-6, 1.2e-6, 1.5e-6, 2e-6, 2.3e-6}) {
+    const double steps = (smoothing_for(ring, {.tolerance_m = tolerance_m}) - 12e-6) / (28e-6 / 64);
+    EXPECT_NEAR(steps, std::round(steps), 1e-6) << tolerance_m;
+    odd += std::lround(steps) % 2 != 0 ? 1 : 0;
+  }
+  EXPECT_GT(odd, 0) << "and no coarser";
+}
+
 TEST(Path, TheThirdDerivativeIsThatOfTheSecond) {
   const auto path = Path::through(circle(1e-3, 800), {});
   ASSERT_TRUE(path);
@@ -123,6 +144,28 @@ TEST(Path, TheThirdDerivativeIsThatOfTheSecond) {
     const Vec3 slope = (path->at(s + h).second - path->at(s - h).second) / (2 * h);
     EXPECT_LT((path->at(s).third - slope).norm(), 0.05 * 1e6) << s;
     EXPECT_NEAR(path->at(s).third.norm(), 1e6, 0.1e6) << s << " of a circle: 1 / R^2";
+  }
+}
+
+// Pieces of a third of a radian: what the fifth power has of the third derivative is a twelfth of it.
+TEST(Path, WithinAPieceEachDerivativeIsThatOfTheOneBefore) {
+  std::vector<PathNode> nodes;
+  for (int i = 0; i <= 6; ++i) {
+    const double a = 0.4 * i;
+    const Vec3 out(std::cos(a), std::sin(a), 0), along(-std::sin(a), std::cos(a), 0);
+    nodes.push_back({a, 1e-3 * out, 1e-3 * along, -1e-3 * out});
+  }
+  const auto path = Path::through(nodes, false);
+  ASSERT_TRUE(path);
+  const double h = 0.1e-6;
+  for (int piece = 0; piece < 6; ++piece) {
+    for (const double u : {0.1, 0.3, 0.5, 0.8, 0.95}) {
+      const double s = (piece + u) / 6.0 * path->length_m();
+      const PathPoint a = path->at(s - h), b = path->at(s), c = path->at(s + h);
+      EXPECT_LT(((c.position_m - a.position_m) / (2 * h) - b.first).norm(), 1e-3) << s;
+      EXPECT_LT(((c.first - a.first) / (2 * h) - b.second).norm(), 1e-2 * 1e3) << s;
+      EXPECT_LT(((c.second - a.second) / (2 * h) - b.third).norm(), 1e-3 * 1e6) << s;
+    }
   }
 }
 
@@ -161,6 +204,16 @@ TEST(Path, ThroughNodesItsParameterIsTheArcAndBadOnesAreRefused) {
     EXPECT_NEAR(path->at(s).second.norm(), 500.0, 0.5);
   }
   EXPECT_FALSE(Path::through(std::vector<PathNode>{nodes[0]}, false));
+  for (const double bad : {0.0, double{INFINITY}, double{NAN}}) {
+    auto without = nodes;
+    without[3].first = Vec3::Constant(bad);
+    const auto refused = Path::through(without, false);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error(), "the path has a point without a direction");
+  }
+  auto twice = nodes;
+  twice[3].parameter = twice[2].parameter;
+  EXPECT_FALSE(Path::through(twice, false)) << "not even as large";
   std::swap(nodes[3], nodes[4]);
   EXPECT_FALSE(Path::through(nodes, false));
   EXPECT_FALSE(Path::through(Polyline{{{0, 0}, {1e-3, 0}}, true}, PathSettings{}))

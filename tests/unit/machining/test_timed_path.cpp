@@ -83,6 +83,24 @@ TEST(TimedPath, SlowCornersKeepTheAccelerationAndThePowerFollowsTheSpeed) {
   EXPECT_LT(worst, 1.5 * settings.slow_acceleration_m_per_s2);
 }
 
+// The speed is smoothed in time, so that the slow place is made longer than the bend.
+TEST(TimedPath, SlowCornersArePassedWithWhatTheyMayHaveAcross) {
+  for (const double speed : {8e-3, 20e-3}) {
+    TimedPathSettings settings;
+    settings.corner = CornerPolicy::kSlow;
+    settings.speed_m_per_s = speed;
+    const auto plan = make_timed_path(kSquare, settings);
+    ASSERT_TRUE(plan);
+    double across = 0.0;
+    for (std::size_t i = 0; i < plan->trajectory.size(); ++i) {
+      const Reference& r = plan->trajectory[i];
+      across = std::max(across, r.speed_m_per_s * r.speed_m_per_s * r.tangent_s.norm());
+    }
+    EXPECT_NEAR(across, 0.25004, 1e-4) << speed;
+    EXPECT_NEAR(plan->slowest_m_per_s, 1.98e-3, 0.01e-3) << speed;
+  }
+}
+
 TEST(TimedPath, TheMachinesAccelerationIsNeverPassedHoweverFast) {
   for (const CornerPolicy corner : {CornerPolicy::kExact, CornerPolicy::kRounded, CornerPolicy::kSlow}) {
     TimedPathSettings settings;
@@ -234,6 +252,21 @@ TEST(EvenBurn, AStraightStrokeIsBurntFullyAndAnOverlapFadesOver) {
   for (double s = 0.5e-3; s < length - 0.5e-3; s += 0.1e-3) EXPECT_NEAR(round.fraction(s), 1.0, 0.002) << s;
 }
 
+TEST(EvenBurn, NoPlaceGetsMoreThanAQuarterMoreThanWasPlanned) {
+  geometry::Polyline zigzag{{}, false};  // legs of 0.3 mm, a spot radius apart
+  for (int i = 0; i < 20; ++i) zigzag.points_m.emplace_back(30e-6 * i, i % 2 == 0 ? 0.0 : 0.3e-3);
+  const auto path = Path::through(zigzag, {.tolerance_m = 0.0});
+  ASSERT_TRUE(path);
+  const EvenBurn even(*path, path->length_m(), 30e-6, 0.0);
+  double most = 0.0, least = 1.0;
+  for (double s = 0.0; s < path->length_m(); s += 1e-6) {
+    most = std::max(most, even.fraction(s));
+    least = std::min(least, even.fraction(s));
+  }
+  EXPECT_NEAR(most, 1.25, 1e-9) << "the outermost corners";
+  EXPECT_LT(least, 0.5) << "and in between little";
+}
+
 TEST(TimedPath, CornersAreRoundedByWhatThePolicySays) {
   TimedPathSettings settings;
   settings.tolerance_m = 25e-6;
@@ -245,6 +278,49 @@ TEST(TimedPath, CornersAreRoundedByWhatThePolicySays) {
   EXPECT_EQ(path_settings(settings).tolerance_m, 10e-6);
   settings.tolerance_m = 4e-6;
   EXPECT_EQ(path_settings(settings).tolerance_m, 4e-6);
+}
+
+TEST(TimedPath, ItsSettingsHaveTheseDefaults) {
+  const TimedPathSettings settings;
+  EXPECT_EQ(settings.control_hz, 2400.0);
+  EXPECT_EQ(settings.speed_m_per_s, 8e-3);
+  EXPECT_EQ(settings.corner, CornerPolicy::kRounded);
+  EXPECT_EQ(settings.tolerance_m, 10e-6);
+  EXPECT_EQ(settings.slow_acceleration_m_per_s2, 0.25);
+  EXPECT_EQ(settings.max_acceleration_m_per_s2, 10.0);
+  EXPECT_EQ(settings.max_speed_m_per_s, 0.3);
+  EXPECT_EQ(settings.ramp_m_per_s2, 2.0);
+  EXPECT_EQ(settings.smoothing_s, 0.012);
+  EXPECT_EQ(settings.settle_s, 0.15);
+  EXPECT_EQ(settings.settle_m, 2e-3);
+  EXPECT_EQ(settings.overlap_m, 0.2e-3);
+  EXPECT_EQ(settings.spot_radius_m, 30e-6);
+  EXPECT_EQ(PathSettings{}.tolerance_m, 15e-6);
+  EXPECT_EQ(PathSettings{}.min_smoothing_m, 12e-6);
+  EXPECT_EQ(PathSettings{}.max_smoothing_m, 40e-6);
+  // What nobody has planned neither moves nor burns.
+  const Reference nothing;
+  EXPECT_FALSE(nothing.beam);
+  for (const double value :
+       {nothing.speed_m_per_s, nothing.speed_rate_m_per_s2, nothing.arc_length_m, nothing.power})
+    EXPECT_EQ(value, 0.0);
+}
+
+TEST(TimedPath, ASpeedAtTheMachinesLimitIsTakenAndASizeOfTheBeamsToo) {
+  TimedPathSettings settings;
+  settings.max_speed_m_per_s = settings.speed_m_per_s = 20e-3;
+  EXPECT_TRUE(make_timed_path(kSquare, settings));
+  settings.speed_m_per_s = std::nextafter(20e-3, 1.0);
+  EXPECT_FALSE(make_timed_path(kSquare, settings));
+  settings.speed_m_per_s = 8e-3;
+  geometry::Polyline small{{{0, 0}, {2.0 * settings.spot_radius_m, 0}}, false};
+  EXPECT_TRUE(make_timed_path(small, settings));
+  small.points_m[1].x() = std::nextafter(small.points_m[1].x(), 0.0);
+  const auto refused = make_timed_path(small, settings);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(),
+            "the contour is 0.06 mm across, less than the beam's 0.06 mm; use a larger --width-mm");
+  EXPECT_FALSE(make_timed_path(geometry::Polyline{}, settings)) << "of no points, in a sentence";
 }
 
 TEST(TimedPath, RefusesASpeedOfZero) {

@@ -113,6 +113,16 @@ TEST(ProfileBounds, TheLastWithinIsTakenAndTheFirstBeyondIsRefused) {
   }
 }
 
+// A nothing that is written out asks for nothing, wherever it stands.
+TEST(ProfileBounds, AWrittenNothingIsNotMisplaced) {
+  for (const char* text :
+       {"jitter_ms = 0", "distribution = \"constant\"\njitter_ms = 0\ncorrelation = 0",
+        "distribution = \"table\"\ntable_p = [0, 1]\ntable_ms = [1, 2]\njitter_ms = 0",
+        "tcp_like = true\nduplicate = 0\ncorrupt = 0", "rate_kbit_per_s = 0", "slot_ms = 0"}) {
+    EXPECT_EQ(refusal_of(text), "") << text;
+  }
+}
+
 TEST(ProfileBounds, SixteenEventsAndSixtyFourStages) {
   std::string events, stages;
   for (int i = 0; i < 16; ++i) events += "[[event]]\nduration_ms = 1\nloss = 1\n";

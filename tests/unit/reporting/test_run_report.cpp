@@ -5,7 +5,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
+#include "common/reporting/run_lookup.h"
 #include "common/reporting/run_report.h"
 #include "common/runtime/startup_error.h"
 
@@ -62,6 +64,21 @@ TEST(RunReport, ARoundTripThatWasNeverMeasuredIsUnknownNotZero) {
   EXPECT_EQ(make_report(record)["link"]["total_ms"].get<double>(), 118.0);
 }
 
+TEST(RunReport, TheControlPeriodIsWhatTheSlaveSaysOrTheTimeBetweenItsRows) {
+  RunRecord record;
+  EXPECT_EQ(control_period_s(record), 0.0);
+  record.slave.resize(1);
+  EXPECT_EQ(control_period_s(record), 0.0);
+  record.slave.resize(2);
+  record.slave[1].t_s = 0.25;
+  EXPECT_EQ(control_period_s(record), 0.25);
+  record.slave.resize(3);
+  record.slave[2].t_s = 1.0;
+  EXPECT_EQ(control_period_s(record), 0.5);
+  record.slave_figures["control_period_s"] = 0.125;
+  EXPECT_EQ(control_period_s(record), 0.125);
+}
+
 TEST(RunReport, ABetaThatChangesInMidRunChangesNoFigureAtTheWorkpiece) {
   RunRecord record = circle_run(100e-6, 30e-6);
   for (std::size_t i = 400; i < record.master.size(); ++i) {
@@ -96,6 +113,18 @@ TEST(RunReport, TheForceIsHeldAgainstTheSlavesOfTheSameTick) {
   EXPECT_NEAR(report["force"]["max_n"].get<double>(), 0.939, 1e-9);
   EXPECT_NEAR(report["force"]["coding_max_n"].get<double>(), 0.01, 1e-9);
   EXPECT_NEAR(report["force"]["coding_rms_n"].get<double>(), 0.01 / std::sqrt(3.0), 1e-9);
+}
+
+TEST(RunReport, ForcesOfTicksThatTheSlaveHasNotRecordedDoNotCount) {
+  RunRecord record = circle_run(0.0, 0.0);  // the slave's ticks are 40 to 1039
+  for (MasterRow& row : record.master) row.force_tick = -1.0;
+  const auto samples = [&] { return make_report(record)["force"]["samples"].get<int>(); };
+  EXPECT_EQ(samples(), 0);
+  for (const auto& [tick, counts] :
+       {std::pair{39.0, false}, {40.0, true}, {1039.0, true}, {1040.0, false}, {1e9, false}}) {
+    record.master[0].force_tick = tick;
+    EXPECT_EQ(samples(), counts ? 1 : 0) << tick;
+  }
 }
 
 TEST(RunReport, TheVerdictIsBadOnceTheLaserLeavesTheCorridor) {

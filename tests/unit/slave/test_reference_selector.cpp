@@ -311,6 +311,7 @@ TEST_F(Selector, BareAccelerationsAreLetGoWhereTheyCouldNotComeToRestWithinBound
                                     {{0.008, 0.006 + eps, 0}, {0, 0, 0}, false},
                                     {{0, 0, 0.005 - eps}, {0, 0, 0}, true},
                                     {{0, 0, 0.005}, {0, 0, 0}, false},
+                                    {{0.0095, 0, 0.004}, {0, 0, 0}, true},
                                     {{0, 0, -0.005 + eps}, {0, 0, 0}, true},
                                     {{0, 0, -0.005}, {0, 0, 0}, false},
                                     {{0.01 - way_on_m(slow) - eps, 0, 0}, {slow, 0, 0}, true},
@@ -389,6 +390,18 @@ TEST_F(Selector, TheReferenceStaysInTheWorkspace) {
     reference = settle({Vec3(1e-3, 0, sign * 4.9e-3), Vec3(0.01, 0.02, 0.03), Vec3(1, 2, 3)});
     EXPECT_LT((reference.position_m - Vec3(1e-3, 0, sign * 4.9e-3)).norm(), 1e-12);
     EXPECT_LT((reference.velocity_m_per_s - Vec3(0.01, 0.02, 0.03)).norm(), 1e-9);
+  }
+  // The radius is that of the plane, and the bounds themselves are within.
+  for (const KinematicState& within : {KinematicState{Vec3(9.5e-3, 0, 4e-3), Vec3(0.01, 0, 0), Vec3(1, 1, 1)},
+                                       KinematicState{Vec3(0.01, 0, 0), Vec3(0.01, 0, 0), Vec3(1, 1, 1)},
+                                       KinematicState{Vec3(0, 0, 5e-3), Vec3(0, 0, 0.01), Vec3(1, 1, 1)},
+                                       KinematicState{Vec3(0, 0, -5e-3), Vec3(0, 0, -0.01), Vec3(1, 1, 1)}}) {
+    reference = settle(within);
+    EXPECT_LT((reference.position_m - within.position_m).norm(), 1e-12) << within.position_m.transpose();
+    EXPECT_LT((reference.velocity_m_per_s - within.velocity_m_per_s).norm(), 1e-9)
+        << within.position_m.transpose();
+    EXPECT_LT((reference.acceleration_m_per_s2 - Vec3(1, 1, 1)).norm(), 1e-6)
+        << within.position_m.transpose();
   }
 }
 

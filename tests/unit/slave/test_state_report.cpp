@@ -70,6 +70,7 @@ TEST_F(StateReportTest, ABlockSaysWhatItsSamplesWereAndHowTheLastOneStood) {
       const ReportSample then = sample(first + 2 * n);
       EXPECT_LT(((*places)->blocks_newest_first[0].samples[n] - then.tool_m).norm(), 4e-7);
       EXPECT_LT(((*pushes)->blocks_newest_first[0].samples[n] - then.force_n).norm(), 4e-3);
+      EXPECT_EQ((*pushes)->blocks_newest_first[0].button, 0u) << "forces have none";
       EXPECT_EQ(((*places)->blocks_newest_first[0].button >> n) & 1U, then.laser_on ? 1u : 0u);
     }
     position_bytes += block->payload.size;

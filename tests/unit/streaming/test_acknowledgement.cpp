@@ -57,6 +57,12 @@ TEST(Acknowledgement, TheSameSampleTwiceIsOneAndALongGapEmptiesTheBitmap) {
   EXPECT_EQ(said.bitmap, 3u);
   said = log.step(Applied::kSample, 7 + 64, false);
   EXPECT_EQ(said.bitmap, 1u);
+  (void)log.step(Applied::kSample, 72, false);
+  said = log.step(Applied::kSample, 72 + 63, false);
+  EXPECT_EQ(said.bitmap, (std::uint64_t{1} << 63) | 1U);
+  (void)log.step(Applied::kSample, 136, false);
+  said = log.step(Applied::kSample, 136 + 64, false);
+  EXPECT_EQ(said.bitmap, 1u);
 }
 
 TEST(Acknowledgement, AStreamThatBeginsAnewHasNothingApplied) {
@@ -71,6 +77,31 @@ TEST(Acknowledgement, AStreamThatBeginsAnewHasNothingApplied) {
   said = log.step(Applied::kSample, 3, false);
   EXPECT_EQ(said.index, 3) << "smaller than before, and newer";
   EXPECT_EQ(said.age, 0);
+}
+
+TEST(Acknowledgement, BeforeTheFirstSampleNothingWasApplied) {
+  AcknowledgementLog unheard;  // nobody has begun anything yet
+  EXPECT_EQ(unheard.step(Applied::kNothing, -1, false).index, -1);
+  EXPECT_EQ(unheard.step(Applied::kNothing, -1, false).bitmap, 0u);
+  AcknowledgementLog log;
+  for (int n = 1; n <= 3; ++n) {
+    const Acknowledgement said = log.step(Applied::kNothing, -1, n == 1);
+    EXPECT_EQ(said.index, -1);
+    EXPECT_EQ(said.age, n) << "steps since the beginning";
+    EXPECT_EQ(said.bitmap, 0u);
+  }
+  EXPECT_EQ(log.step(Applied::kSample, 0, false).bitmap, 1u);
+  const AppliedCommand nobodys;
+  EXPECT_EQ(nobodys.index, -1);
+  EXPECT_FALSE(nobodys.applied);
+}
+
+TEST(Acknowledgement, WhatIsOlderThanTheBitmapIsTakenForApplied) {
+  const Acknowledgement heard{.index = 100, .age = 2, .bitmap = 0};
+  for (const std::int64_t back : {0, 1, 2, 65, 66, 80}) {
+    EXPECT_EQ(applied_at(heard, back).index, 102 - back);
+    EXPECT_EQ(applied_at(heard, back).applied, back >= 66) << back;
+  }
 }
 
 TEST(Acknowledgement, TheTwoStreamsMayHaveDifferentRates) {

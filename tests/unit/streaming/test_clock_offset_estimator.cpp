@@ -49,6 +49,12 @@ TEST(ClockOffsetEstimator, SaysNothingBeforeItKnows) {
   ClockOffsetEstimator clocks;
   clocks.add({0, 100, 200, 300});
   EXPECT_EQ(clocks.estimate(300).offset_s, 0.0);
+  EXPECT_EQ(clocks.estimate(300).skew, 0.0);
+  EXPECT_EQ(clocks.estimate(300).uncertainty_s, 0.0);
+  ClockOffsetEstimator empty;
+  for (int n = 0; n < 2; ++n) empty.add({});
+  EXPECT_EQ(empty.estimate(0).offset_s, 0.0);
+  EXPECT_EQ(empty.estimate(0).uncertainty_s, 0.0) << "nothing is under way";
 }
 
 /// Exchanges of which nothing is rounded: sent at t, `there_ns` and `back_ns` under way, answered after 4 ms.
@@ -126,6 +132,39 @@ TEST(ClockOffsetEstimator, FromExchangesAtOneTimeNoSkewIsTaken) {
   EXPECT_EQ(estimate.skew, 0.0);
   EXPECT_NEAR(estimate.offset_s, 6e-3, 1e-12);
   EXPECT_NEAR(estimate.uncertainty_s, 1e-3 + 1e-3 / std::sqrt(2.0), 1e-12);
+}
+
+TEST(ClockOffsetEstimator, TwoExchangesGiveTheLineThroughThemHoweverNearOrUnequal) {
+  ClockOffsetEstimator near;  // a microsecond apart
+  near.add(exchange(0, 5'000'000, 1'000'000, 1'000'000));
+  near.add(exchange(1000, 5'000'010, 1'000'000, 1'000'000));
+  EXPECT_NEAR(near.estimate(0).skew, 0.01, 1e-8);
+  EXPECT_NEAR(near.estimate(3'000'500).offset_s, 5.000005e-3, 1e-13);
+  ClockOffsetEstimator unequal;  // the second has waited for 0.9 s, and weighs a hundred millionth
+  unequal.add(exchange(0, 5'000'000, 1'000'000, 1'000'000));
+  unequal.add(exchange(1'000'000'000, 6'000'000, 451'000'000, 451'000'000));
+  EXPECT_NEAR(unequal.estimate(0).skew, 1e-3 / 1.45, 1e-8);
+}
+
+TEST(ClockOffsetEstimator, TheMeanOfTwoIsExactHoweverFarTheyAreApart) {
+  ClockOffsetEstimator clocks;
+  clocks.add(exchange(0, 0, 1'000'000, 1'000'000));
+  clocks.add(exchange(0, 2'000'000'000'000, 1'000'000, 1'000'000));
+  EXPECT_NEAR(clocks.estimate(0).offset_s, 1000.0, 1e-9);
+}
+
+// The weight of one against all the others' is how well the line's slope is known.
+TEST(ClockOffsetEstimator, FromExchangesAtOneTimeButForOneThatWaitedLongNoSkewIsTaken) {
+  for (const std::int64_t queued_s : {2, 4, 100}) {
+    ClockOffsetEstimator clocks;
+    clocks.add(exchange(0, 0, queued_s * 500'000'000, queued_s * 500'000'000));
+    clocks.add(exchange(1'000'000'000'000, 5'000'000, 0, 0));
+    const ClockEstimate estimate = clocks.estimate(1'000'000'000'000);
+    // (100 us / 2 s)^2 is 2.5e-9, (100 us / 4 s)^2 0.6e-9.
+    EXPECT_NEAR(estimate.skew, queued_s == 2 ? 5e-3 / 999.0 : 0.0, 2e-8) << queued_s;
+    EXPECT_EQ(estimate.skew == 0.0, queued_s != 2) << queued_s;
+    EXPECT_NEAR(estimate.offset_s, 5e-3, 1e-7) << queued_s;
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "common/streaming/command_receiver.h"
+#include "common/streaming/slave_sample.h"
 #include "tests/unit/streaming/blocks.h"
 
 namespace telekerf::streaming {
@@ -87,6 +88,14 @@ TEST_F(CommandReceiverTest, IsFreshUntilTheTimeoutAndWhatThePlayOutWaitsForAreOv
   EXPECT_EQ(played_.sample, nullptr);
 }
 
+TEST_F(CommandReceiverTest, ItHasDriedUpAtTheTimeoutItself) {
+  receiver_ = CommandReceiver({.playout = {.margin_s = 0.0, .lookahead_samples = 0}, .timeout_s = 0.25});
+  receiver_.receive({next(), now_ns_}, 4);
+  ASSERT_EQ(receiver_.clock().wait_s(), 0.0);
+  EXPECT_TRUE(receiver_.play(now_ns_ + 250 * kMs - 1, kTool).fresh);
+  EXPECT_FALSE(receiver_.play(now_ns_ + 250 * kMs, kTool).fresh);
+}
+
 TEST_F(CommandReceiverTest, AnotherSampleRateBeginsAnew) {
   run(10);
   change_ = [](CommandBlock& block) {
@@ -147,6 +156,22 @@ TEST_F(CommandReceiverTest, HeldCommandsAreOfTheSampleBeforeTheCursorAndBareOnes
   }
 }
 
+TEST_F(CommandReceiverTest, ACommandIsHeldToTheLastMillionthOfItsSample) {
+  for (const std::int64_t short_ns : {5, 0}) {
+    CommandReceiverSettings settings;
+    settings.control_period_ns = kMs - short_ns;
+    receiver_ = CommandReceiver(settings);
+    sender_ = Sender<CommandBlock>(7);
+    change_ = [](CommandBlock& block) { block.law = Law::kAnchored; };
+    for (int b = 0; b < 4; ++b) receiver_.receive({next(), 15 * kMs + b}, 4);
+    const std::int64_t index = receiver_.play(45 * kMs, kTool).index;
+    EXPECT_EQ(receiver_.play(46 * kMs, kTool).index, short_ns == 0 ? index + 1 : index);
+  }
+  EXPECT_EQ(CommandReceiverSettings{}.max_acceleration_m_per_s2, 10.0);
+  EXPECT_EQ(CommandReceiverSettings{}.timeout_s, 0.15);
+  EXPECT_EQ(CommandReceiverSettings{}.control_period_ns, kMs);
+}
+
 TEST_F(CommandReceiverTest, SamplesOfAnotherLawAreNotFollowedWithThisOne) {
   run(10);
   change_ = [](CommandBlock& block) {
@@ -200,6 +225,25 @@ TEST_F(CommandReceiverTest, AnOvertakenBlockIsTakenAsLongAsItCanBePlayed) {
   }
 }
 
+TEST_F(CommandReceiverTest, AnOvertakenBlockWhoseLastSampleIsHalfASampleAgoIsOfNoUse) {
+  for (const double more : {0.0, 0.5}) {
+    CommandReceiverSettings settings;
+    settings.control_period_ns = kMs / 2;
+    receiver_ = CommandReceiver(settings);
+    sender_ = Sender<CommandBlock>(7);
+    for (int b = 0; b < 3; ++b) receiver_.receive({next(), (15 + b * kBlock) * kMs}, 4);
+    (void)next();
+    const CommandBlock late = next();  // samples 64 to 79; the longest block would end at 127
+    now_ns_ = (15 + 5 * kBlock) * kMs;
+    receiver_.receive({next(), now_ns_}, 4);
+    for (played_ = {}; !played_.cursor || *played_.cursor < 126.75 + more; now_ns_ += kMs / 2)
+      played_ = receiver_.play(now_ns_, kTool);
+    ASSERT_EQ(*played_.cursor, 127.0 + more);
+    receiver_.receive({late, now_ns_}, 4);
+    EXPECT_EQ(receiver_.counters().stale, more > 0.0 ? 1u : 0u);
+  }
+}
+
 TEST_F(CommandReceiverTest, SaysOfTheStreamWhatItsNewestBlockSaid) {
   StateHeader header;
   receiver_.describe({}, header);
@@ -240,9 +284,49 @@ TEST_F(CommandReceiverTest, AGapWithBothEndsKnownIsConcealed) {
     if (*played_.cursor < 0.0) continue;
     ASSERT_NE(played_.sample, nullptr) << *played_.cursor;
     EXPECT_EQ(played_.sample->concealed, played_.index >= 3 * kBlock && played_.index < 5 * kBlock);
+    EXPECT_LT((played_.state.position_m - place(played_.index)).norm(), 2e-6) << played_.index;
     concealed += played_.sample->concealed ? 1 : 0;
   }
   EXPECT_EQ(concealed, 2 * kBlock);
+}
+
+TEST_F(CommandReceiverTest, AGapOf400SamplesIsConcealedAndNoLongerOne) {
+  for (const int more : {0, 1}) {
+    receiver_ = CommandReceiver{{}};
+    sender_ = Sender<CommandBlock>(7);
+    change_ = [&](CommandBlock& block) {
+      block.law = Law::kAnchored;
+      if (block.sequence > 20) block.first_tick += static_cast<Tick>(more);
+      block.anchor = {place(static_cast<std::int64_t>(block.first_tick)), Vec3(1e-2, 0, 0)};
+    };
+    // Blocks 1 and 2, and 29 with a copy of 28: 25 blocks are missing between.
+    for (int b = 1; b <= 29; ++b) {
+      const CommandBlock block = next();
+      if (b <= 2 || b == 29) receiver_.receive({block, 15 * kMs + b}, 4, 15 * kMs + b);
+    }
+    int concealed = 0;
+    for (int n = 0; n < 30 * kBlock; ++n) {
+      played_ = receiver_.play(15 * kMs + 100 + n * kMs / 4, kTool);
+      if (played_.sample != nullptr && played_.sample->concealed) ++concealed;
+    }
+    EXPECT_EQ(concealed > 0, more == 0) << concealed;
+  }
+}
+
+TEST_F(CommandReceiverTest, PositionsThatAreMissingAreNotConcealed) {
+  for (int b = 0; b < 8; ++b) {
+    const CommandBlock block = next();
+    if (b < 3 || b > 5) receiver_.receive({block, now_ns_ + b}, 4, now_ns_ + b);
+  }
+  int missing = 0;
+  for (int n = 0; n < 7 * kBlock; ++n, now_ns_ += kMs) {
+    played_ = receiver_.play(now_ns_, kTool);
+    ASSERT_TRUE(played_.cursor);
+    if (*played_.cursor < 0.0) continue;
+    EXPECT_EQ(played_.sample == nullptr, played_.index >= 3 * kBlock && played_.index < 5 * kBlock);
+    missing += played_.sample == nullptr ? 1 : 0;
+  }
+  EXPECT_EQ(missing, 2 * kBlock);
 }
 
 TEST_F(CommandReceiverTest, WhileACorrectionGoesByTheMotionIsAsMuchSlower) {
@@ -294,6 +378,31 @@ TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeGoesBySlowerUntilThere
   run(30, [&](const Played& played) { missing += played.sample == nullptr ? 1 : 0; });
   EXPECT_NEAR(missing, 240, 3);
   run(5, [&](const Played& played) { EXPECT_NE(played.sample, nullptr); });
+}
+
+TEST(Played, WhatNobodyHasSaidAllowsNothing) {
+  const StreamSample sample;
+  EXPECT_FALSE(sample.button || sample.engaged || sample.concealed);
+  EXPECT_EQ(sample.generation, 0u);
+  EXPECT_EQ(sample.block, 0u);
+  EXPECT_FALSE(Played{}.fresh || Played{}.begins);
+  CommandReceiver receiver{{}};
+  const Played played = receiver.play(0, {});
+  EXPECT_FALSE(played.begins || played.fresh || played.cursor);
+  EXPECT_TRUE(played.discontinuity);
+  EXPECT_EQ(played.sample, nullptr);
+  EXPECT_EQ(played.tick, -1.0);
+  EXPECT_EQ(played.index, -1);
+  StateHeader header;
+  receiver.describe({}, header);
+  EXPECT_EQ(header.echo_received_ns, 0);
+  EXPECT_EQ(header.echo_sequence, 0u);
+  EXPECT_EQ(header.applied_tick, 0u);
+  EXPECT_EQ(header.applied_age_ticks, 0u);
+  EXPECT_EQ(header.playout_ticks, 0);
+  EXPECT_EQ(SlaveSample{}.index, -1);
+  EXPECT_EQ(SlaveSample{}.time, 0);
+  EXPECT_FALSE(SlaveSample{}.applied);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 
 #include "common/streaming/concealment.h"
@@ -33,6 +34,9 @@ TEST(Concealment, JoinsTheStatesOnBothSidesAndNeverWithTheLaser) {
     EXPECT_NEAR(sample->acceleration_m_per_s2.x(), 6.0 * t, 1e-10);
     EXPECT_TRUE(sample->concealed && sample->engaged && !sample->button) << i;
   }
+  for (const int i : {37, 38, 39, 60, 61}) {
+    EXPECT_TRUE(!ring->find(i)->concealed && ring->find(i)->button) << i << " was known and is";
+  }
 }
 
 TEST(Concealment, LeavesAloneWhatItCannotKnow) {
@@ -63,6 +67,7 @@ bool conceals(int index, int reach, double max_m_per_s2) {
 TEST(Concealment, AGapOfAsManySamplesAsItMayReachIsClosedFromWhereverItIsSeen) {
   for (const int index : {40, 50, 59}) {
     EXPECT_TRUE(conceals(index, 21, 20.0)) << index;
+    EXPECT_TRUE(conceals(index, 20, 20.0)) << index;
     EXPECT_FALSE(conceals(index, 19, 20.0)) << index;
   }
 }
@@ -81,6 +86,23 @@ TEST(Concealment, TheHarderEndDecidesWhetherTheWayIsTooHard) {
     }
     conceal_gap(ring, 50, 1e-3, 100, max);
     EXPECT_EQ(ring.find(50) != nullptr, max > 0.36) << max;
+  }
+}
+
+/// Binary fractions, a sample a second: 2.5 m/s^2 at one end and 0.5 m/s^2 at the other.
+TEST(Concealment, AsHardAsItMayBeIsNotTooHard) {
+  for (const bool at_the_end : {true, false}) {
+    for (const double max : {1.25, std::nextafter(1.25, 0.0)}) {
+      JitterBuffer ring;
+      StreamSample sample{Vec3(0, 0, 0), true, true, 1, 0, Law::kAnchored};
+      sample.velocity_m_per_s = Vec3(at_the_end ? 0.0 : 1.0, 0, 0);
+      ring.store(10, sample);
+      sample.value = Vec3(0.5, 0, 0);
+      sample.velocity_m_per_s = Vec3(at_the_end ? 1.0 : 0.0, 0, 0);
+      ring.store(12, sample);
+      conceal_gap(ring, 11, 1.0, 100, max);
+      EXPECT_EQ(ring.find(11) != nullptr, max == 1.25) << at_the_end;
+    }
   }
 }
 

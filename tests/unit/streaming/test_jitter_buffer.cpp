@@ -74,7 +74,7 @@ class PacketInBuffer : public testing::Test {
 
 TEST_F(PacketInBuffer, EverySampleIsAtItsPlaceWithWhatItsOwnBlockSaid) {
   packet_.blocks = 8;
-  header_.engaged_before = 0b0100101;
+  header_.engaged_before = 0b1100101;
   store();
   EXPECT_EQ(ring_.find(kFirst + kSize), nullptr);
   EXPECT_EQ(ring_.find(kFirst - 7 * kSize - 1), nullptr);
@@ -86,7 +86,7 @@ TEST_F(PacketInBuffer, EverySampleIsAtItsPlaceWithWhatItsOwnBlockSaid) {
     EXPECT_EQ(sample->acceleration_m_per_s2, Vec3(Vec3::Zero()));
     EXPECT_EQ(sample->button, index % 3 == 0) << index;
     EXPECT_EQ(sample->block, 100u - static_cast<std::uint32_t>(age)) << index;
-    EXPECT_EQ(sample->engaged, age == 0 || age == 1 || age == 3 || age == 6) << index;
+    EXPECT_EQ(sample->engaged, age == 0 || age == 1 || age == 3 || age >= 6) << index;
     EXPECT_EQ(sample->generation, 5u);
     EXPECT_FALSE(sample->concealed);
   }
@@ -150,6 +150,23 @@ TEST_F(PacketInBuffer, WhatIsKnownStaysAndWhatWasConcealedGivesWay) {
     EXPECT_EQ(ring_.find(index)->value, Vec3(9, 9, 9));
     EXPECT_EQ(ring_.find(index + 1)->value, value(index + 1));
   }
+}
+
+TEST(JitterBuffer, NothingIsInANewOne) {
+  const auto buffer = std::make_unique<JitterBuffer>();
+  for (const std::int64_t index : {-2, -1, 0, 1, 2, 8191}) EXPECT_EQ(buffer->find(index), nullptr) << index;
+}
+
+TEST(JitterBuffer, ASampleBeforeTheFirstTakesNobodysPlace) {
+  auto buffer = std::make_unique<JitterBuffer>();
+  StreamSample sample;
+  sample.value = Vec3(1, 2, 3);
+  buffer->store(JitterBuffer::kSize - 1, sample);
+  sample.value = Vec3(4, 5, 6);
+  buffer->store(-1, sample);
+  EXPECT_EQ(buffer->find(-1), nullptr);
+  ASSERT_NE(buffer->find(JitterBuffer::kSize - 1), nullptr);
+  EXPECT_EQ(buffer->find(JitterBuffer::kSize - 1)->value, Vec3(1, 2, 3));
 }
 
 }  // namespace

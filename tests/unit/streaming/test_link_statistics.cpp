@@ -55,6 +55,7 @@ TEST(LinkStatistics, AQuantileIsTheMiddleOfTheBinOfItsRank) {
        {std::pair{0.05, 1}, {0.1, 1}, {0.11, 2}, {0.5, 5}, {0.51, 6}, {1.0, 10}}) {
     EXPECT_NEAR(meter.rtt_quantile_ms(fraction), rank + 0.01, 1e-9) << fraction;
   }
+  EXPECT_NEAR(meter.rtt_quantile_ms(1.1), 2999.99, 1e-9) << "more than all: the end of the scale";
 }
 
 TEST(LinkStatistics, WhatIsLongerThanThreeSecondsOrNegativeIsAtTheEnds) {

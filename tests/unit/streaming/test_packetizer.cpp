@@ -39,6 +39,12 @@ class PacketizerTest : public testing::Test {
   int lengths_ = 0;
 };
 
+TEST_F(PacketizerTest, BeforeItsFirstBlockItIsAtTheStreamsBeginning) {
+  EXPECT_TRUE(packets_.at_beginning());
+  EXPECT_EQ(packets_.index(), 0);
+  EXPECT_EQ(packets_.buttons(), 0u);
+}
+
 TEST_F(PacketizerTest, ABlockSaysItsPlaceInTheStreamAndDecodesToItsSamples) {
   for (std::uint32_t n = 1; n <= 5; ++n) {
     const std::int64_t first = index_;
@@ -77,11 +83,29 @@ TEST_F(PacketizerTest, OtherSettingsApplyFromTheNextBlock) {
   ASSERT_TRUE(fill());
   packets_.begin(index_, {});
   packets_.add(place(index_++), false);
-  packets_.change({.block = 32, .max_rms = 1e-7});
+  packets_.change({.block = 32, .max_rms = 1e-7, .sample_period_ns = 2'000'000, .anchored = false});
   ASSERT_TRUE(fill());
   EXPECT_EQ(lengths_ + 1, kBlock) << "the one that was begun stays as long as it was";
+  const std::int64_t first = index_;
   ASSERT_TRUE(fill());
   EXPECT_EQ(lengths_, 32);
+  const auto packet = decoder_.decode(block_.payload.view(), trend());
+  ASSERT_TRUE(packet);
+  EXPECT_EQ((*packet)->head.sample_period_ns, 1'000'000u) << "the rate stays";
+  EXPECT_TRUE((*packet)->head.anchored);
+  for (std::size_t i = 0; i < 32; ++i) {
+    EXPECT_LT(
+        ((*packet)->blocks_newest_first[0].samples[i] - place(first + static_cast<std::int64_t>(i))).norm(),
+        1e-6)
+        << "and the anchor's line";
+  }
+  ASSERT_TRUE(fill());
+  const auto next = decoder_.decode(block_.payload.view(), trend());
+  ASSERT_TRUE(next);
+  EXPECT_EQ((*next)->blocks, 2) << "changed once, not at every block";
+  EXPECT_EQ(PacketizerSettings{}.ticks_per_sample, 1);
+  EXPECT_EQ(PacketizerSettings{}.sample_period_ns, 1'000'000u);
+  EXPECT_EQ(PacketizerSettings{}.epoch, 1u);
 }
 
 TEST_F(PacketizerTest, ABlockThatCannotBeCodedCostsItsNumberAndNothingElse) {

@@ -100,6 +100,9 @@ TEST(Reference, SamplesOfAHandThatHasLetGoAreNotMixedIn) {
   for (int i = 52; i < 60; ++i) ring->store(i, apart);
   EXPECT_NEAR(reference_at(*ring, 51.0, 1e-3)->velocity_m_per_s.x(), 0.02 + 3.0 * 0.051, 1e-8);
   EXPECT_NEAR(reference_at(*ring, 52.0, 1e-3)->velocity_m_per_s.x(), 0.0, 1e-8);
+  apart.engaged = true;  // and has taken hold again elsewhere
+  for (int i = 53; i < 60; ++i) ring->store(i, apart);
+  EXPECT_NEAR(reference_at(*ring, 51.0, 1e-3)->velocity_m_per_s.x(), 0.02 + 3.0 * 0.051, 1e-8);
 }
 
 }  // namespace

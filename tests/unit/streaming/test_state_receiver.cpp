@@ -6,12 +6,13 @@
 
 #include "common/codec/settings.h"
 #include "common/streaming/state_receiver.h"
+#include "tests/unit/allocations.h"
 #include "tests/unit/streaming/blocks.h"
 
 namespace telekerf::streaming {
 namespace {
 
-class StateReceiverTest : public testing::Test {
+class StateReceiverTest : public ::testing::Test {
  protected:
   StateBlock next() {
     StateBlock block = sender_.next();
@@ -95,15 +96,74 @@ TEST_F(StateReceiverTest, ForcesComeWithTheirIndexAndBrokenOnesCostNoPosition) {
   EXPECT_EQ(receiver_.force_counters().of(codec::CodecError::kTruncated), 1u);
 }
 
+TEST_F(StateReceiverTest, ForcesThatComeTwiceAreRefusedUntilAnotherSlaveSendsThem) {
+  codec::BlockEncoder forces({.max_rms = 0.01, .redundancy = 0, .quantum = 1e-3, .anchored = false});
+  const std::vector<Vec3> pushed(kBlock, Vec3(2.0, -1.0, 0.5));
+  StateBlock block = next();
+  block.force.size = static_cast<std::uint16_t>(forces.encode(pushed, 0, {}, block.force.room()).value_or(0));
+  EXPECT_TRUE(take(block).force_n);
+  StateBlock again = next();
+  again.force = block.force;
+  EXPECT_FALSE(take(again).force_n);
+  EXPECT_EQ(receiver_.force_counters().of(codec::CodecError::kReplayed), 1u);
+  now_ns_ += 600 * kMs;
+  Sender<StateBlock> restarted(8);
+  StateBlock others = restarted.next();
+  others.force = block.force;
+  const Feedback& feedback = receiver_.receive({others, now_ns_});
+  EXPECT_TRUE(feedback.begins);
+  EXPECT_TRUE(feedback.force_n) << "the same number, of another count";
+}
+
+TEST_F(StateReceiverTest, CopiesFromBeforeTheFirstTickAreNoSamples) {
+  (void)next();
+  StateBlock block = next();
+  block.first_tick = 0;
+  const Feedback& feedback = receiver_.receive({block, now_ns_});
+  ASSERT_EQ(feedback.samples.size(), static_cast<std::size_t>(kBlock));
+  EXPECT_EQ(feedback.samples.front().time, 0);
+}
+
 TEST_F(StateReceiverTest, ARestartedSlaveIsListenedToAfterASilence) {
   take(next());
   Sender<StateBlock> restarted(8);
   EXPECT_EQ(receiver_.receive({restarted.next(), now_ns_}).kind, Arrival::Kind::kRefused);
+  const Feedback& refused = receiver_.receive({restarted.next(), now_ns_});
+  EXPECT_FALSE(refused.begins || refused.ours);
   now_ns_ += 600 * kMs;
   const Feedback& feedback = receiver_.receive({restarted.next(), now_ns_});
   EXPECT_TRUE(feedback.begins);
   ASSERT_FALSE(feedback.samples.empty());
-  EXPECT_EQ(feedback.samples.back().time, 2 * kBlock - 1);
+  EXPECT_EQ(feedback.samples.back().time, 3 * kBlock - 1);
+}
+
+TEST(StateReceiverMemory, TheLongestBlockIsTakenWithoutAllocating) {
+  codec::StreamSettings settings;
+  settings.max_rms = 1e-6;
+  settings.block = codec::kMaxBlock;
+  settings.redundancy = codec::kMaxRedundancy;
+  codec::BlockEncoder encoder(settings.validated());
+  StateReceiver receiver(0.5, 3, 1);
+  std::vector<StateBlock> blocks(9);
+  Tick tick = 0;
+  for (StateBlock& block : blocks) {
+    block.sequence = 1 + static_cast<std::uint32_t>(&block - blocks.data());
+    block.sample_period_ns = 1'000'000;
+    block.ticks_per_sample = 1;
+    block.first_tick = tick;
+    std::vector<Vec3> samples;
+    for (int n = 0; n < codec::kMaxBlock; ++n) samples.push_back(place(static_cast<std::int64_t>(tick++)));
+    block.payload.size =
+        static_cast<std::uint16_t>(encoder.encode(samples, 0, {}, block.payload.room()).value_or(0));
+    ASSERT_GT(block.payload.size, 0);
+  }
+  const std::uint64_t before = telekerf::testing::allocations();
+  const std::size_t first = receiver.receive({blocks[0], 0}).samples.size();
+  // Seven are lost; their copies come with the ninth, after a wait that allows its stamp.
+  const std::size_t rest = receiver.receive({blocks[8], 400 * kMs}).samples.size();
+  EXPECT_EQ(telekerf::testing::allocations(), before);
+  EXPECT_EQ(first, static_cast<std::size_t>(codec::kMaxBlock));
+  EXPECT_EQ(rest, static_cast<std::size_t>(8 * codec::kMaxBlock));
 }
 
 /// A parabola in single precision, at 500 Hz: differences of second order are exact to the ends of a block.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/codec/settings.h"
 #include "common/streaming/packet_samples.h"
 #include "common/streaming/stream_receiver.h"
 #include "tests/unit/streaming/blocks.h"
@@ -137,6 +138,28 @@ TYPED_TEST(StreamReceiverTest, SilenceIsMeasuredFromTheNewestBlockThatWasTaken) 
   EXPECT_EQ(at(1166 * kMs + 1, other.next()), Kind::kNew);
 }
 
+TYPED_TEST(StreamReceiverTest, ASilenceOfItsVeryLengthIsNotLongEnough) {
+  StreamReceiver<TypeParam> receiver(0.25);
+  Sender<TypeParam> other(8);
+  ASSERT_EQ(receiver.receive({this->sender_.next(), 0}, kAlways).kind, Kind::kNew);
+  ASSERT_EQ(receiver.silent_s(250 * kMs), 0.25);
+  EXPECT_EQ(receiver.receive({other.next(), 250 * kMs}, kAlways).kind, Kind::kRefused);
+  EXPECT_EQ(receiver.receive({other.next(), 250 * kMs + 1}, kAlways).kind, Kind::kNew);
+}
+
+// The decoder remembers 64 numbers; that the first block has come needs no memory.
+TYPED_TEST(StreamReceiverTest, TheFirstBlockIsNeverLostHoweverLateItComesAgain) {
+  const TypeParam first = this->sender_.next();
+  this->take(first);
+  const TypeParam second = this->sender_.next();
+  this->take(this->sender_.next());
+  EXPECT_EQ(this->take(second), Kind::kLate) << "the one after it may have been";
+  for (int n = 0; n < 100; ++n) this->take(this->sender_.next());
+  EXPECT_EQ(this->take(first), Kind::kStale);
+  EXPECT_EQ(this->receiver_.counters().lost, 0u);
+  EXPECT_EQ(this->receiver_.counters().blocks, 103u);
+}
+
 TYPED_TEST(StreamReceiverTest, AnotherSenderBeginsEverythingAnew) {
   for (int n = 0; n < 100; ++n) this->take(this->sender_.next());
   this->now_ns_ += 200 * kMs;
@@ -175,6 +198,28 @@ TYPED_TEST(StreamReceiverTest, AStampMayBeASecondAheadOfWhatTheTimeAllows) {
       EXPECT_EQ(receiver.receive({block, wait_ms * kMs + 1}, kAlways).kind, Kind::kNew) << period_ms;
     }
   }
+}
+
+TYPED_TEST(StreamReceiverTest, AFirstBlockOfOneSampleIsCountedAsOne) {
+  codec::StreamSettings settings = codec::with_codec({}, "batched");
+  settings.block = 1;
+  settings.redundancy = 0;
+  codec::BlockEncoder encoder(settings);
+  const auto block_at = [&](std::uint32_t number, Tick tick) {
+    TypeParam block;
+    block.sequence = number;
+    block.sample_period_ns = 1'000'000;
+    block.ticks_per_sample = 1;
+    block.first_tick = tick;
+    const std::vector<Vec3> one(1, Vec3(1e-3, 0, 0));
+    block.payload.size =
+        static_cast<std::uint16_t>(encoder.encode(one, 0, {}, block.payload.room()).value_or(0));
+    return block;
+  };
+  auto& receiver = this->receiver_;
+  ASSERT_EQ(receiver.receive({block_at(1, 0), 0}, kAlways).kind, Kind::kNew);
+  EXPECT_EQ(receiver.receive({block_at(2, 1017), 16 * kMs + kMs / 2}, kAlways).kind, Kind::kRefused);
+  EXPECT_EQ(receiver.receive({block_at(3, 1016), 16 * kMs + kMs / 2}, kAlways).kind, Kind::kNew);
 }
 
 TYPED_TEST(StreamReceiverTest, TheNewestSampleIsTheFurthestOneThatCame) {
@@ -272,6 +317,8 @@ TYPED_TEST(StreamReceiverTest, WhatCannotBeIsRefusedAndChangesNothing) {
   const TypeParam good = bad;
   bad.sample_period_ns = 0;
   EXPECT_EQ(this->take(bad), Kind::kRefused);
+  EXPECT_EQ(this->last_.first, 0);
+  EXPECT_EQ(this->last_.missing, 0u);
   bad = good;
   bad.ticks_per_sample = 0;
   EXPECT_EQ(this->take(bad), Kind::kRefused);

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/runtime/startup_error.h"
@@ -90,6 +91,29 @@ TEST(Cameras, AVideoThatDisappearsAndComesBackIsFollowed) {
   watch();
   EXPECT_EQ(published, 2);
   EXPECT_EQ(node.state(), VisionNode::State::kSeeing);
+}
+
+TEST(Cameras, AVideoIsShownAtItsPaceAndWhoIsLateCatchesUpByASecondAtMost) {
+  const Folder folder("pace");
+  cv::VideoWriter writer(folder.file("a.avi"), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20.0, {64, 48});
+  if (!writer.isOpened()) GTEST_SKIP() << "OpenCV cannot write a video here";
+  for (int i = 0; i < 36; ++i) writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(7 * i)));
+  writer.release();
+  const auto camera = open_image(folder.file("a.avi"));
+  const auto seconds_for = [&](int frames) {
+    const auto begun = std::chrono::steady_clock::now();
+    for (int i = 0; i < frames; ++i) {
+      const auto next = camera->next();
+      EXPECT_TRUE(next && *next) << i;
+    }
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  };
+  const double eleven_s = seconds_for(11);
+  EXPECT_GE(eleven_s, 0.499) << "ten periods of 50 ms";
+  EXPECT_LT(eleven_s, 5.0) << "and not a second each";
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  // A second behind, the first is late at once and 20 more are; the last four wait for theirs.
+  EXPECT_GE(seconds_for(25), 0.199);
 }
 
 TEST(Cameras, ADeviceThatIsNotThereIsRefused) {

@@ -129,6 +129,11 @@ TEST(SameContour, WithinItsToleranceWhateverItsStartAndDirection) {
   EXPECT_GT(longer(0.34e-4), 0.02);
   EXPECT_LT(longer(0.34e-4), 0.05);
   EXPECT_FALSE(same_contour(a, wavy(0.34e-4), 1e-4));
+  // Of the longer one: 1.98 hundredths of it are more than two of the shorter one.
+  double low = 0.26e-4, high = 0.34e-4;
+  for (int i = 0; i < 30; ++i) (longer(0.5 * (low + high)) < 0.0198 ? low : high) = 0.5 * (low + high);
+  ASSERT_NEAR(longer(low), 0.0198, 1e-6);
+  EXPECT_TRUE(same_contour(a, wavy(low), 1e-4));
   // Round twice: no point lies off it, but it is twice as long.
   ContourMessage twice = a;
   twice.points_m.insert(twice.points_m.end(), a.points_m.begin(), a.points_m.end());

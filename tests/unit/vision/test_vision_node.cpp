@@ -2,6 +2,7 @@
 // The vision process without its bus: what it publishes of what cameras show, and when.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <opencv2/imgproc.hpp>
@@ -44,6 +45,45 @@ TEST(VisionNode, ALiveContourIsPublishedOnceWhenFramesAgree) {
   EXPECT_LT(record.at("deviation_mm"), 0.01);
 }
 
+TEST(VisionNode, ItsRecordHasTheSizesOfWhatIsPublished) {
+  const Folder folder("sizes");
+  std::ofstream(folder.file("part.svg")) << "<svg width='20mm' height='20mm' viewBox='0 0 20 20'><rect x='4' "
+                                            "y='7' width='12' height='6'/></svg>";
+  VisionNode node({});
+  EXPECT_EQ(node.record().values.size(), 6u) << "nothing is published yet";
+  EXPECT_EQ(node.record().role, "vision");
+  EXPECT_EQ(node.record().tick, 0u);
+  const auto outcome = node.step(Frame{"part.svg", folder.file("part.svg"), {}, false});
+  ASSERT_TRUE(outcome.publish) << outcome.remark;
+  const auto values = node.record().values;
+  const std::map<std::string, double> record(values.begin(), values.end());
+  EXPECT_EQ(record.at("contour_id"), static_cast<double>(outcome.publish->id));
+  EXPECT_EQ(record.at("published"), 1.0);
+  EXPECT_EQ(record.at("camera_gone"), 0.0);
+  EXPECT_NEAR(record.at("length_mm"), 36.0, 0.01);
+  EXPECT_NEAR(record.at("width_mm"), 12.0, 1e-6);
+  EXPECT_NEAR(record.at("height_mm"), 6.0, 1e-6);
+  EXPECT_NEAR(record.at("deviation_mm"), 1e3 * outcome.publish->deviation_m, 1e-12);
+}
+
+TEST(SameContour, ItsToleranceIsTheLastDistanceWithin) {
+  const double tolerance_m = std::ldexp(1.0, -10);
+  const auto line = [](double y_m, double length_m, bool closed = false) {
+    ContourMessage out;
+    out.points_m = {{0.0, y_m}, {0.5 * length_m, y_m}, {length_m, y_m}};
+    out.closed = closed;
+    return out;
+  };
+  const auto base = line(0.0, 1.0);
+  EXPECT_TRUE(same_contour(base, line(tolerance_m, 1.0), tolerance_m));
+  EXPECT_FALSE(same_contour(base, line(std::nextafter(tolerance_m, 1.0), 1.0), tolerance_m));
+  EXPECT_FALSE(same_contour(base, line(0.0, 1.0, true), tolerance_m));
+  // Each is looked for in the other: a part of a line is not the line.
+  EXPECT_TRUE(same_contour(base, line(0.0, 1.0 + tolerance_m), tolerance_m));
+  EXPECT_FALSE(same_contour(base, line(0.0, 1.0 + 1.5 * tolerance_m), tolerance_m));
+  EXPECT_FALSE(same_contour(line(0.0, 1.0 + 1.5 * tolerance_m), base, tolerance_m));
+}
+
 TEST(VisionNode, WhatPassesIsIgnoredAndWhatStaysIsPublished) {
   VisionNode node(at_true_size());
   const auto show = [&](const std::string& name, int frames, const Vec2& shift = Vec2::Zero()) {
@@ -67,6 +107,27 @@ TEST(VisionNode, WhatPassesIsIgnoredAndWhatStaysIsPublished) {
       geometry::bounding_box(moved[0].points_m).centre() - geometry::bounding_box(first[0].points_m).centre();
   EXPECT_NEAR(by.x(), 12.0 * pixel, 0.5 * pixel);
   EXPECT_NEAR(by.y(), -5.0 * pixel, 0.5 * pixel);
+}
+
+TEST(VisionNode, AnInterruptionBeginsTheCountOfAgreeingFramesAnew) {
+  const auto shown = [](VisionNode& node, int frames) {
+    int published = 0;
+    for (int i = 0; i < frames; ++i)
+      published += node.step(live(picture_of("heart", 1 + i))).publish.has_value();
+    return published;
+  };
+  for (const bool gone : {true, false}) {
+    VisionNode node(at_true_size());
+    EXPECT_EQ(shown(node, VisionNode::kAgreeing - 1), 0);
+    if (gone) (void)node.step(tl::unexpected(std::string("camera 7: gives no picture")));
+    if (!gone) (void)node.step(live(cv::Mat(480, 640, CV_8U, cv::Scalar(90))));
+    EXPECT_EQ(shown(node, VisionNode::kAgreeing - 1), 0) << gone;
+    EXPECT_EQ(shown(node, 1), 1) << gone;
+    // Nor does what was published count for what comes next.
+    for (int i = 0; i < VisionNode::kAgreeing - 1; ++i)
+      EXPECT_FALSE(node.step(live(picture_of("cam", 1 + i))).publish);
+    EXPECT_TRUE(node.step(live(picture_of("cam", 9))).publish);
+  }
 }
 
 TEST(VisionNode, AChangeInAnotherLineIsAnotherContour) {

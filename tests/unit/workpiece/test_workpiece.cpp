@@ -206,5 +206,51 @@ TEST(MarkPicture, AScaleBarIsARoundLengthOfAQuarterAtMost) {
   }
 }
 
+/// Columns of a row that have a colour.
+int columns_of(const cv::Mat& picture, int row, const cv::Vec3b& colour) {
+  int count = 0;
+  for (int x = 0; x < picture.cols; ++x) count += picture.at<cv::Vec3b>(row, x) == colour;
+  return count;
+}
+
+TEST(MarkPicture, AWorkpiecesPictureHasItsScaleWhateverItsSize) {
+  // 8 mm: a quarter is 2 mm, whole or shrunk to half the pixels.
+  const Workpiece workpiece({.half_width_m = 4e-3, .pixels = 800}, kWood);
+  for (const int pixels : {1200, 400}) {
+    const cv::Mat picture = picture_of(workpiece, pixels);
+    const int width = std::min(pixels, 800);
+    ASSERT_EQ(picture.cols, width);
+    ASSERT_EQ(picture.rows, width + 60) << "with the bar below";
+    const cv::Vec3b ink(kWood.burnt_bgr[0], kWood.burnt_bgr[1], kWood.burnt_bgr[2]);
+    EXPECT_NEAR(columns_of(picture, picture.rows - 25, ink), width / 4, 4) << pixels;
+    const cv::Mat map = depth_picture(workpiece, pixels);
+    ASSERT_EQ(map.cols, width + 130) << "with the colours' scale beside it";
+    EXPECT_NEAR(columns_of(map(cv::Rect(0, 0, width, map.rows)), map.rows - 25, {255, 255, 255}), width / 4,
+                4)
+        << pixels;
+  }
+}
+
+TEST(MarkPicture, TheMapsColoursRunFromWholeToTheDeepest) {
+  Workpiece workpiece({.half_width_m = 1e-3, .pixels = 200}, kWood);
+  const auto at = [](const cv::Mat& picture, int row, int column) {
+    return picture.at<cv::Vec3b>(row, column);
+  };
+  const cv::Mat whole = depth_picture(workpiece);
+  const cv::Vec3b lowest = at(whole, 5, 5);
+  EXPECT_EQ(at(whole, 100, 100), lowest);
+  workpiece.ablate({0, 0}, 1e-3, 60e-6);
+  const cv::Mat map = depth_picture(workpiece);
+  EXPECT_EQ(at(map, 5, 5), lowest);
+  cv::Point deepest;
+  cv::minMaxLoc(workpiece.depth_m(), nullptr, nullptr, nullptr, &deepest);
+  const int bar = map.cols - 130 + 12 + 8;
+  EXPECT_EQ(at(map, 30, bar), at(map, deepest.y, deepest.x)) << "the deepest above";
+  EXPECT_EQ(at(map, 29 + map.rows / 2, bar), lowest) << "the whole below";
+  EXPECT_EQ(at(map, 29, bar), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(at(map, 30 + map.rows / 2, bar), cv::Vec3b(255, 255, 255));
+  EXPECT_NE(at(map, 30, bar), lowest);
+}
+
 }  // namespace
 }  // namespace telekerf::workpiece
