@@ -89,8 +89,8 @@ TEST_F(CommandReceiverTest, IsFreshUntilTheTimeoutAndWhatThePlayOutWaitsForAreOv
 }
 
 TEST_F(CommandReceiverTest, ItHasDriedUpAtTheTimeoutItself) {
-  receiver_ = CommandReceiver({.playout = {.margin_s = 0.0, .lookahead_samples = 0}, .timeout_s = 0.25});
-  receiver_.receive({next(), now_ns_}, 4);
+  receiver_ = CommandReceiver({.playout = {.margin_s = 0.0}, .timeout_s = 0.25});
+  receiver_.receive({next(), now_ns_}, 4, now_ns_);
   ASSERT_EQ(receiver_.clock().wait_s(), 0.0);
   EXPECT_TRUE(receiver_.play(now_ns_ + 250 * kMs - 1, kTool).fresh);
   EXPECT_FALSE(receiver_.play(now_ns_ + 250 * kMs, kTool).fresh);
@@ -163,7 +163,7 @@ TEST_F(CommandReceiverTest, ACommandIsHeldToTheLastMillionthOfItsSample) {
     receiver_ = CommandReceiver(settings);
     sender_ = Sender<CommandBlock>(7);
     change_ = [](CommandBlock& block) { block.law = Law::kAnchored; };
-    for (int b = 0; b < 4; ++b) receiver_.receive({next(), 15 * kMs + b}, 4);
+    for (int b = 0; b < 4; ++b) receiver_.receive({next(), 15 * kMs + b}, 4, 15 * kMs + b);
     const std::int64_t index = receiver_.play(45 * kMs, kTool).index;
     EXPECT_EQ(receiver_.play(46 * kMs, kTool).index, short_ns == 0 ? index + 1 : index);
   }
@@ -231,15 +231,16 @@ TEST_F(CommandReceiverTest, AnOvertakenBlockWhoseLastSampleIsHalfASampleAgoIsOfN
     settings.control_period_ns = kMs / 2;
     receiver_ = CommandReceiver(settings);
     sender_ = Sender<CommandBlock>(7);
-    for (int b = 0; b < 3; ++b) receiver_.receive({next(), (15 + b * kBlock) * kMs}, 4);
+    for (int b = 0; b < 3; ++b)
+      receiver_.receive({next(), (15 + b * kBlock) * kMs}, 4, (15 + b * kBlock) * kMs);
     (void)next();
     const CommandBlock late = next();  // samples 64 to 79; the longest block would end at 127
     now_ns_ = (15 + 5 * kBlock) * kMs;
-    receiver_.receive({next(), now_ns_}, 4);
+    receiver_.receive({next(), now_ns_}, 4, now_ns_);
     for (played_ = {}; !played_.cursor || *played_.cursor < 126.75 + more; now_ns_ += kMs / 2)
       played_ = receiver_.play(now_ns_, kTool);
     ASSERT_EQ(*played_.cursor, 127.0 + more);
-    receiver_.receive({late, now_ns_}, 4);
+    receiver_.receive({late, now_ns_}, 4, now_ns_);
     EXPECT_EQ(receiver_.counters().stale, more > 0.0 ? 1u : 0u);
   }
 }
