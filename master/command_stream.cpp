@@ -22,7 +22,8 @@ ObserverSettings observer_of(const CommandStreamSettings& settings) {
 /// single samples have none.
 streaming::RedundancySettings redundancy_of(const CommandStreamSettings& settings,
                                             const codec::StreamSettings& codec) {
-  const bool fixed = settings.law == Law::kRemoteAcceleration || codec.block == 1;
+  const bool predicted = settings.law == Law::kAnchored && settings.observer.estimator == &make_predictor;
+  const bool fixed = (settings.law != Law::kLocal && !predicted) || codec.block == 1;
   return {.min = codec.redundancy,
           .max = fixed ? codec.redundancy : std::max(codec.redundancy, settings.max_redundancy)};
 }

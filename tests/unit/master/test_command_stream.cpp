@@ -77,15 +77,24 @@ TEST_F(CommandStreamTest, PacketsCarryMoreCopiesAfterABurstOfLosses) {
 }
 
 TEST_F(CommandStreamTest, ALoopThatSpansTheDelayWaitsForNoMoreCopies) {
-  CommandStreamSettings settings = positions();
-  settings.law = Law::kRemoteAcceleration;
-  settings.codec.anchored = false;
-  stream_ = CommandStream(settings, 7);
-  std::uint32_t number = 0;
-  tell_states(stream_, number, 0);
-  tell_states(stream_, number, 9);
-  for (int n = 0; n < 10; ++n) block();
-  EXPECT_EQ(stream_.copies(), 2);
+  struct Row {
+    Law law;
+    const char* estimator;
+    int copies;
+  };
+  for (const Row& row : {Row{Law::kRemoteAcceleration, "predictor", 2}, Row{Law::kAnchored, "thesis", 2},
+                         Row{Law::kAnchored, "predictor", 7}, Row{Law::kLocal, "none", 7}}) {
+    CommandStreamSettings settings = positions();
+    settings.law = row.law;
+    settings.observer.estimator = estimator_named(row.estimator);
+    settings.codec.anchored = row.law == Law::kLocal;
+    stream_ = CommandStream(settings, 7);
+    std::uint32_t number = 0;
+    tell_states(stream_, number, 0);
+    tell_states(stream_, number, 9);
+    for (int n = 0; n < 10; ++n) block();
+    EXPECT_EQ(stream_.copies(), row.copies) << row.estimator;
+  }
 }
 
 TEST_F(CommandStreamTest, AsManyCopiesAsItsSettingsAllowAndNoneOfSingleSamples) {
