@@ -178,7 +178,7 @@ class MachiningAtWork : public testing::Test {
     }
   }
 
-  fs::path folder_ = fs::path(testing::TempDir()) / "telekerf_machining_station";
+  fs::path folder_ = fs::path(testing::TempDir()) / ("telekerf_machining_station-" + std::to_string(::getpid()));
   Station station_;
   std::unique_ptr<Job> job_;
   int steps_ = 0;
@@ -218,12 +218,12 @@ TEST_F(MachiningAtWork, AJobIsWorkedOffToItsEndAndLeavesItsFigures) {
   EXPECT_NEAR(result["tangential_speed"]["mean_mm_s"].get<double>(), 1e3 * job_->plans[0].mean_speed_m_per_s,
               0.1);
   EXPECT_EQ(result["corners"], 4);
-  EXPECT_NEAR(result["corner_error_um"].get<double>(), 9.8, 0.5);
+  EXPECT_NEAR(result["corner_error_um"].get<double>(), 9.22, 0.2);
   EXPECT_LT(result["contour_error_um"]["max"].get<double>(), 8.0);
   EXPECT_LT(result["closure_gap_um"].get<double>(), 0.5);
-  EXPECT_NEAR(result["normal_error_um"]["rms"].get<double>(), 0.69, 0.1);
+  EXPECT_NEAR(result["normal_error_um"]["rms"].get<double>(), 0.43, 0.05);
   EXPECT_NEAR(result["tangential_error_um"]["rms"].get<double>(), 2.4, 0.3);
-  EXPECT_NEAR(result["height_error_um"]["rms"].get<double>(), 0.41, 0.1);
+  EXPECT_NEAR(result["height_error_um"]["rms"].get<double>(), 0.23, 0.05);
   const auto& burn = result["burn"];
   EXPECT_EQ(burn["material"], "wood");
   EXPECT_NEAR(burn["energy_inside_j"].get<double>(), energy_j_, 0.01);
@@ -231,7 +231,7 @@ TEST_F(MachiningAtWork, AJobIsWorkedOffToItsEndAndLeavesItsFigures) {
   EXPECT_NEAR(burn["absorbed_j"].get<double>(), 0.7 * energy_j_, 0.007);
   EXPECT_NEAR(burn["depth_um"].get<double>(), 152.5, 3.0);
   EXPECT_NEAR(burn["kerf_um"].get<double>(), 37.7, 1.5);
-  EXPECT_NEAR(burn["depth_variation_percent"].get<double>(), 3.7, 0.7);
+  EXPECT_NEAR(burn["depth_variation_percent"].get<double>(), 2.8, 0.3);
   EXPECT_EQ(count_lines(folder_ / "trace.csv"), 1 + steps_);
   // Half a millimetre of corridor round 1.5 mm, 7.5 um a pixel, and the bar.
   const cv::Mat mark = cv::imread((folder_ / "mark.png").string());

@@ -79,11 +79,14 @@ TEST(Guidance, ASampledErrorDecaysByThePolesThatWereChosen) {
 TEST(Guidance, TheWayBackIsAtTheSpeedThatWasSaidFromEitherSide) {
   const ConstraintSettings settings;
   for (const double side : {-1.0, 1.0}) {
-    const KinematicState returning{{0, side * 5e-3, side * 5e-3}, {0, -side * 0.05, -side * 0.05}, Vec3::Zero()};
-    EXPECT_NEAR(guided_acceleration(on_a_line(returning.position_m), settings, returning, Vec3::Zero()).norm(), 0.0,
-                1e-9);
+    const KinematicState returning{
+        {0, side * 5e-3, side * 5e-3}, {0, -side * 0.05, -side * 0.05}, Vec3::Zero()};
+    EXPECT_NEAR(
+        guided_acceleration(on_a_line(returning.position_m), settings, returning, Vec3::Zero()).norm(), 0.0,
+        1e-9);
     const KinematicState slower{{0, side * 5e-3, 0}, {0, -side * 0.049, 0}, Vec3::Zero()};
-    EXPECT_LT(side * guided_acceleration(on_a_line(slower.position_m), settings, slower, Vec3::Zero()).y(), -0.1);
+    EXPECT_LT(side * guided_acceleration(on_a_line(slower.position_m), settings, slower, Vec3::Zero()).y(),
+              -0.1);
   }
 }
 
@@ -180,16 +183,18 @@ TEST(Guidance, AToolAtTheLimitBrakesAsTheLimitDoes) {
 
 TEST(Guidance, AnEndIsAWallInItsOwnWay) {
   const ConstraintSettings settings;
+  EXPECT_EQ(settings.end_bandwidth_rad_s, 300.0) << "as firm as the sides";
   for (const double side : {-1.0, 1.0}) {
     ActiveConstraint active = on_a_line(Vec3::Zero());
     active.beyond_end_m = side * 0.2e-3;
     const KinematicState outwards{Vec3::Zero(), {side * 2e-3, 0, 0}, Vec3::Zero()};
     EXPECT_NEAR(side * guided_acceleration(active, settings, outwards, {side * 3.0, 0, 0}).x(),
-                -60.0 * 60.0 * 0.2e-3 - 2.0 * 60.0 * 2e-3, 1e-9);
-    EXPECT_NEAR(side * guided_acceleration(active, settings, {}, {-side * 3.0, 0, 0}).x(), -2.85 / 0.5, 1e-9)
+                -300.0 * 300.0 * 0.2e-3 - 2.0 * 300.0 * 2e-3, 1e-9);
+    EXPECT_NEAR(side * guided_acceleration(active, settings, {}, {-side * 30.0, 0, 0}).x(), -29.85 / 0.5,
+                1e-9)
         << "nothing holds the hand that pulls back";
     EXPECT_NEAR(side * region_acceleration(active, settings, {0.5e-3, 0.0}, {}, {side * 3.0, 0, 0}).x(),
-                -60.0 * 60.0 * 0.2e-3, 1e-9)
+                -300.0 * 300.0 * 0.2e-3, 1e-9)
         << "in a corridor as well";
   }
 }
@@ -240,7 +245,8 @@ TEST(Region, TheSpringComesBackWithoutOvershoot) {
     const double wt = w * n * kFine_s;
     ASSERT_NEAR(tool.position_m.y(), kOff_m * (1.0 + wt) * std::exp(-wt), 0.005 * kOff_m) << n;
     overshoot_m = std::max(overshoot_m, -tool.position_m.y());
-    tool.acceleration_m_per_s2 = region_acceleration(on_a_line(tool.position_m), settings, mode, tool, Vec3::Zero());
+    tool.acceleration_m_per_s2 =
+        region_acceleration(on_a_line(tool.position_m), settings, mode, tool, Vec3::Zero());
     tool = control::advanced(tool, kFine_s);
   }
   EXPECT_LT(overshoot_m, 1e-9);

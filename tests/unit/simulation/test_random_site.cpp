@@ -44,7 +44,7 @@ TEST_F(RandomSites, NoneBurnsOutsideItsCorridorAndEachCuts) {
     const RandomSite site = random_site(seed, 6.0, folder_);
     const auto report = reporting::make_report(simulation::simulate(site.settings));
     EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0) << site.drawn.dump();
-    EXPECT_GT(report["cut"]["energy_inside_j"].get<double>(), 0.1) << site.drawn.dump();
+    EXPECT_GT(report["cut"]["energy_inside_j"].get<double>(), 0.0) << site.drawn.dump();
   }
 }
 

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// A command receiver at the end of a steady link.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "common/streaming/command_receiver.h"
+#include "tests/unit/streaming/blocks.h"
+
+namespace telekerf::streaming {
+
+inline const KinematicState kTool{Eigen::Vector3d(5e-3, 0, 0), Eigen::Vector3d(0.1, 0, 0),
+                                  Eigen::Vector3d(0, 0, 0)};
+
+/// Blocks of 16 samples that come as soon as they are full.
+class CommandReceiverTest : public testing::Test {
+ protected:
+  CommandBlock next() {
+    CommandBlock block = sender_.next();
+    block.engaged = true;
+    block.engaged_before = 0x7F;
+    block.sent_ns = 1000 * block.sequence;
+    change_(block);
+    return block;
+  }
+  /// `steps` steps; `each` may look at what was played.
+  template <class Each>
+  void run(int blocks, Each each, bool deliver = true) {
+    for (int b = 0; b < blocks; ++b) {
+      if (deliver) receiver_.receive({next(), now_ns_}, 4, now_ns_);
+      for (int n = 0; n < kBlock; ++n, now_ns_ += kMs) {
+        played_ = receiver_.play(now_ns_, kTool);
+        each(played_);
+      }
+    }
+  }
+  void run(int blocks) {
+    run(blocks, [](const Played&) {});
+  }
+
+  CommandReceiver receiver_{{}};
+  Sender<CommandBlock> sender_{7};
+  std::function<void(CommandBlock&)> change_ = [](CommandBlock&) {};
+  std::int64_t now_ns_ = 15 * kMs;
+  Played played_;
+};
+
+}  // namespace telekerf::streaming
