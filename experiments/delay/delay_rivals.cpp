@@ -44,33 +44,45 @@ constexpr double kTimingError_s = 1e-4;
 struct Range {
   const char* name;
   double least, most;
-  double& (*value)(master::StationSettings& settings);
+  double (*get)(const master::StationSettings& settings);
+  void (*set)(master::StationSettings& settings, double value);
+  bool whole = false;
 };
 constexpr Range kLaw{"tracking_rad_s", 0.1, 400.0,
-                     [](master::StationSettings& s) -> double& { return s.tracking_rad_s; }};
-constexpr Range kCutoff{"thesis_cutoff_rad_s", 0.5, 1000.0, [](master::StationSettings& s) -> double& {
-                          return s.node.command.observer.thesis_cutoff_rad_s;
-                        }};
-constexpr Range kGain{"innovation_gain_per_s", 0.01, 100.0, [](master::StationSettings& s) -> double& {
-                        return s.node.command.observer.innovation_gain_per_s;
-                      }};
-constexpr Range kPoles{"predictor_rad_s", 0.5, 400.0, [](master::StationSettings& s) -> double& {
-                         return s.node.command.observer.predictor_rad_s;
-                       }};
-constexpr Range kDisturbance{"disturbance_rad_s", 0.01, 100.0, [](master::StationSettings& s) -> double& {
-                               return s.node.command.observer.disturbance_rad_s;
-                             }};
+                     [](const master::StationSettings& s) { return s.tracking_rad_s; },
+                     [](master::StationSettings& s, double value) { s.tracking_rad_s = value; }};
+constexpr Range kCopies{
+    "redundancy",
+    1,
+    7,
+    [](const master::StationSettings& s) { return static_cast<double>(s.node.command.codec.redundancy); },
+    [](master::StationSettings& s, double value) {
+      s.node.command.codec.redundancy = static_cast<int>(value);
+    },
+    true};
+
+/// A gain of the estimator.
+template <double EstimatorSettings::*kMember>
+constexpr Range gain(const char* name, double least, double most) {
+  return {name, least, most,
+          [](const master::StationSettings& s) { return s.node.command.observer.*kMember; },
+          [](master::StationSettings& s, double value) { s.node.command.observer.*kMember = value; }};
+}
+constexpr Range kCutoff = gain<&EstimatorSettings::thesis_cutoff_rad_s>("thesis_cutoff_rad_s", 0.5, 1000.0);
+constexpr Range kGain = gain<&EstimatorSettings::innovation_gain_per_s>("innovation_gain_per_s", 0.01, 100.0);
+constexpr Range kPoles = gain<&EstimatorSettings::predictor_rad_s>("predictor_rad_s", 0.5, 400.0);
+constexpr Range kDisturbance = gain<&EstimatorSettings::disturbance_rad_s>("disturbance_rad_s", 0.01, 100.0);
 
 std::vector<Range> ranges_of(const DelayTrial& trial) {
   const master::CommandStreamSettings& command = trial.master.node.command;
   const master::MakeEstimator estimator = command.observer.estimator;
   const bool shipped = command.law == Law::kAnchored && estimator == kPredictor;
   if (shipped || command.law == Law::kLocal) return {};
-  if (estimator == kThesis) return {kLaw, kCutoff};
-  if (estimator == kConvergent) return {kLaw, kCutoff, kGain};
-  if (estimator == kInnovation) return {kLaw, kGain};
-  if (estimator == kPredictor) return {kLaw, kPoles, kDisturbance};
-  return {kLaw};
+  if (estimator == kThesis) return {kLaw, kCopies, kCutoff};
+  if (estimator == kConvergent) return {kLaw, kCopies, kCutoff, kGain};
+  if (estimator == kInnovation) return {kLaw, kCopies, kGain};
+  if (estimator == kPredictor) return {kLaw, kCopies, kPoles, kDisturbance};
+  return {kLaw, kCopies};
 }
 
 double two_digits(double value) {
@@ -112,9 +124,8 @@ DelayTrial trial_of(const Rival& rival, const netem::Profile& network, std::uint
 }
 
 std::vector<Tuned> tuning_of(const DelayTrial& trial) {
-  master::StationSettings settings = trial.master;
   std::vector<Tuned> tuning;
-  for (const Range& range : ranges_of(trial)) tuning.push_back({range.name, range.value(settings)});
+  for (const Range& range : ranges_of(trial)) tuning.push_back({range.name, range.get(trial.master)});
   return tuning;
 }
 
@@ -125,7 +136,7 @@ DelayTrial with_tuning(DelayTrial trial, std::span<const Tuned> tuning) {
   for (const Tuned& tuned : tuning) {
     const auto range =
         std::find_if(ranges.begin(), ranges.end(), [&](const Range& r) { return r.name == tuned.name; });
-    range->value(trial.master) = tuned.value;
+    range->set(trial.master, tuned.value);
   }
   return trial;
 }
@@ -158,12 +169,14 @@ std::vector<Tuned> best_tuning(const HandRecord& hand, const DelayTrial& trial, 
         for (const double factor : {step, 1.0 / step}) {
           while (true) {
             std::vector<Tuned> next = best;
-            next[i].value = std::clamp(two_digits(best[i].value * factor), ranges[i].least, ranges[i].most);
+            const double value = best[i].value * factor;
+            next[i].value = std::clamp(ranges[i].whole ? std::round(value) : two_digits(value),
+                                       ranges[i].least, ranges[i].most);
             if (next[i].value == best[i].value) break;
-            const double value = cost_of(next);
-            if (!(value < 0.99 * least)) break;
+            const double its_cost = cost_of(next);
+            if (!(its_cost < 0.99 * least)) break;
             best = next;
-            least = value;
+            least = its_cost;
             better = true;
           }
         }

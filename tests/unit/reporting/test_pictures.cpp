@@ -76,7 +76,7 @@ TEST(CutPicture, TheContourIsBlueAndThePathWithTheLaserOffIsGrey) {
 
 /// The first panel's plot is 394 x 240 pixels, from (70, 34) on.
 cv::Mat drawn(const Panel& panel) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "plot.png";
+  const auto file = std::filesystem::path(testing::TempDir()) / "plot-curves.png";
   draw_figure({.panels = {panel}}, file);
   return cv::imread(file.string());
 }
