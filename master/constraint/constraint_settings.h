@@ -2,6 +2,7 @@
 // What a user can choose about the virtual constraint.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "common/runtime/enum_table.h"
@@ -47,7 +48,7 @@ struct ConstraintSettings {
   double force_deadband_n =
       0.15;  ///< estimated forces below this do not move the tool: errors of the estimate are as large
   double end_bandwidth_rad_s = 300.0;  ///< of the stops at the ends of an open curve
-  double end_m_per_s = 3e-3;          ///< at which they are met at most
+  double end_m_per_s = 3e-3;           ///< at which they are met at most
 
   // Bends: the tool is held back before it could be thrown off.
   double max_speed_m_per_s = 0.2;  ///< on straight stretches
@@ -62,12 +63,18 @@ struct ConstraintSettings {
   double wall_skin_m = 0.05e-3;    ///< over which the wall sets in
 };
 
+/// No bend of the guide is tighter than this, in the master's size: a hand's push displaces the tool by as
+/// much, and where that is more than the radius the guide has no side any more.
+inline constexpr double kTightest_m = 8e-6;
+
 /// The same for a master whose motion is scaled by `beta`: all lengths in the master's size.
 inline ConstraintSettings in_masters_size(ConstraintSettings settings, double beta) noexcept {
   for (double* length_m : {&settings.spacing_m, &settings.rounding_m, &settings.min_radius_m,
                            &settings.opening_m, &settings.descriptor_error_m}) {
     *length_m /= beta;
   }
+  for (double* length_m : {&settings.spacing_m, &settings.rounding_m, &settings.min_radius_m})
+    *length_m = std::max(*length_m, kTightest_m);
   return settings;
 }
 

@@ -8,13 +8,13 @@ _telekerf_commands() {
     telekerf-ctl) echo 'stop clear-stop engage disengage beta ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
     telekerf-experiment) echo 'closed-contour codec constraint contours delay kinematics lap open-contour robots space-contour ' ;;
-    telekerf-inspect) echo 'codec contour efd robot run ' ;;
+    telekerf-inspect) echo 'codec contour drive efd robot run ' ;;
   esac
 }
 
 _telekerf_flags() {
   case $1 in
-    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --bare-accelerations --laser-w --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --record --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --mode --anchor --select --width-mm --fit-all --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -35,14 +35,15 @@ _telekerf_flags() {
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --page --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
-    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --seed --page --out --config --print-config --help --version' ;;
+    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --seed --page --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
-    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --record --out --config --print-config --help --version' ;;
+    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --record --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
     'telekerf-inspect contour') echo '--mode --start --end --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --out --config --print-config --help --version' ;;
+    'telekerf-inspect drive') echo '--robot --drive --drive-stale-s --mismatch --seed --control-hz --force-n --travel-mm --duration-s --move --json --out --config --print-config --help --version' ;;
     'telekerf-inspect efd') echo '--harmonics --config --print-config --help --version' ;;
     'telekerf-inspect robot') echo '--ik --fk --jacobian --workspace --hall --picture --config --print-config --help --version' ;;
     'telekerf-inspect run') echo '--config --print-config --help --version' ;;
@@ -74,6 +75,7 @@ _telekerf_values() {
     'telekerf-master  --keep') echo "" ;;
     'telekerf-master  --max-rms') echo "" ;;
     'telekerf-master  --redundancy') echo "" ;;
+    'telekerf-master  --max-redundancy') echo "" ;;
     'telekerf-master  --half-window') echo "" ;;
     'telekerf-master  --curve') echo "-W 'circles lines descriptor'" ;;
     'telekerf-master  --corridor-mm') echo "" ;;
@@ -273,6 +275,7 @@ _telekerf_values() {
     'telekerf-experiment delay --keep') echo "" ;;
     'telekerf-experiment delay --max-rms') echo "" ;;
     'telekerf-experiment delay --redundancy') echo "" ;;
+    'telekerf-experiment delay --max-redundancy') echo "" ;;
     'telekerf-experiment delay --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
     'telekerf-experiment delay --rtt-ms') echo "" ;;
     'telekerf-experiment delay --jitter-ms') echo "" ;;
@@ -319,6 +322,7 @@ _telekerf_values() {
     'telekerf-experiment lap --keep') echo "" ;;
     'telekerf-experiment lap --max-rms') echo "" ;;
     'telekerf-experiment lap --redundancy') echo "" ;;
+    'telekerf-experiment lap --max-redundancy') echo "" ;;
     'telekerf-experiment lap --half-window') echo "" ;;
     'telekerf-experiment lap --curve') echo "-W 'circles lines descriptor'" ;;
     'telekerf-experiment lap --corridor-mm') echo "" ;;
@@ -394,6 +398,16 @@ _telekerf_values() {
     'telekerf-inspect contour --tolerance-mm') echo "" ;;
     'telekerf-inspect contour --select') echo "" ;;
     'telekerf-inspect contour --out') echo "-d" ;;
+    'telekerf-inspect drive --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
+    'telekerf-inspect drive --drive') echo "-W 'simulated udp:'" ;;
+    'telekerf-inspect drive --drive-stale-s') echo "" ;;
+    'telekerf-inspect drive --mismatch') echo "" ;;
+    'telekerf-inspect drive --seed') echo "" ;;
+    'telekerf-inspect drive --control-hz') echo "" ;;
+    'telekerf-inspect drive --force-n') echo "" ;;
+    'telekerf-inspect drive --travel-mm') echo "" ;;
+    'telekerf-inspect drive --duration-s') echo "" ;;
+    'telekerf-inspect drive --out') echo "-d" ;;
     'telekerf-inspect efd ') echo "-f" ;;
     'telekerf-inspect efd --harmonics') echo "" ;;
     'telekerf-inspect robot ') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
