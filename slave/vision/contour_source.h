@@ -12,15 +12,16 @@
 namespace telekerf::vision_process {
 
 struct ContourRequest {
-  std::string image;              ///< a shipped picture's name, or a path to a picture, SVG or DXF
+  std::string image;  ///< a shipped picture's name, or a path to a picture, SVG or DXF
   vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
   vision::AnchorMode anchor = vision::AnchorMode::kBoundingBox;  ///< what lies on the workpiece's origin
-  std::size_t select = 0;         ///< which contour; 0 is the largest
+  std::size_t select = 0;                                        ///< which contour; 0 is the largest
   std::optional<double> width_m;  ///< of the whole picture; otherwise the contour is fitted to the workspace
   double workspace_radius_m = 0.02;  ///< of the slave
-  /// Beta times the workspace of the robot that the operator's hand moves, if there is one: what is fitted fits it too.
+  /// Beta times the workspace of the robot that the operator's hand moves, if there is one: what is fitted
+  /// fits it too.
   std::optional<double> hand_radius_m;
-  bool fit_all = false;              ///< all contours together are centred and fitted, not the longest alone
+  bool fit_all = false;  ///< all contours together are centred and fitted, not the longest alone
 };
 
 /// What the vision library is asked for.

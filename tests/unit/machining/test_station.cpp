@@ -178,7 +178,8 @@ class MachiningAtWork : public testing::Test {
     }
   }
 
-  fs::path folder_ = fs::path(testing::TempDir()) / ("telekerf_machining_station-" + std::to_string(::getpid()));
+  fs::path folder_ =
+      fs::path(testing::TempDir()) / ("telekerf_machining_station-" + std::to_string(::getpid()));
   Station station_;
   std::unique_ptr<Job> job_;
   int steps_ = 0;
