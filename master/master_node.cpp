@@ -40,8 +40,8 @@ KinematicState MasterNode::observe(const robot::JointReading& joints) noexcept {
   if (!located_ && joints.valid) joints_.reset(joints.joints_m);
   if (!joints_.observe(joints)) return {};
   const robot::DeltaState& pose = joints_.state();
-  const KinematicState tool{.position_m = model_.in_workpiece(pose.tool_m),
-                            .velocity_m_per_s = pose.tool_velocity_m_per_s};
+  KinematicState tool{.position_m = model_.in_workpiece(pose.tool_m),
+                      .velocity_m_per_s = pose.tool_velocity_m_per_s};
   if (!located_ && joints.valid) {
     modes_.rest_at(tool.position_m);
     located_ = true;
@@ -72,7 +72,7 @@ Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<Constrai
     return control::tracking_acceleration(modes_.goal(), tool, approach_law_);
   }
   if (mode) constraint_.set_mode(*mode);
-  const Vec3 wanted = constraint_.step(*modes_.guide(), tool, out.hand_n, dt_s_);
+  Vec3 wanted = constraint_.step(*modes_.guide(), tool, out.hand_n, dt_s_);
   out.active = constraint_.active();
   out.corridor_m = constraint_.mode().corridor_m;
   out.constraint_n = -out.active.piece.shape.gradient(tool.position_m.head<2>()).dot(out.hand_n.head<2>());

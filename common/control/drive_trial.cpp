@@ -98,7 +98,7 @@ Vec3 DriveTrial::step(const robot::JointReading& reading) noexcept {
   const Vec3 hold =
       law.position * (start_m_ - joints_.joints_m()) - law.velocity * joints_.joint_velocity_m_per_s();
   const Vec3 weight_n = robot::gravity_force(model_, kinematics_, joints_.state());
-  const Vec3 currents_a = joints_.currents(hold + to_acceleration * shaking_n(), weight_n);
+  Vec3 currents_a = joints_.currents(hold + to_acceleration * shaking_n(), weight_n);
   if (steps_++ >= settle_steps_) {
     samples_.push_back({reading.joints_m,
                         to_acceleration * (model_.motor.force_constant_n_per_a * currents_a), reading.valid});
