@@ -37,8 +37,8 @@ KinematicState SlaveNode::observe(const robot::JointReading& joints) noexcept {
   if (!located_ && joints.valid) joints_.reset(joints.joints_m);
   if (!joints_.observe(joints)) return selector_.reference();
   const robot::DeltaState& pose = joints_.state();
-  const KinematicState tool{.position_m = model_.in_workpiece(pose.tool_m),
-                            .velocity_m_per_s = pose.tool_velocity_m_per_s};
+  KinematicState tool{.position_m = model_.in_workpiece(pose.tool_m),
+                      .velocity_m_per_s = pose.tool_velocity_m_per_s};
   if (!located_ && joints.valid) {
     selector_.rest_at(tool.position_m);
     located_ = true;

@@ -118,7 +118,7 @@ void Station::begin(const Job& job) {
 JobExecutorOutputs Station::step(bool stop) noexcept {
   const auto true_tool_m = machine_.true_tool_m();
   const auto true_velocity = machine_.true_tool_velocity_m_per_s();
-  const JobExecutorOutputs out = executor_->step(machine_.read(), stop);
+  JobExecutorOutputs out = executor_->step(machine_.read(), stop);
   const double laser_w = beam_.emit(out.laser_w, out.pilot);
   machine_.write(out.currents_a);
   machine_.advance();
@@ -139,7 +139,7 @@ void Station::release() noexcept {
 
 nlohmann::ordered_json Station::report(const std::filesystem::path& folder,
                                        const LoopStatistics& loop) const {
-  const auto result = report_work(folder, *job_, work_);
+  auto result = report_work(folder, *job_, work_);
   write_json(folder / "timing.json",
              nlohmann::ordered_json{{"time_s", static_cast<double>(loop.steps) / loop.rate_hz},
                                     {"rate_hz", loop.rate_hz},
