@@ -136,7 +136,9 @@ std::optional<CommandBlock> CommandStream::step(std::int64_t now_ns, Tick tick,
   observed_.innovation_m = observer_.innovation_m();
   observed_.delay_s = observer_.delay_s();
 
-  const bool button = master.button && engagement_.engaged() && observed_.aligned;
+  const double error_m = (observed_.slave.position_m - source.position_m).norm();
+  const bool button =
+      master.button && engagement_.engaged() && observed_.aligned && error_m < settings_.max_button_error_m;
   if (!packets_.add(accelerations ? u : source.position_m, button)) return std::nullopt;
   return finish_block(now_ns, master);
 }

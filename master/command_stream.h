@@ -23,6 +23,9 @@ struct CommandStreamSettings : LawSettings {
   int ticks_per_sample = 1;
   Vec3 wrong_position_m = Vec3::Zero();  ///< by which the first idea of the slave is wrong, for trials
   Vec3 wrong_velocity_m_per_s = Vec3::Zero();
+  /// The button is passed on only where the slave is expected nearer than this to the master's motion: a
+  /// slave that follows its stream closely does not know that the stream itself is still behind.
+  double max_button_error_m = 50e-6;
   control::BumplessTransferSettings approach{.rate_rad_per_s = 40.0, .max_acceleration_m_per_s2 = 5.0};
 };
 

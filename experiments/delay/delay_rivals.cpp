@@ -106,7 +106,8 @@ std::string word_of(master::MakeEstimator estimator) {
   return std::string(master::kEstimators.word(estimator));
 }
 std::string law_of(const Rival& rival) {
-  if (rival.bare == BareAccelerations::kObeyed) return word_of(rival.law);
+  if (rival.law != Law::kRemoteAcceleration || rival.bare == BareAccelerations::kObeyed)
+    return word_of(rival.law);
   return word_of(rival.law) + ", " + std::string(slave::kBareAccelerations.word(rival.bare));
 }
 bool same(const Rival& a, const Rival& b) {

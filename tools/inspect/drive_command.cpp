@@ -172,8 +172,9 @@ int run_drive(const DriveOptions& o) {
       control::estimate_drive_delay(trial.samples(), model.friction, 1.0 / o.control_hz, trial.highest_hz());
   if (!delay) {
     throw hardware_error(
-        fmt::format("drive = {}: its delay cannot be told: {}; take more --force-n or --duration-s, and "
-                    "check masses, signs and force constant of {}",
+        fmt::format("drive = {}: its delay cannot be told: {}; take more --force-n or --duration-s, or "
+                    "a lower --control-hz if it is older than some periods, and check masses, signs and "
+                    "force constant of {}",
                     o.machine.drive, delay.error(), model.name));
   }
   const Json json = json_of(o, model, trial, *delay);
