@@ -119,6 +119,13 @@ std::optional<CommandBlock> CommandStream::step(std::int64_t now_ns, Tick tick,
     return std::nullopt;
   }
   const auto index = static_cast<std::int64_t>(tick / static_cast<Tick>(settings_.ticks_per_sample));
+  if (next_index_ >= 0 && index != next_index_) {
+    // Samples were left out (the robot had no pose): what is filled and the copies do not lead up to this
+    // one.
+    packets_.abandon();
+    engagement_.forget_blocks();
+  }
+  next_index_ = index + 1;
   if (packets_.at_beginning()) begin_block(index, master);
 
   const KinematicState source = scaled(master.tool, beta_);

@@ -85,6 +85,7 @@ class CommandStream {
   double beta_ = 1.0;           ///< changes where blocks begin only
   KinematicState model_;        ///< the commands' integral: the reference of a slave that follows the anchors
   KinematicState block_model_;  ///< where the block began
+  std::int64_t next_index_ = -1;  ///< after the last sample; negative: none yet
   KinematicState commanded_;  ///< prediction with the command that acts on it, for the ticks between samples
 };
 

@@ -4,18 +4,13 @@
 namespace telekerf::streaming {
 namespace {
 
-/// Blocks: a copy that is older leads the tool, but does not light the beam. Where the master's model was
-/// placed anew meanwhile, its positions, integrated back from the newest anchor, are not the ones that were
-/// meant.
-constexpr int kOldestButton = 1;
-
 StreamSample sample_of(const PacketSamples& samples, std::int64_t index, const CommandHeader& header,
                        std::uint32_t generation) noexcept {
   const int age = samples.age(index);
   StreamSample sample;
   sample.law = header.law;
   sample.block = header.sequence - static_cast<std::uint32_t>(age);
-  sample.button = age <= kOldestButton && samples.button(index);
+  sample.button = samples.button(index);
   sample.engaged = age == 0 ? header.engaged : age <= 7 && ((header.engaged_before >> (age - 1)) & 1U) != 0;
   sample.generation = generation;
   (header.law == Law::kLocal ? sample.value : sample.acceleration_m_per_s2) = samples.at(index);

@@ -31,6 +31,8 @@ class Packetizer {
   /// Before a block's first sample, which has the stream index `index`. `anchor`: the state there, as the
   /// wire carries it.
   void begin(std::int64_t index, const Anchor& anchor) noexcept;
+  /// What is filled of the block is never sent: its samples would not follow each other.
+  void abandon() noexcept { filled_ = 0; }
   /// True: the block is full, pack() is due.
   bool add(const Vec3& sample, bool button) noexcept;
   /// All that any stream's block says: number, epoch, time, anchor, samples. False: the samples cannot be

@@ -51,6 +51,20 @@ TEST_F(CommandStreamTest, EachBlockSaysWhetherTheSlaveIsLedAndWhetherItWasInThos
   }
 }
 
+TEST_F(CommandStreamTest, AfterTicksThatWereLeftOutNothingOlderIsFollowed) {
+  master_.engaged = true;
+  for (int n = 0; n < 4; ++n) block();
+  for (int n = 0; n < 5; ++n, ++tick_)
+    EXPECT_FALSE(stream_.step(static_cast<std::int64_t>(tick_) * 1'000'000, tick_, master_));
+  tick_ += 306;
+  const Tick first = tick_;
+  const CommandBlock after = block();
+  EXPECT_EQ(after.first_tick, first) << "the five samples of before do not lead up to it";
+  EXPECT_TRUE(after.engaged);
+  EXPECT_EQ(after.engaged_before, 0u) << "its copies are not of the ticks before it";
+  EXPECT_EQ(block().engaged_before, 1u);
+}
+
 /// States that all came, or all but the last so many before the newest.
 void tell_states(CommandStream& stream, std::uint32_t& number, int missing) {
   streaming::Feedback feedback;
