@@ -2,6 +2,7 @@
 #include "slave/slave_node.h"
 
 #include <cmath>
+#include <utility>
 
 namespace telekerf::slave {
 namespace {
@@ -10,6 +11,14 @@ constexpr double kSettled_m = 2e-6;
 
 std::int64_t period_ns(const SlaveSettings& settings) noexcept {
   return std::llround(1e9 / settings.control_hz);
+}
+
+laser::InterlockSettings limits_of(const robot::RobotModel& model, const SlaveSettings& settings) noexcept {
+  laser::InterlockSettings limits = settings.interlock;
+  limits.workspace_radius_m = model.workspace.radius_m;
+  limits.max_speed_m_per_s = model.limits.velocity_m_per_s;
+  limits.max_power_w = settings.laser_w;
+  return limits;
 }
 
 }  // namespace
@@ -27,6 +36,7 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
                  .max_acceleration_m_per_s2 = model.limits.acceleration_m_per_s2,
                  .control_period_ns = period_ns(settings)}),
       selector_(model, settings.transfer, dt_s_, settings.bare_accelerations),
+      interlock_(limits_of(model, settings), period_ns(settings)),
       report_({.positions = settings.feedback,
                .forces = settings.force,
                .ticks_per_sample = static_cast<int>(std::lround(settings.control_hz / settings.stream_hz)),
@@ -54,22 +64,36 @@ Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool) cons
   return joints_.state().joint_acceleration(control::limited(wanted, model_.limits.acceleration_m_per_s2));
 }
 
-Interlock SlaveNode::interlock(const SlaveInputs& inputs, const Selected& selected,
-                               const KinematicState& tool) const noexcept {
+laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Selected& selected,
+                                         const KinematicState& tool) const noexcept {
   const Corridor* corridor = inputs.corridor;
   const Vec2 place = tool.position_m.head<2>();
-  return laser::evaluate_interlock(
-      {.stopped = selector_.mode() == SlaveMode::kStopped,
-       .contour_known =
-           corridor != nullptr && commands_.heard() && commands_.header().contour_id == corridor->contour_id,
-       .engaged = selector_.mode() == SlaveMode::kFollowing,
-       .fresh = selected.following && joints_.posed() && inputs.joints.valid,
-       .inside_workspace = place.norm() <= model_.workspace.radius_m,
-       .contour_distance_m = corridor == nullptr ? 1.0 : corridor->contour.find(place).distance_m,
-       .speed_m_per_s = tool.velocity_m_per_s.norm(),
-       .tracking_error_m = (tool.position_m - selected.source_m).norm(),
-       .offset_m = selector_.offset_m()},
-      settings_.interlock);
+  const bool known =
+      corridor != nullptr && commands_.heard() && commands_.header().contour_id == corridor->contour_id;
+  const double distance_m = corridor == nullptr ? laser::kAbsent : corridor->contour.find(place).distance_m;
+  return {.stopped = selector_.mode() == SlaveMode::kStopped,
+          .fault = false,
+          .contour_known = known,
+          .engaged = selector_.mode() == SlaveMode::kFollowing,
+          .armed = true,
+          .button_armed = true,
+          .fresh = selected.following && joints_.posed() && inputs.joints.valid,
+          .unlit = true,
+          .on_time = true,
+          .emission_agrees = true,
+          .monitor_agrees = true,
+          .command_age_s = 0.0,
+          .radius_m = place.norm(),
+          .height_m = std::abs(tool.position_m.z()),
+          .contour_distance_m = distance_m,
+          .arc_gap_m = 0.0,
+          .predicted_distance_m = 0.0,
+          .speed_m_per_s = tool.velocity_m_per_s.norm(),
+          .tracking_error_m = (tool.position_m - selected.source_m).norm(),
+          .offset_m = selector_.offset_m(),
+          .power_w = settings_.laser_w,
+          .dose_j = 0.0,
+          .area_dose_j_per_mm2 = 0.0};
 }
 
 SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept {
@@ -84,8 +108,11 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   if (joints_.posed()) out.force_n = joints_.reaction_force_n();
   out.currents_a = joints_.currents(track(selected, tool));
 
-  out.interlock = interlock(inputs, selected, tool);
-  out.laser_w = out.interlock == Interlock::kReady && selected.button ? settings_.laser_w : 0.0;
+  auto [judgement, permit] = interlock_.decide(now_ns, judged(inputs, selected, tool));
+  out.interlock = judgement.reason();
+  out.forbidden = judgement.forbidden;
+  out.permit = std::move(permit);
+  out.laser_w = judgement.permits() && selected.button ? settings_.laser_w : 0.0;
   out.mode = selector_.mode();
   out.settled = selected.following && selector_.offset_m() < kSettled_m;
   out.applied_tick = selected.applied_tick;

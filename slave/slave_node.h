@@ -33,7 +33,7 @@ struct SlaveSettings {
   codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};
   streaming::PlayoutSettings playout;
   control::BumplessTransferSettings transfer{.rate_rad_per_s = 200.0, .max_acceleration_m_per_s2 = 5.0};
-  laser::InterlockSettings interlock;
+  laser::InterlockSettings interlock;  ///< what is the robot's and the work's in it is filled in by the node
 };
 
 /// The contour as the interlock needs it; built outside the loop.
@@ -56,6 +56,8 @@ struct SlaveCounters : streaming::StreamCounters, StateReportCounters {
 struct SlaveOutputs {
   Vec3 currents_a = Vec3::Zero();
   double laser_w = 0.0;
+  laser::Permit permit;                                    ///< for laser_w
+  std::uint32_t forbidden = laser::Judgement{}.forbidden;  ///< bit n: guard n of laser::kGuards
   std::optional<StateBlock> state;
   SlaveMode mode = SlaveMode::kWaiting;
   Interlock interlock = Interlock::kNoContour;
@@ -93,8 +95,8 @@ class SlaveNode {
   KinematicState observe(const robot::JointReading& joints) noexcept;
   /// Joint accelerations by the tracking law.
   Vec3 track(const Selected& selected, const KinematicState& tool) const noexcept;
-  Interlock interlock(const SlaveInputs& inputs, const Selected& selected,
-                      const KinematicState& tool) const noexcept;
+  laser::InterlockInputs judged(const SlaveInputs& inputs, const Selected& selected,
+                                const KinematicState& tool) const noexcept;
 
   robot::RobotModel model_;
   SlaveSettings settings_;
@@ -107,6 +109,7 @@ class SlaveNode {
 
   streaming::CommandReceiver commands_;
   ReferenceSelector selector_;
+  laser::BeamInterlock interlock_;
   StateReport report_;
 };
 

@@ -114,7 +114,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.corridor = corridor;
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
-  out.laser_w = beam_.emit(out.laser_w, false);
+  out.laser_w = beam_.emit(std::move(out.permit), now_ns, out.laser_w, false);
   machine_.write(out.currents_a);
   recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick, out.reference.position_m,
                   true_tool_m.value_or(out.tool_m), out.laser_w, static_cast<int>(out.interlock), out.settled,
@@ -150,6 +150,7 @@ void Station::report(RunRecord& record) const {
   f["playout_corrections"] = static_cast<double>(node_.playout().corrections());
   f["playout_ms"] = node_.playout().wait_s() * 1e3;
   f["laser_clipped"] = static_cast<double>(beam_.clipped());
+  f["laser_unpermitted"] = static_cast<double>(beam_.unpermitted());
   f["laser_untold"] = static_cast<double>(beam_.write_failures());
   f["readings_missed"] = static_cast<double>(machine_.readings_missed());
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());

@@ -143,7 +143,7 @@ bool to_wire(const StateBlock& value, std::uint16_t contract, wire::StateBlock& 
 
 Verdict from_wire(const wire::StateBlock& wire, std::uint16_t contract, StateBlock& value) {
   if (const Verdict verdict = judged(wire, contract); verdict != Verdict::kGood) return verdict;
-  if (wire.interlock() > static_cast<std::uint8_t>(Interlock::kStopped)) return Verdict::kDamaged;
+  if (wire.interlock() > static_cast<std::uint8_t>(kLastInterlock)) return Verdict::kDamaged;
   value.interlock = static_cast<Interlock>(wire.interlock());
   value.laser_on = wire.laser_on() != 0;
   value.master_epoch = wire.master_epoch();

@@ -56,9 +56,21 @@ enum class Interlock : std::uint8_t {
   kStale,
   kOutsideWorkspace,
   kOutsideCorridor,
-  kTracking,  ///< tool too far from its reference
-  kStopped,   ///< latched emergency stop
+  kTracking,   ///< tool too far from its reference
+  kStopped,    ///< latched emergency stop
+  kHeight,     ///< too far above or below the workpiece
+  kSpeed,      ///< slower than the beam may be on, or faster than the robot's limit
+  kDose,       ///< the place has got all the energy that it may
+  kPower,      ///< more power than the work may have
+  kPredicted,  ///< could leave the corridor within the reaction time
+  kFault,      ///< a fault is latched
+  kAge,        ///< the commands that arrive are too old
+  kNotArmed,   ///< not engaged anew, or the button not let go, since the last stop, outage or start
+  kMonitor,    ///< the second judgement forbids
+  kArc,        ///< beside another part of the contour than expected
+  kLate,       ///< a control step came late
 };
+inline constexpr Interlock kLastInterlock = Interlock::kLate;
 
 /// What a state block says beside its samples.
 struct StateHeader {

@@ -2,44 +2,60 @@
 // May the beam be on? Laser off is the answer to every doubt; the first reason that forbids it is said aloud.
 #pragma once
 
-#include "common/geometry/corridor.h"
-#include "common/protocol/messages.h"
+#include <bit>
+#include <cstdint>
+
+#include "slave/laser/guards.h"
+#include "slave/laser/permit.h"
 
 namespace telekerf::laser {
 
-struct InterlockSettings {
-  double corridor_m = geometry::kCorridorHalfWidth_m;
-  double reaction_s = 0.003;            ///< the beam may run on this long after the decision
-  double measurement_m = 20e-6;         ///< allowance for what the sensors do not see
-  double max_tracking_error_m = 50e-6;  ///< tool to where the master wants it, at the tick that is applied
-  double max_offset_m = 2e-6;  ///< left of the way back to the master's motion, after an approach or a gap
+/// Bit n: guard n of kGuards forbids.
+struct Judgement {
+  std::uint32_t forbidden = (std::uint64_t{1} << kGuardCount) - 1;
+  bool permits() const noexcept { return forbidden == 0; }
+  /// The first that forbids; ready: none does, and the button decides.
+  Interlock reason() const noexcept {
+    return permits() ? Interlock::kReady
+                     : kGuards[static_cast<std::size_t>(std::countr_zero(forbidden))].reason;
+  }
 };
 
-struct InterlockInputs {
-  bool stopped = false;
-  bool contour_known = false;  ///< and the same one that the master works on
-  bool engaged = false;
-  bool fresh = false;  ///< the sample being applied really came, and recently
-  bool inside_workspace = false;
-  double contour_distance_m = 0.0;  ///< measured tool to the contour, in plane
-  double speed_m_per_s = 0.0;
-  double tracking_error_m = 0.0;
-  double offset_m = 0.0;
-};
-
-/// Pure judgement, made anew at every control step.
-inline Interlock evaluate_interlock(const InterlockInputs& now, const InterlockSettings& settings) noexcept {
-  if (now.stopped) return Interlock::kStopped;
-  if (!now.contour_known) return Interlock::kNoContour;
-  if (!now.engaged) return Interlock::kNotEngaged;
-  if (!now.fresh) return Interlock::kStale;
-  if (!now.inside_workspace) return Interlock::kOutsideWorkspace;
-  const double reach_m = now.speed_m_per_s * settings.reaction_s + settings.measurement_m;
-  // Written so that a NaN forbids.
-  if (!(now.contour_distance_m + reach_m < settings.corridor_m)) return Interlock::kOutsideCorridor;
-  if (!(now.offset_m < settings.max_offset_m)) return Interlock::kTracking;
-  if (!(now.tracking_error_m < settings.max_tracking_error_m)) return Interlock::kTracking;
-  return Interlock::kReady;
+/// Pure judgement, made anew at every control step: all guards must hold.
+inline Judgement evaluate_interlock(const InterlockInputs& now, const InterlockSettings& settings) noexcept {
+  Judgement judgement{0};
+  for (std::size_t n = 0; n < kGuardCount; ++n) {
+    const bool holds = kGuards[n].limits(settings).hold(kGuards[n].value(now, settings));
+    judgement.forbidden |= std::uint32_t{!holds} << n;
+  }
+  return judgement;
 }
+
+/// The only maker of permits.
+class BeamInterlock {
+ public:
+  /// `period_ns`: of the control steps, at each of which decide() is called once.
+  BeamInterlock(const InterlockSettings& settings, std::int64_t period_ns) noexcept
+      : settings_(settings), period_ns_(period_ns) {}
+
+  struct Decision {
+    Judgement judgement;
+    Permit permit;  ///< permits nothing unless the judgement does
+  };
+  Decision decide(std::int64_t now_ns, const InterlockInputs& now) noexcept {
+    ++tick_;
+    Decision decision{evaluate_interlock(now, settings_), {}};
+    if (decision.judgement.permits())
+      decision.permit = Permit(tick_, now_ns, now_ns + kPermitPeriods * period_ns_, now.power_w);
+    return decision;
+  }
+  const InterlockSettings& settings() const noexcept { return settings_; }
+
+ private:
+  static constexpr std::int64_t kPermitPeriods = 2;
+  InterlockSettings settings_;
+  std::int64_t period_ns_;
+  std::uint64_t tick_ = 0;
+};
 
 }  // namespace telekerf::laser

@@ -50,12 +50,23 @@ LaserOutput::LaserOutput(const LaserOutputSettings& settings, double laser_w, do
   off();
 }
 
-double LaserOutput::emit(double power_w, bool pilot) noexcept {
+double LaserOutput::emit(Permit permit, std::int64_t now_ns, double power_w, bool pilot) noexcept {
   if (!std::isfinite(power_w) || power_w < 0.0) power_w = 0.0;
+  const bool permitted = permit.tick() > used_tick_ && permit.covers(now_ns);
+  if (permitted) used_tick_ = permit.tick();
+  const double most_w = permitted ? permit.max_w() : 0.0;
+  if (power_w > most_w) {
+    power_w = most_w;
+    ++unpermitted_;
+  }
   if (power_w > max_w_) {
     power_w = max_w_;
     ++clipped_;
   }
+  return tell(power_w, pilot);
+}
+
+double LaserOutput::tell(double power_w, bool pilot) noexcept {
   if (failed_) power_w = 0.0;
   if (laser_->emit(power_w, pilot && !failed_)) {
     doubts_ = std::max(0.0, doubts_ - forgotten_a_step_);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "slave/laser/laser.h"
+#include "slave/laser/permit.h"
 
 namespace telekerf {
 class Settings;
@@ -36,14 +37,17 @@ class LaserOutput {
   LaserOutput(const LaserOutput&) = delete;
   LaserOutput& operator=(const LaserOutput&) = delete;
 
-  /// Every control step. Returns the power that the laser is given: clipped to `laser_max_w`, and none if it
-  /// is negative or not finite.
-  double emit(double power_w, bool pilot) noexcept;
-  /// After the last step.
-  void off() noexcept { (void)emit(0.0, false); }
+  /// Every control step. Returns the power that the laser is given: at most what was permitted, clipped to
+  /// `laser_max_w`, and none if it is negative or not finite, or if the permit does not cover `now_ns` or one
+  /// as new was used before. The pilot beam needs none.
+  double emit(Permit permit, std::int64_t now_ns, double power_w, bool pilot) noexcept;
+  /// Beam and pilot: without a judgement, and after the last step.
+  void off() noexcept { (void)tell(0.0, false); }
 
   /// Steps in which more than `laser_max_w` was asked for.
   std::uint64_t clipped() const noexcept { return clipped_; }
+  /// Steps in which power was asked for without a permit.
+  std::uint64_t unpermitted() const noexcept { return unpermitted_; }
   /// Steps in which the laser was not told, as far as is known.
   std::uint64_t write_failures() const noexcept { return write_failures_; }
 
@@ -53,11 +57,15 @@ class LaserOutput {
   std::string failure() const;
 
  private:
+  double tell(double power_w, bool pilot) noexcept;
+
   std::string name_;
   double max_w_;
   double forgotten_a_step_;
   std::unique_ptr<Laser> laser_;
+  std::uint64_t used_tick_ = 0;  ///< of the newest permit that was used
   std::uint64_t clipped_ = 0;
+  std::uint64_t unpermitted_ = 0;
   std::uint64_t write_failures_ = 0;
   double doubts_ = 0.0;  ///< steps write_failures, less what was forgotten of them since
   bool failed_ = false;

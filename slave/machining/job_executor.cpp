@@ -2,8 +2,25 @@
 #include "slave/machining/job_executor.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace telekerf::machining {
+namespace {
+
+constexpr double kMaxPower =
+    1.25 * 1.5;  ///< of laser_w: beside a corner (EvenBurn), times faster than planned
+
+laser::InterlockSettings limits_of(const robot::RobotModel& model,
+                                   const JobExecutorSettings& settings) noexcept {
+  laser::InterlockSettings limits = settings.interlock;
+  limits.workspace_radius_m = model.workspace.radius_m;
+  limits.max_speed_m_per_s = model.limits.velocity_m_per_s;
+  limits.max_power_w = kMaxPower * settings.laser_w;
+  return limits;
+}
+
+}  // namespace
 
 JobExecutor::JobExecutor(const robot::RobotModel& nominal, const Job& job,
                          const JobExecutorSettings& settings)
@@ -12,7 +29,8 @@ JobExecutor::JobExecutor(const robot::RobotModel& nominal, const Job& job,
       controllers_{make_controller(settings.controller, false, settings.follower),
                    make_controller(settings.controller, true, settings.follower)},
       settings_(settings),
-      workspace_radius_m_(nominal.workspace.radius_m),
+      period_ns_(std::llround(1e9 / settings.follower.control_hz)),
+      interlock_(limits_of(nominal, settings), period_ns_),
       follower_(nominal, joint_settings(settings.controller, settings.follower), controllers_[0],
                 model_use(settings.controller, settings.follower)),
       hold_({Reference{}}) {
@@ -43,18 +61,35 @@ JobExecutorOutputs JobExecutor::step(const robot::JointReading& reading, bool st
   out.reference_m = reference.position_m;
   out.tick = tick_;
   out.phase = job_.phases[tick_];
-  out.interlock = laser::evaluate_interlock(
-      {.stopped = stopped_,
-       .contour_known = true,
-       .engaged = out.phase == JobPhase::kCut,
-       .fresh = reading.valid,
-       .inside_workspace = out.tool_m.head<2>().norm() <= workspace_radius_m_,
-       .contour_distance_m = corridors_[contour_].find(out.tool_m.head<2>()).distance_m,
-       .speed_m_per_s = reference.speed_m_per_s,
-       .tracking_error_m = (out.tool_m - reference.position_m).norm()},
-      settings_.interlock);
-  if (out.interlock == Interlock::kReady && reference.beam)
-    out.laser_w = settings_.laser_w * follower_.beam_power(reference);
+  const double power_w = reference.beam ? settings_.laser_w * follower_.beam_power(reference) : 0.0;
+  out.time_ns = ++steps_ * period_ns_;
+  auto [judgement, permit] = interlock_.decide(
+      out.time_ns, {.stopped = stopped_,
+                    .fault = false,
+                    .contour_known = true,
+                    .engaged = out.phase == JobPhase::kCut,
+                    .armed = true,
+                    .button_armed = true,
+                    .fresh = reading.valid,
+                    .unlit = true,
+                    .on_time = true,
+                    .emission_agrees = true,
+                    .monitor_agrees = true,
+                    .command_age_s = 0.0,
+                    .radius_m = out.tool_m.head<2>().norm(),
+                    .height_m = std::abs(out.tool_m.z()),
+                    .contour_distance_m = corridors_[contour_].find(out.tool_m.head<2>()).distance_m,
+                    .arc_gap_m = 0.0,
+                    .predicted_distance_m = 0.0,
+                    .speed_m_per_s = std::max(out.tool_velocity_m_per_s.norm(), reference.speed_m_per_s),
+                    .tracking_error_m = (out.tool_m - reference.position_m).norm(),
+                    .offset_m = 0.0,
+                    .power_w = power_w,
+                    .dose_j = 0.0,
+                    .area_dose_j_per_mm2 = 0.0});
+  out.interlock = judgement.reason();
+  out.permit = std::move(permit);
+  if (judgement.permits()) out.laser_w = power_w;
   out.pilot = out.phase == JobPhase::kFraming && reading.valid && !stopped_;
   out.progress = static_cast<double>(tick_) / static_cast<double>(std::max<std::size_t>(last, 1));
   out.done = tick_ == last;

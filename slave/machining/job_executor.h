@@ -22,7 +22,9 @@ struct JobExecutorSettings {
 struct JobExecutorOutputs {
   Vec3 currents_a = Vec3::Zero();
   double laser_w = 0.0;
-  bool pilot = false;  ///< the visible beam that shows where the work will be
+  laser::Permit permit;      ///< for laser_w
+  std::int64_t time_ns = 0;  ///< of the steps made, by which the permit was made
+  bool pilot = false;        ///< the visible beam that shows where the work will be
   JobPhase phase = JobPhase::kApproach;
   Interlock interlock = Interlock::kNoContour;
   std::size_t tick = 0;   ///< of the job's trajectory
@@ -52,9 +54,11 @@ class JobExecutor {
   std::vector<geometry::NearestIndex> corridors_;  ///< of the job's lines
   std::array<Controller, 2> controllers_;          ///< for open lines, for closed ones
   JobExecutorSettings settings_;
-  double workspace_radius_m_;
+  std::int64_t period_ns_;
+  laser::BeamInterlock interlock_;
   PathFollower follower_;
   Trajectory hold_;  ///< one point: where the tool is held after a stop
+  std::int64_t steps_ = 0;
   std::size_t tick_ = 0;
   std::size_t contour_ = 0;
   bool stopped_ = false;

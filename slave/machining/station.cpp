@@ -119,7 +119,7 @@ JobExecutorOutputs Station::step(bool stop) noexcept {
   const auto true_tool_m = machine_.true_tool_m();
   const auto true_velocity = machine_.true_tool_velocity_m_per_s();
   JobExecutorOutputs out = executor_->step(machine_.read(), stop);
-  const double laser_w = beam_.emit(out.laser_w, out.pilot);
+  const double laser_w = beam_.emit(std::move(out.permit), out.time_ns, out.laser_w, out.pilot);
   machine_.write(out.currents_a);
   machine_.advance();
   const Vec3 velocity = true_velocity.value_or(out.tool_velocity_m_per_s);

@@ -119,7 +119,7 @@ TEST(WireBounds, TheLastOfEachEnumerationIsTakenAndTheNextIsDamage) {
     StateBlock block;
     return from_wire(wire, kContract, block);
   };
-  const auto last_interlock = static_cast<std::uint8_t>(Interlock::kStopped);
+  const auto last_interlock = static_cast<std::uint8_t>(kLastInterlock);
   EXPECT_EQ(state(last_interlock), Verdict::kGood);
   EXPECT_EQ(state(last_interlock + 1), Verdict::kDamaged);
   EXPECT_EQ(state(0, std::numeric_limits<float>::quiet_NaN()), Verdict::kDamaged);

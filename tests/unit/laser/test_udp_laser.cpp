@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// The laser behind a UDP address: what it is told, and what one at the other end makes of it.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "slave/laser/laser_output.h"
+#include "tests/unit/allocations.h"
+#include "tests/unit/laser/laser_device.h"
+#include "tests/unit/laser/permits.h"
+
+namespace telekerf::laser {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
+  EXPECT_EQ(UdpPower{}.magic, 0x4c554b54u);
+  EXPECT_EQ(UdpPower{}.version, 1u);
+  EXPECT_EQ(UdpPower{}.sequence, 0u);
+  EXPECT_EQ(UdpPower{}.power_w, 0.0);
+  EXPECT_EQ(UdpPower{}.period_ns, 0u);
+  EXPECT_EQ(UdpPower{}.pilot, 0u);
+  LaserSocket socket;
+  UdpLaser laser(socket.address(), 2400.0);
+  std::uint64_t sequence = 0;
+  while (const auto arrival = socket.take()) {
+    EXPECT_EQ(arrival->told.power_w, 0.0) << "off at first";
+    EXPECT_GT(arrival->told.sequence, sequence);
+    sequence = arrival->told.sequence;
+  }
+  EXPECT_EQ(sequence, 2u) << "a second time, to hear what became of the first";
+  const auto before = testing::allocations();
+  bool told = true;
+  for (int n = 0; n < 100; ++n) told = laser.emit(0.1 * n, n % 2 == 1) && told;
+  EXPECT_EQ(testing::allocations(), before);
+  EXPECT_TRUE(told);
+  for (int n = 0; n < 100; ++n) {
+    const auto arrival = socket.take();
+    ASSERT_TRUE(arrival.has_value()) << n;
+    EXPECT_EQ(arrival->size, 32u);
+    EXPECT_EQ(arrival->told.magic, UdpPower::kMagic);
+    EXPECT_EQ(arrival->told.version, 1u);
+    EXPECT_EQ(arrival->told.sequence, ++sequence);
+    EXPECT_EQ(arrival->told.power_w, 0.1 * n);
+    EXPECT_EQ(arrival->told.pilot, n % 2);
+    EXPECT_EQ(arrival->told.period_ns, 416667u);
+  }
+}
+
+TEST(UdpLaser, WhereNobodyListensIsRefused) {
+  std::string laser;
+  {
+    const LaserSocket closed;
+    laser = closed.laser();
+  }
+  EXPECT_EQ(
+      refusal_of(named(laser), 10.0),
+      "laser = " + laser + ": Connection refused; is the laser switched on, connected, and its port right?");
+}
+
+TEST(UdpLaser, ThatGoesAwayIsLost) {
+  auto socket = std::make_unique<LaserSocket>();
+  Permitted beam(named(socket->laser()), 10.0, 1000.0);
+  for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
+  EXPECT_EQ(beam.output.write_failures(), 0u);
+  socket.reset();
+  for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
+  EXPECT_TRUE(beam.output.failed());
+}
+
+TEST(UdpLaser, IsToldAnewInTheSameStepWhenTheDatagramBeforeFailed) {
+  auto socket = std::make_unique<LaserSocket>();
+  const unsigned short port = socket->address().port;
+  UdpLaser laser(socket->address(), 1000.0);
+  socket.reset();
+  EXPECT_TRUE(laser.emit(1.0, false)) << "nobody has answered yet";
+  LaserSocket again(port);
+  EXPECT_FALSE(laser.emit(2.0, true));
+  const auto arrival = again.take();
+  ASSERT_TRUE(arrival.has_value());
+  EXPECT_EQ(arrival->told.power_w, 2.0);
+  EXPECT_EQ(arrival->told.pilot, 1u);
+  EXPECT_TRUE(laser.emit(3.0, false));
+}
+
+TEST(UdpLaser, MayBeSilentForThreeMillisecondsOrTwoPeriods) {
+  for (const auto& [period_ns, silence_ns] : {std::pair{0U, 3'000'000},
+                                              {1'000'000U, 3'000'000},
+                                              {1'500'000U, 3'000'000},
+                                              {1'500'001U, 3'000'002},
+                                              {5'000'000U, 10'000'000}}) {
+    EXPECT_EQ(udp_silence_ns(period_ns), silence_ns) << period_ns;
+  }
+  EXPECT_EQ(udp_silence_ns(4'000'000'000U), 8'000'000'000) << "beyond 32 bits";
+}
+
+constexpr std::int64_t kMs = 1'000'000;
+
+class Device : public ::testing::Test {
+ protected:
+  bool tell(std::uint64_t sequence, double power_w, unsigned short from = 1) {
+    UdpPower told;
+    told.sequence = sequence;
+    told.power_w = power_w;
+    told.period_ns = period_ns;
+    return device.hear(told, sizeof(told), {boost::asio::ip::address_v4::loopback(), from}, now_ns);
+  }
+  double power_w() const { return device.power_w(now_ns); }
+
+  LaserDevice device{20.0};
+  std::uint32_t period_ns = kMs;
+  std::int64_t now_ns = 0;
+};
+
+TEST_F(Device, IsOffAfterSilence) {
+  EXPECT_EQ(power_w(), 0.0);
+  EXPECT_TRUE(tell(1, 0.0));
+  EXPECT_TRUE(tell(2, 8.0));
+  EXPECT_EQ(power_w(), 8.0);
+  now_ns += 3 * kMs - 1;
+  EXPECT_EQ(power_w(), 8.0);
+  ++now_ns;
+  EXPECT_EQ(power_w(), 0.0);
+  EXPECT_TRUE(tell(3, 8.0)) << "the same controller was only late";
+  EXPECT_EQ(power_w(), 8.0);
+  period_ns = 5 * kMs;
+  EXPECT_TRUE(tell(4, 8.0));
+  now_ns += 9 * kMs;
+  EXPECT_EQ(power_w(), 8.0);
+  now_ns += kMs;
+  EXPECT_EQ(power_w(), 0.0);
+}
+
+TEST_F(Device, IsNotKeptOnByAnOldDatagram) {
+  tell(1, 0.0);
+  tell(5, 8.0);
+  for (int n = 0; n < 3; ++n, now_ns += kMs) EXPECT_FALSE(tell(n == 0 ? 5 : 4, 8.0));
+  EXPECT_EQ(power_w(), 0.0);
+  tell(6, 0.0);
+  EXPECT_FALSE(tell(5, 8.0)) << "overtaken by the beam's end";
+  EXPECT_EQ(power_w(), 0.0);
+}
+
+TEST_F(Device, ObeysOneControllerAndANewOneOnlyFromItsFirstOff) {
+  EXPECT_FALSE(tell(1, 8.0)) << "off comes first";
+  tell(1, 0.0);
+  tell(2, 8.0);
+  EXPECT_FALSE(tell(100, 8.0, 2));
+  EXPECT_FALSE(tell(100, 0.0, 2));
+  now_ns += 500 * kMs;
+  EXPECT_FALSE(tell(100, 8.0, 2));
+  EXPECT_TRUE(tell(1, 0.0, 2));
+  EXPECT_TRUE(tell(2, 8.0, 2));
+  EXPECT_FALSE(tell(3, 8.0, 1));
+}
+
+TEST_F(Device, GivesNeverMoreThanItHasAndNothingThatIsNoPower) {
+  tell(1, 0.0);
+  tell(2, 50.0);
+  EXPECT_EQ(power_w(), 20.0);
+  for (const double wrong : {-1.0, kNan, kInfinite}) EXPECT_FALSE(tell(3, wrong)) << wrong;
+}
+
+}  // namespace
+}  // namespace telekerf::laser
