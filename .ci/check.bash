@@ -44,7 +44,7 @@ bench() {
 check_preset() { # PRESET FOLDER
   (cd "$root" && cmake --preset "$1" -B "$2") && ninja -C "$2"
 }
-check_werror() { check_preset ci "$build" && ctest --test-dir "$build" --output-on-failure -j2; }
+check_werror() { check_preset ci "$build" && TELEKERF_STATES=10000000 ctest --test-dir "$build" --output-on-failure -j2; }
 check_headers() { ninja -C "$build" all_verify_interface_header_sets; }
 check_examples() { ninja -C "$build" && ctest --test-dir "$build" --output-on-failure --no-tests=error -L examples; }
 check_fuzz() {

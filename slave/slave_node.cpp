@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/slave_node.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,7 +18,8 @@ laser::InterlockSettings limits_of(const robot::RobotModel& model, const SlaveSe
   laser::InterlockSettings limits = settings.interlock;
   limits.workspace_radius_m = model.workspace.radius_m;
   limits.max_speed_m_per_s = model.limits.velocity_m_per_s;
-  limits.max_power_w = settings.laser_w;
+  limits.min_cut_speed_m_per_s = settings.beam_power.floor_m_per_s;
+  limits.max_power_w = laser::BeamPowerSettings::kMost * settings.laser_w;
   return limits;
 }
 
@@ -37,6 +39,8 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
                  .control_period_ns = period_ns(settings)}),
       selector_(model, settings.transfer, dt_s_, settings.bare_accelerations),
       interlock_(limits_of(model, settings), period_ns(settings)),
+      cut_speed_(dt_s_),
+      dose_(model.workspace.radius_m),
       report_({.positions = settings.feedback,
                .forces = settings.force,
                .ticks_per_sample = static_cast<int>(std::lround(settings.control_hz / settings.stream_hz)),
@@ -65,35 +69,49 @@ Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool) cons
 }
 
 laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Selected& selected,
-                                         const KinematicState& tool) const noexcept {
+                                         const KinematicState& tool,
+                                         double cut_speed_m_per_s) const noexcept {
   const Corridor* corridor = inputs.corridor;
   const Vec2 place = tool.position_m.head<2>();
   const bool known =
       corridor != nullptr && commands_.heard() && commands_.header().contour_id == corridor->contour_id;
   const double distance_m = corridor == nullptr ? laser::kAbsent : corridor->contour.find(place).distance_m;
-  return {.stopped = selector_.mode() == SlaveMode::kStopped,
-          .fault = false,
-          .contour_known = known,
-          .engaged = selector_.mode() == SlaveMode::kFollowing,
-          .armed = true,
-          .button_armed = true,
-          .fresh = selected.following && joints_.posed() && inputs.joints.valid,
-          .unlit = true,
-          .on_time = true,
-          .emission_agrees = true,
-          .monitor_agrees = true,
-          .command_age_s = 0.0,
-          .radius_m = place.norm(),
-          .height_m = std::abs(tool.position_m.z()),
-          .contour_distance_m = distance_m,
-          .arc_gap_m = 0.0,
-          .predicted_distance_m = 0.0,
-          .speed_m_per_s = tool.velocity_m_per_s.norm(),
-          .tracking_error_m = (tool.position_m - selected.source_m).norm(),
-          .offset_m = selector_.offset_m(),
-          .power_w = settings_.laser_w,
-          .dose_j = 0.0,
-          .area_dose_j_per_mm2 = 0.0};
+  const double power_w = settings_.laser_w * laser::power_fraction(settings_.beam_power, cut_speed_m_per_s);
+  const laser::DoseBook::Dose dose = dose_.at(place);
+  // As long as a permit lasts.
+  const double more_j = dose.kept ? 2.0 * dt_s_ * power_w : laser::kAbsent;
+  return {
+      .stopped = selector_.mode() == SlaveMode::kStopped,
+      .fault = false,
+      .contour_known = known,
+      .engaged = selector_.mode() == SlaveMode::kFollowing,
+      .armed = true,
+      .button_armed = true,
+      .fresh = selected.following && joints_.posed() && inputs.joints.valid,
+      .unlit = true,
+      .on_time = true,
+      .emission_agrees = true,
+      .monitor_agrees = true,
+      .command_age_s = 0.0,
+      .radius_m = place.norm(),
+      .height_m = std::abs(tool.position_m.z()),
+      .contour_distance_m = distance_m,
+      .arc_gap_m = 0.0,
+      .predicted_distance_m = 0.0,
+      .speed_m_per_s = tool.velocity_m_per_s.norm(),
+      // A resting tool's noise is no speed: it must be led, too.
+      .cut_speed_m_per_s = std::min(cut_speed_m_per_s, selected.reference.velocity_m_per_s.head<2>().norm()),
+      .tracking_error_m = (tool.position_m - selected.source_m).norm(),
+      .offset_m = selector_.offset_m(),
+      .power_w = power_w,
+      .dose_j = dose.place_j + more_j,
+      .area_dose_j_per_mm2 = dose.area_j_per_mm2 + more_j};
+}
+
+void SlaveNode::book(std::int64_t now_ns) noexcept {
+  // A beam that nobody has told anything any more ends with its permit.
+  const std::int64_t lasted_ns = std::clamp(now_ns - lit_.time_ns, std::int64_t{0}, 2 * period_ns(settings_));
+  dose_.add(lit_.place_m, lit_.power_w * static_cast<double>(lasted_ns) * 1e-9);
 }
 
 SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept {
@@ -108,11 +126,14 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   if (joints_.posed()) out.force_n = joints_.reaction_force_n();
   out.currents_a = joints_.currents(track(selected, tool));
 
-  auto [judgement, permit] = interlock_.decide(now_ns, judged(inputs, selected, tool));
+  book(now_ns);
+  const laser::InterlockInputs now = judged(inputs, selected, tool, cut_speed_.step(tool.velocity_m_per_s));
+  auto [judgement, permit] = interlock_.decide(now_ns, now);
   out.interlock = judgement.reason();
   out.forbidden = judgement.forbidden;
   out.permit = std::move(permit);
-  out.laser_w = judgement.permits() && selected.button ? settings_.laser_w : 0.0;
+  out.laser_w = judgement.permits() && selected.button ? now.power_w : 0.0;
+  lit_ = {now_ns, tool.position_m.head<2>(), out.laser_w};
   out.mode = selector_.mode();
   out.settled = selected.following && selector_.offset_m() < kSettled_m;
   out.applied_tick = selected.applied_tick;

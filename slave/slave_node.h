@@ -14,6 +14,8 @@
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
 #include "common/streaming/command_receiver.h"
+#include "slave/laser/beam_power.h"
+#include "slave/laser/dose_book.h"
 #include "slave/laser/interlock.h"
 #include "slave/reference_selector.h"
 #include "slave/state_report.h"
@@ -26,7 +28,8 @@ struct SlaveSettings {
   double bandwidth_rad_s = 0.0;     ///< of the tracking law, critically damped; 0: chosen from the robot
   double observer_rad_s = 0.0;      ///< of the disturbance observer; 0: likewise (loop_design.h)
   double command_timeout_s = 0.15;  ///< no command for this long: laser off, hold
-  double laser_w = 10.0;
+  double laser_w = 10.0;            ///< at beam_power's speed
+  laser::BeamPowerSettings beam_power;
   BareAccelerations bare_accelerations = BareAccelerations::kObeyed;
   codec::StreamSettings feedback;  ///< of the positions in the state stream, m
   /// Of the force beside them, N. Codec, block, redundancy and period are the positions'.
@@ -89,6 +92,10 @@ class SlaveNode {
   SlaveCounters counters() const noexcept {
     return {commands_.counters(), report_.counters(), selector_.missed_ticks()};
   }
+  /// What the work has got so far.
+  const laser::DoseBook& dose() const noexcept { return dose_; }
+  /// Another workpiece lies there. Between two steps.
+  void new_workpiece() noexcept { dose_.clear(); }
   const streaming::PlayoutClock& playout() const noexcept { return commands_.clock(); }
 
  private:
@@ -96,7 +103,9 @@ class SlaveNode {
   /// Joint accelerations by the tracking law.
   Vec3 track(const Selected& selected, const KinematicState& tool) const noexcept;
   laser::InterlockInputs judged(const SlaveInputs& inputs, const Selected& selected,
-                                const KinematicState& tool) const noexcept;
+                                const KinematicState& tool, double cut_speed_m_per_s) const noexcept;
+  /// The energy of the step before is in the account when this one is judged.
+  void book(std::int64_t now_ns) noexcept;
 
   robot::RobotModel model_;
   SlaveSettings settings_;
@@ -110,6 +119,13 @@ class SlaveNode {
   streaming::CommandReceiver commands_;
   ReferenceSelector selector_;
   laser::BeamInterlock interlock_;
+  laser::CutSpeed cut_speed_;
+  laser::DoseBook dose_;
+  struct {
+    std::int64_t time_ns = 0;
+    Vec2 place_m = Vec2::Zero();
+    double power_w = 0.0;
+  } lit_;  ///< of the step before
   StateReport report_;
 };
 

@@ -46,7 +46,15 @@ void StationSettings::add_node_parameters(Settings& settings) {
                "no command for this long: hold, laser off");
   settings.add("bare_accelerations", node.bare_accelerations, kBareAccelerations,
                "of law remote-acceleration, what the slave makes of them");
-  settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"}, "laser power");
+  settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"},
+               "laser power at laser_speed_mm_s; it follows the tool's speed up to 1.5 times");
+  settings.add("laser_speed_mm_s", laser_speed_mm_s, {.min = 0.5, .max = 200, .unit = "mm/s"},
+               "speed of the tool that gets laser_w");
+  settings.add("dose_max_j", node.interlock.max_dose_j, {.min = 0.01, .max = 1000, .unit = "J"},
+               "energy that no place gets more of within 0.1 mm, over all passes");
+  settings.add("dose_max_j_per_mm2", node.interlock.max_area_dose_j_per_mm2,
+               {.min = 0.1, .max = 1000, .unit = "J/mm^2"},
+               "mean energy that no square millimetre gets more of, over all passes");
 }
 
 StationSettings StationSettings::validated() const {
@@ -57,6 +65,15 @@ StationSettings StationSettings::validated() const {
                                           node.control_hz, node.stream_hz));
   }
   beam.validate(node.laser_w);
+  settings.node.beam_power.speed_m_per_s = 1e-3 * laser_speed_mm_s;
+  const double pass_j = node.laser_w / settings.node.beam_power.speed_m_per_s *
+                        (2.0 * laser::DoseBook::kRadius_m + laser::DoseBook::kCell_m);
+  if (pass_j > node.interlock.max_dose_j) {
+    throw configuration_error(
+        fmt::format("laser_w = {:g} at laser_speed_mm_s = {:g} gives a place {:.2g} J in one pass, more than "
+                    "dose_max_j = {:g}; lower the power, or raise dose_max_j if the material bears it",
+                    node.laser_w, laser_speed_mm_s, pass_j, node.interlock.max_dose_j));
+  }
   settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   settings.node.feedback = codec::with_codec(settings.node.feedback, codec).validated();
   codec::StreamSettings& force = settings.node.force;

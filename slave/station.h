@@ -22,6 +22,7 @@ struct StationSettings {
   std::string robot = "slave-keops";
   robot::RobotSupervisorSettings machine;
   laser::LaserOutputSettings beam;
+  double laser_speed_mm_s = 10.0;                   ///< of the tool that gets laser_w
   codec::CodecChoice codec = codec::kDefaultCodec;  ///< of both parts of the state stream
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   std::uint64_t seed = 1;
@@ -52,6 +53,8 @@ class Station {
   void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {
     node_.change(feedback, force);
   }
+  /// See SlaveNode::new_workpiece().
+  void new_workpiece() noexcept { node_.new_workpiece(); }
   const SlaveNode& node() const { return node_; }
   const robot::RobotSupervisor& machine() const { return machine_; }
   const laser::LaserOutput& beam() const noexcept { return beam_; }

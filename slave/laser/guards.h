@@ -27,7 +27,7 @@ struct InterlockSettings {
   double max_height_m = 0.5e-3;  ///< tool above or below the workpiece's surface
   double max_arc_gap_m = 1e-3;   ///< along the contour, between where the tool is and is expected
   double beam_age_s = 0.35;      ///< of the command that is applied
-  double min_speed_m_per_s = 0.0;         ///< a slower tool burns nothing
+  double min_cut_speed_m_per_s = 0.0;     ///< a slower tool burns nothing
   double max_dose_j = 2.0;                ///< within 0.1 mm of any place
   double max_area_dose_j_per_mm2 = 20.0;  ///< mean over a square millimetre
   // Of the machine; as long as nobody says them there is no light.
@@ -55,7 +55,8 @@ struct InterlockInputs {
   double contour_distance_m = kAbsent;    ///< measured tool to the contour, in plane
   double arc_gap_m = kAbsent;             ///< magnitude, see max_arc_gap_m
   double predicted_distance_m = kAbsent;  ///< farthest from the contour that the tool can be in reaction_s
-  double speed_m_per_s = kAbsent;
+  double speed_m_per_s = kAbsent;         ///< that the tool has or is to have
+  double cut_speed_m_per_s = kAbsent;     ///< that the power follows
   double tracking_error_m = kAbsent;
   double offset_m = kAbsent;
   double power_w = kAbsent;  ///< that is wanted if the button decides so
@@ -163,9 +164,14 @@ inline constexpr Guard kGuards[] = {
      "the tool is too far from where the master wants it"},
     {"speed", Interlock::kSpeed, [](guards::In now, guards::Set) noexcept { return now.speed_m_per_s; },
      [](guards::Set s) noexcept {
-       return Limits{s.min_speed_m_per_s, s.max_speed_m_per_s};
+       return Limits{0.0, s.max_speed_m_per_s};
      },
-     "the tool is slower than the beam may be on, or faster than the robot's limit"},
+     "the tool is faster than the robot's limit"},
+    {"moving", Interlock::kSpeed, [](guards::In now, guards::Set) noexcept { return now.cut_speed_m_per_s; },
+     [](guards::Set s) noexcept {
+       return Limits{s.min_cut_speed_m_per_s, s.max_speed_m_per_s};
+     },
+     "the tool rests, or is slower than the beam may be on"},
     {"power", Interlock::kPower, [](guards::In now, guards::Set) noexcept { return now.power_w; },
      [](guards::Set s) noexcept {
        return Limits{0.0, s.max_power_w};

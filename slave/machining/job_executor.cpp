@@ -82,6 +82,7 @@ JobExecutorOutputs JobExecutor::step(const robot::JointReading& reading, bool st
                     .arc_gap_m = 0.0,
                     .predicted_distance_m = 0.0,
                     .speed_m_per_s = std::max(out.tool_velocity_m_per_s.norm(), reference.speed_m_per_s),
+                    .cut_speed_m_per_s = out.tool_velocity_m_per_s.norm(),
                     .tracking_error_m = (out.tool_m - reference.position_m).norm(),
                     .offset_m = 0.0,
                     .power_w = power_w,

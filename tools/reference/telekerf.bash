@@ -15,7 +15,7 @@ _telekerf_commands() {
 _telekerf_flags() {
   case $1 in
     'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --bare-accelerations --laser-w --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --record --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --mode --anchor --select --width-mm --fit-all --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -35,9 +35,9 @@ _telekerf_flags() {
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --page --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
-    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --seed --page --out --config --print-config --help --version' ;;
+    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --seed --page --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
-    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --duration-s --record --out --config --print-config --help --version' ;;
+    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --record --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
@@ -116,6 +116,9 @@ _telekerf_values() {
     'telekerf-slave  --stale-s') echo "" ;;
     'telekerf-slave  --bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-slave  --laser-w') echo "" ;;
+    'telekerf-slave  --laser-speed-mm-s') echo "" ;;
+    'telekerf-slave  --dose-max-j') echo "" ;;
+    'telekerf-slave  --dose-max-j-per-mm2') echo "" ;;
     'telekerf-slave  --record') echo "-d" ;;
     'telekerf-slave  --domain') echo "" ;;
     'telekerf-slave  --cell') echo "" ;;
@@ -292,6 +295,9 @@ _telekerf_values() {
     'telekerf-experiment delay --slave-stale-s') echo "" ;;
     'telekerf-experiment delay --slave-bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-experiment delay --slave-laser-w') echo "" ;;
+    'telekerf-experiment delay --slave-laser-speed-mm-s') echo "" ;;
+    'telekerf-experiment delay --slave-dose-max-j') echo "" ;;
+    'telekerf-experiment delay --slave-dose-max-j-per-mm2') echo "" ;;
     'telekerf-experiment delay --duration-s') echo "" ;;
     'telekerf-experiment delay --seed') echo "" ;;
     'telekerf-experiment delay --page') echo "-f" ;;
@@ -345,6 +351,9 @@ _telekerf_values() {
     'telekerf-experiment lap --slave-stale-s') echo "" ;;
     'telekerf-experiment lap --slave-bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-experiment lap --slave-laser-w') echo "" ;;
+    'telekerf-experiment lap --slave-laser-speed-mm-s') echo "" ;;
+    'telekerf-experiment lap --slave-dose-max-j') echo "" ;;
+    'telekerf-experiment lap --slave-dose-max-j-per-mm2') echo "" ;;
     'telekerf-experiment lap --duration-s') echo "" ;;
     'telekerf-experiment lap --out') echo "-d" ;;
     'telekerf-experiment open-contour --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;

@@ -30,6 +30,7 @@ inline InterlockInputs all_good() {
           .arc_gap_m = 0.0,
           .predicted_distance_m = 0.0,
           .speed_m_per_s = 0.0,
+          .cut_speed_m_per_s = 0.0,
           .tracking_error_m = 0.0,
           .offset_m = 0.0,
           .power_w = 0.0,

@@ -47,6 +47,7 @@ TEST(Interlock, EveryDoubtForbidsTheBeamByItselfAndTheFirstOneIsSaid) {
       {Interlock::kPredicted, [](InterlockInputs& now) { now.predicted_distance_m = 0.0; }},
       {Interlock::kTracking, [](InterlockInputs& now) { now.offset_m = 0.0; }},
       {Interlock::kTracking, [](InterlockInputs& now) { now.tracking_error_m = 0.0; }},
+      {Interlock::kSpeed, [](InterlockInputs& now) { now.cut_speed_m_per_s = 0.1; }},
       {Interlock::kPower, [](InterlockInputs& now) { now.power_w = 0.0; }},
       {Interlock::kDose, [](InterlockInputs& now) { now.dose_j = 0.0; }},
       {Interlock::kDose, [](InterlockInputs& now) { now.area_dose_j_per_mm2 = 0.0; }},
@@ -74,7 +75,7 @@ TEST(Interlock, EachNumberHasItsLimitAndReachesIt) {
                              .max_height_m = 0.75,
                              .max_arc_gap_m = 2.0,
                              .beam_age_s = 3.0,
-                             .min_speed_m_per_s = 0.0625,
+                             .min_cut_speed_m_per_s = 0.0625,
                              .max_dose_j = 5.0,
                              .max_area_dose_j_per_mm2 = 6.0,
                              .workspace_radius_m = 4.0,
@@ -99,7 +100,7 @@ TEST(Interlock, EachNumberHasItsLimitAndReachesIt) {
                       {Interlock::kDose, &InterlockInputs::area_dose_j_per_mm2, 6.0}};
   for (const Row& row : rows) {
     InterlockInputs inputs = all_good();
-    inputs.speed_m_per_s = 0.5;
+    inputs.speed_m_per_s = inputs.cut_speed_m_per_s = 0.5;
     EXPECT_EQ(reason(inputs, settings), Interlock::kReady);
     inputs.*row.number = row.high;
     EXPECT_EQ(reason(inputs, settings), Interlock::kReady) << static_cast<int>(row.reason);
@@ -111,13 +112,16 @@ TEST(Interlock, EachNumberHasItsLimitAndReachesIt) {
   InterlockInputs inputs = all_good();
   settings.reaction_s = 0.0;
   for (const double good : {0.0625, 8.0}) {
-    inputs.speed_m_per_s = good;
+    inputs.cut_speed_m_per_s = inputs.speed_m_per_s = good;
     EXPECT_EQ(reason(inputs, settings), Interlock::kReady) << good;
   }
-  for (const double wrong : {std::nextafter(0.0625, 0.0), 0.0, above(8.0)}) {
-    inputs.speed_m_per_s = wrong;
+  for (const double wrong : {std::nextafter(0.0625, 0.0), 0.0, above(8.0), -1.0, kAbsent, kInfinite}) {
+    inputs.cut_speed_m_per_s = wrong;
     EXPECT_EQ(reason(inputs, settings), Interlock::kSpeed) << wrong;
   }
+  inputs.cut_speed_m_per_s = 1.0;
+  inputs.speed_m_per_s = above(8.0);
+  EXPECT_EQ(reason(inputs, settings), Interlock::kSpeed);
   for (const double wrong : {-1.0, kAbsent, kInfinite, -kInfinite}) {
     inputs.speed_m_per_s = wrong;
     EXPECT_FALSE(evaluate_interlock(inputs, settings).permits()) << wrong;

@@ -19,8 +19,8 @@ namespace telekerf::slave {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// A master that traces a circle of 5 mm radius at 20 mm/s. Whatever is tested: the beam burns with all its
-/// power or not at all, and only where the interlock allows it on a sample of the stream that is followed.
+/// A master that traces a circle of 5 mm radius at 20 mm/s. Whatever is tested: the beam burns only where the
+/// interlock allows it on a sample of the stream that is followed.
 class SlaveNodeTest : public testing::Test {
  protected:
   SlaveNodeTest() { corridor_ = station_.prepare(circle(1, 0.005)); }
@@ -84,7 +84,8 @@ class SlaveNodeTest : public testing::Test {
   }
   void judge() {
     const bool lit = out_.laser_w > 0.0;
-    ASSERT_EQ(out_.laser_w, lit ? 10.0 : 0.0);
+    ASSERT_GE(out_.laser_w, 0.0);
+    ASSERT_LE(out_.laser_w, 15.0);
     ASSERT_TRUE(!lit || out_.interlock == Interlock::kReady);
     ASSERT_TRUE(!lit || (out_.mode == SlaveMode::kFollowing && out_.applied_tick >= 0.0));
     if (each_tick_) each_tick_();

@@ -39,7 +39,7 @@ InterlockSettings settings() {
           .max_height_m = 0.75,
           .max_arc_gap_m = 2.0,
           .beam_age_s = 3.0,
-          .min_speed_m_per_s = 0.125,
+          .min_cut_speed_m_per_s = 0.125,
           .max_dose_j = 5.0,
           .max_area_dose_j_per_mm2 = 6.0,
           .workspace_radius_m = 4.0,
@@ -72,7 +72,8 @@ const std::array kInputs{flag("stop", &In::stopped, false),
                          number("predicted", &In::predicted_distance_m, 0.75),
                          number("offset", &In::offset_m, 0.25),
                          number("tracking", &In::tracking_error_m, 0.5),
-                         number("speed", &In::speed_m_per_s, 8.0, 0.125),
+                         number("speed", &In::speed_m_per_s, 8.0),
+                         number("moving", &In::cut_speed_m_per_s, 8.0, 0.125),
                          number("power", &In::power_w, 7.0),
                          number("dose", &In::dose_j, 5.0),
                          number("area-dose", &In::area_dose_j_per_mm2, 6.0),
@@ -113,7 +114,7 @@ InterlockInputs all_inside() {
 
 /// Who moves too fast to say how fast may be anywhere: these values of the speed forbid by the corridor, too.
 std::uint32_t also_forbidden(const Input& input, std::size_t c) {
-  const bool no_magnitude = c == 0 || c == 1 || c == 7;
+  const bool no_magnitude = c <= 2 || c == 7;
   return input.guard == "speed" && no_magnitude ? guard_bit("corridor") : 0;
 }
 

@@ -229,7 +229,10 @@ TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
                            {"bandwidth_rad_s", 0, 5000},
                            {"observer_rad_s", 0, 15000},
                            {"stale_s", 0.02, 10},
-                           {"laser_w", 0, 1000}};
+                           {"laser_w", 0, 1000},
+                           {"laser_speed_mm_s", 0.5, 200},
+                           {"dose_max_j", 0.01, 1000},
+                           {"dose_max_j_per_mm2", 0.1, 1000}};
   for (const Row& row : kRows) {
     bool found = false;
     for (const Setting& setting : settings.declared()) {
@@ -257,6 +260,9 @@ TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
   EXPECT_EQ(station.node.interlock.max_offset_m, 2e-6);
   EXPECT_EQ(station.node.command_timeout_s, 0.15);
   EXPECT_EQ(station.node.laser_w, 10.0);
+  EXPECT_EQ(station.laser_speed_mm_s, 10.0);
+  EXPECT_EQ(station.node.interlock.max_dose_j, 2.0);
+  EXPECT_EQ(station.node.interlock.max_area_dose_j_per_mm2, 20.0);
   EXPECT_EQ(station.node.force.max_rms, 0.01);
   EXPECT_EQ(station.node.force.quantum, 0.01);
   EXPECT_FALSE(station.node.force.anchored);
