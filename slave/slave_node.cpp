@@ -69,43 +69,53 @@ Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool) cons
 }
 
 laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Selected& selected,
-                                         const KinematicState& tool,
-                                         double cut_speed_m_per_s) const noexcept {
+                                         const KinematicState& tool) noexcept {
   const Corridor* corridor = inputs.corridor;
+  const laser::InterlockSettings& limits = interlock_.settings();
   const Vec2 place = tool.position_m.head<2>();
+  const Vec3& led_m_per_s = selected.reference.velocity_m_per_s;
   const bool known =
       corridor != nullptr && commands_.heard() && commands_.header().contour_id == corridor->contour_id;
-  const double distance_m = corridor == nullptr ? laser::kAbsent : corridor->contour.find(place).distance_m;
-  const double power_w = settings_.laser_w * laser::power_fraction(settings_.beam_power, cut_speed_m_per_s);
+  const bool dark =
+      !known || !selected.following || !selected.button || selector_.offset_m() > limits.max_offset_m;
+  laser::ContourPlace::Place on_contour{laser::kAbsent, laser::kAbsent};
+  double predicted_m = laser::kAbsent;
+  if (corridor != nullptr) {
+    on_contour = contour_place_.step(corridor->contour, selected.source_m.head<2>(), place, dark);
+    predicted_m = contour_place_.predicted_distance_m(
+        corridor->contour, on_contour, place, tool.velocity_m_per_s.head<2>(), led_m_per_s.head<2>(),
+        model_.limits.acceleration_m_per_s2, limits.reaction_s, limits.corridor_m - limits.measurement_m);
+  }
+  const double cut_speed = cut_speed_.step(tool.velocity_m_per_s);
+  const double power_w = settings_.laser_w * laser::power_fraction(settings_.beam_power, cut_speed);
   const laser::DoseBook::Dose dose = dose_.at(place);
   // As long as a permit lasts.
   const double more_j = dose.kept ? 2.0 * dt_s_ * power_w : laser::kAbsent;
-  return {
-      .stopped = selector_.mode() == SlaveMode::kStopped,
-      .fault = false,
-      .contour_known = known,
-      .engaged = selector_.mode() == SlaveMode::kFollowing,
-      .armed = true,
-      .button_armed = true,
-      .fresh = selected.following && joints_.posed() && inputs.joints.valid,
-      .unlit = true,
-      .on_time = true,
-      .emission_agrees = true,
-      .monitor_agrees = true,
-      .command_age_s = 0.0,
-      .radius_m = place.norm(),
-      .height_m = std::abs(tool.position_m.z()),
-      .contour_distance_m = distance_m,
-      .arc_gap_m = 0.0,
-      .predicted_distance_m = 0.0,
-      .speed_m_per_s = tool.velocity_m_per_s.norm(),
-      // A resting tool's noise is no speed: it must be led, too.
-      .cut_speed_m_per_s = std::min(cut_speed_m_per_s, selected.reference.velocity_m_per_s.head<2>().norm()),
-      .tracking_error_m = (tool.position_m - selected.source_m).norm(),
-      .offset_m = selector_.offset_m(),
-      .power_w = power_w,
-      .dose_j = dose.place_j + more_j,
-      .area_dose_j_per_mm2 = dose.area_j_per_mm2 + more_j};
+  return {.stopped = selector_.mode() == SlaveMode::kStopped,
+          .fault = false,
+          .contour_known = known,
+          .engaged = selector_.mode() == SlaveMode::kFollowing,
+          .armed = true,
+          .button_armed = true,
+          .fresh = selected.following && joints_.posed() && inputs.joints.valid && led_m_per_s.allFinite(),
+          .unlit = true,
+          .on_time = true,
+          .emission_agrees = inputs.emission_agrees,
+          .monitor_agrees = true,
+          .command_age_s = 0.0,
+          .radius_m = place.norm(),
+          .height_m = std::abs(tool.position_m.z()),
+          .contour_distance_m = on_contour.distance_m,
+          .arc_gap_m = on_contour.arc_gap_m,
+          .predicted_distance_m = predicted_m,
+          .speed_m_per_s = std::max(tool.velocity_m_per_s.norm(), led_m_per_s.norm()),
+          // A resting tool's noise is no speed: it must be led, too.
+          .cut_speed_m_per_s = std::min(cut_speed, led_m_per_s.head<2>().norm()),
+          .tracking_error_m = (tool.position_m - selected.source_m).norm(),
+          .offset_m = selector_.offset_m(),
+          .power_w = power_w,
+          .dose_j = dose.place_j + more_j,
+          .area_dose_j_per_mm2 = dose.area_j_per_mm2 + more_j};
 }
 
 void SlaveNode::book(std::int64_t now_ns) noexcept {
@@ -127,7 +137,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   out.currents_a = joints_.currents(track(selected, tool));
 
   book(now_ns);
-  const laser::InterlockInputs now = judged(inputs, selected, tool, cut_speed_.step(tool.velocity_m_per_s));
+  const laser::InterlockInputs now = judged(inputs, selected, tool);
   auto [judgement, permit] = interlock_.decide(now_ns, now);
   out.interlock = judgement.reason();
   out.forbidden = judgement.forbidden;

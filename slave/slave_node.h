@@ -15,6 +15,7 @@
 #include "common/robot/robot_model.h"
 #include "common/streaming/command_receiver.h"
 #include "slave/laser/beam_power.h"
+#include "slave/laser/contour_place.h"
 #include "slave/laser/dose_book.h"
 #include "slave/laser/interlock.h"
 #include "slave/reference_selector.h"
@@ -50,6 +51,7 @@ struct SlaveInputs {
   std::span<const Received<CommandBlock>> commands;  ///< since the last step, in order of arrival
   std::span<const EventMessage> events;
   const Corridor* corridor = nullptr;  ///< null: no contour yet; must outlive its use
+  bool emission_agrees = true;         ///< see LaserOutput::emission_agrees()
 };
 
 struct SlaveCounters : streaming::StreamCounters, StateReportCounters {
@@ -103,7 +105,7 @@ class SlaveNode {
   /// Joint accelerations by the tracking law.
   Vec3 track(const Selected& selected, const KinematicState& tool) const noexcept;
   laser::InterlockInputs judged(const SlaveInputs& inputs, const Selected& selected,
-                                const KinematicState& tool, double cut_speed_m_per_s) const noexcept;
+                                const KinematicState& tool) noexcept;
   /// The energy of the step before is in the account when this one is judged.
   void book(std::int64_t now_ns) noexcept;
 
@@ -119,6 +121,7 @@ class SlaveNode {
   streaming::CommandReceiver commands_;
   ReferenceSelector selector_;
   laser::BeamInterlock interlock_;
+  laser::ContourPlace contour_place_;
   laser::CutSpeed cut_speed_;
   laser::DoseBook dose_;
   struct {

@@ -100,6 +100,14 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
   control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
                           "bandwidth_rad_s", "observer_rad_s");
+  const laser::InterlockSettings& guards = settings_.node.interlock;
+  const double unknown_m = 0.5 * model_.limits.acceleration_m_per_s2 * guards.reaction_s * guards.reaction_s;
+  if (unknown_m > guards.corridor_m - guards.measurement_m) {
+    throw configuration_error(fmt::format(
+        "robot = {}: at acceleration_m_per_s2 = {:g} the tool leaves the corridor faster than the laser "
+        "is off, so nothing could be cut; lower it",
+        model_.name, model_.limits.acceleration_m_per_s2));
+  }
 }
 
 std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const {

@@ -31,6 +31,8 @@ JobExecutor::JobExecutor(const robot::RobotModel& nominal, const Job& job,
       settings_(settings),
       period_ns_(std::llround(1e9 / settings.follower.control_hz)),
       interlock_(limits_of(nominal, settings), period_ns_),
+      unknown_m_(0.5 * nominal.limits.acceleration_m_per_s2 * settings.interlock.reaction_s *
+                 settings.interlock.reaction_s),
       follower_(nominal, joint_settings(settings.controller, settings.follower), controllers_[0],
                 model_use(settings.controller, settings.follower)),
       hold_({Reference{}}) {
@@ -61,6 +63,11 @@ JobExecutorOutputs JobExecutor::step(const robot::JointReading& reading, bool st
   out.reference_m = reference.position_m;
   out.tick = tick_;
   out.phase = job_.phases[tick_];
+  const Vec2 place = out.tool_m.head<2>();
+  const double reaction_s = settings_.interlock.reaction_s;
+  const auto distance_m = [&](const Vec2& at) noexcept { return corridors_[contour_].find(at).distance_m; };
+  const double predicted_m =
+      distance_m(place + reaction_s * out.tool_velocity_m_per_s.head<2>()) + unknown_m_;
   const double power_w = reference.beam ? settings_.laser_w * follower_.beam_power(reference) : 0.0;
   out.time_ns = ++steps_ * period_ns_;
   auto [judgement, permit] = interlock_.decide(
@@ -76,11 +83,11 @@ JobExecutorOutputs JobExecutor::step(const robot::JointReading& reading, bool st
                     .emission_agrees = true,
                     .monitor_agrees = true,
                     .command_age_s = 0.0,
-                    .radius_m = out.tool_m.head<2>().norm(),
+                    .radius_m = place.norm(),
                     .height_m = std::abs(out.tool_m.z()),
-                    .contour_distance_m = corridors_[contour_].find(out.tool_m.head<2>()).distance_m,
+                    .contour_distance_m = distance_m(place),
                     .arc_gap_m = 0.0,
-                    .predicted_distance_m = 0.0,
+                    .predicted_distance_m = predicted_m,
                     .speed_m_per_s = std::max(out.tool_velocity_m_per_s.norm(), reference.speed_m_per_s),
                     .cut_speed_m_per_s = out.tool_velocity_m_per_s.norm(),
                     .tracking_error_m = (out.tool_m - reference.position_m).norm(),

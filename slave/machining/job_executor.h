@@ -56,6 +56,7 @@ class JobExecutor {
   JobExecutorSettings settings_;
   std::int64_t period_ns_;
   laser::BeamInterlock interlock_;
+  double unknown_m_;  ///< by which the tool may miss its predicted place within the reaction time
   PathFollower follower_;
   Trajectory hold_;  ///< one point: where the tool is held after a stop
   std::int64_t steps_ = 0;
