@@ -66,7 +66,7 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
 }  // namespace
 
 tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, const LoadRequest& request) {
-  const auto found = extract(image, request.extraction);
+  const auto found = contours_in(image, {request.extraction, request.pointing});
   if (!found) return tl::unexpected(found.error());
   if (request.select >= found->contours.size()) {
     return tl::unexpected(
@@ -105,6 +105,9 @@ tl::expected<LoadedContours, std::string> load_contours(const std::string& path,
   LoadRequest reduced = request;
   if (reduced.extraction.start_px) *reduced.extraction.start_px /= picture->reduction;
   if (reduced.extraction.end_px) *reduced.extraction.end_px /= picture->reduction;
+  for (Vec2& p : reduced.pointing.at) p /= picture->reduction;
+  for (Vec2& p : reduced.pointing.away) p /= picture->reduction;
+  if (reduced.pointing.box) *reduced.pointing.box /= picture->reduction;
   if (reduced.scale.metres_per_pixel) *reduced.scale.metres_per_pixel *= picture->reduction;
   auto out = contours_of(picture->image, reduced);
   if (!out) return tl::unexpected(fmt::format("{}: {}", path, out.error()));

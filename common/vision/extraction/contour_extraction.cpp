@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -16,9 +17,11 @@
 #include "common/vision/extraction/ends.h"
 #include "common/vision/extraction/local_level.h"
 #include "common/vision/extraction/separation.h"
+#include "common/vision/extraction/shapes.h"
 #include "common/vision/extraction/stroke.h"
 #include "common/vision/extraction/thesis_tracker.h"
 #include "common/vision/raster/grey_plane.h"
+#include "common/vision/raster/levels.h"
 
 namespace telekerf::vision {
 namespace {
@@ -123,6 +126,57 @@ tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlin
   return contours;
 }
 
+/// Strokes by their centre lines, regions by their outlines; largest first.
+tl::expected<Contours, std::string> both_modes(const Field& field, ShapeKinds kinds,
+                                               const ExtractionSettings& settings) {
+  Field ink = field;
+  ink.drawn = kinds.stroke_ink;
+  auto strokes = stroke_mode(ink, kinds.strokes, settings);
+  auto regions = outline_mode(field, std::move(kinds.regions), settings);
+  if (!strokes) return regions;
+  if (!regions) return strokes;
+  strokes->insert(strokes->end(), std::make_move_iterator(regions->begin()),
+                  std::make_move_iterator(regions->end()));
+  keep_large(*strokes, settings.min_size_fraction);
+  return strokes;
+}
+
+/// Looked at in some pixels only.
+DrawingEvidence evidence_of(const Separation& found) {
+  constexpr int kStep = 4;
+  constexpr int kClear_px = 3;  // from what is drawn
+  const cv::Mat& drawn = found.field.drawn;
+  Histogram paper{};
+  Histogram ink{};
+  double inked = 0.0;
+  for (int y = kClear_px; y + kClear_px < drawn.rows; y += kStep) {
+    const auto* above = drawn.ptr<unsigned char>(y - kClear_px);
+    const auto* here = drawn.ptr<unsigned char>(y);
+    const auto* below = drawn.ptr<unsigned char>(y + kClear_px);
+    const auto* grey = found.field.smooth.ptr<unsigned char>(y);
+    for (int x = kClear_px; x + kClear_px < drawn.cols; x += kStep) {
+      if (here[x] != 0) {
+        inked += 1.0;
+        ink[grey[x]] += 1.0;
+      }
+      const int near = above[x] | below[x] | here[x - kClear_px] | here[x + kClear_px] | here[x];
+      if (near == 0) paper[grey[x]] += 1.0;
+    }
+  }
+  double whole = 0.0;
+  for (const double area : found.outlines.areas_px) whole += area;
+  const auto range = [&](const Histogram& counts) {
+    return (percentile(counts, 0, 255, 0.9) - percentile(counts, 0, 255, 0.1)) / std::max(1.0, found.field.contrast);
+  };
+  DrawingEvidence out;
+  out.explained = found.explained;
+  out.unevenness = range(paper);
+  out.ink_range = range(ink);
+  out.cut_off = found.outlines.cut_off;
+  out.cut_off_share = out.cut_off == 0 ? 0.0 : std::max(0.0, 1.0 - whole / std::max(1.0, inked * kStep * kStep));
+  return out;
+}
+
 }  // namespace
 
 tl::expected<Extraction, std::string> extract(const cv::Mat& image, const ExtractionSettings& settings) {
@@ -138,18 +192,29 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   out.picture_height_px = image.rows;
   out.contrast = field.contrast;
   out.noise = field.noise;
+  out.evidence = evidence_of(*found);
   out.mode = settings.mode;
   out.why = "asked for";
+  ShapeKinds kinds;
   if (settings.mode == ExtractionMode::kAuto) {
-    const double width = outlines.width_px;
+    kinds = kinds_of(field, outlines);
+    const bool strokes = !kinds.strokes.contours.empty();
+    const bool regions = !kinds.regions.contours.empty();
     const double size = std::max(1.0, outlines.size_px);
-    out.mode = outlines.thin() ? ExtractionMode::kStroke : ExtractionMode::kOutline;
-    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", width, size,
-                          out.mode == ExtractionMode::kStroke ? "stroke" : "region");
+    const bool mostly_strokes = strokes && (!regions || kinds.strokes.size_px >= kinds.regions.size_px);
+    out.mode = mostly_strokes ? ExtractionMode::kStroke : ExtractionMode::kOutline;
+    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", outlines.width_px, size,
+                          mostly_strokes ? "stroke" : "region");
+    if (strokes && regions) out.why += mostly_strokes ? ", and regions beside it" : ", and strokes beside it";
   }
-  auto contours = out.mode == ExtractionMode::kStroke   ? stroke_mode(field, outlines, settings)
-                  : out.mode == ExtractionMode::kThesis ? thesis_mode(field, outlines, settings)
-                                                        : outline_mode(field, std::move(outlines), settings);
+  tl::expected<Contours, std::string> contours;
+  if (!kinds.strokes.contours.empty() && !kinds.regions.contours.empty()) {
+    contours = both_modes(field, std::move(kinds), settings);
+  } else {
+    contours = out.mode == ExtractionMode::kStroke   ? stroke_mode(field, outlines, settings)
+               : out.mode == ExtractionMode::kThesis ? thesis_mode(field, outlines, settings)
+                                                     : outline_mode(field, std::move(outlines), settings);
+  }
   if (!contours) return tl::unexpected(contours.error());
   out.contours = std::move(*contours);
   apply_ends(out.contours, settings.start_px, settings.end_px);

@@ -36,6 +36,15 @@ struct ExtractionSettings {
   double min_size_fraction = 0.05;
 };
 
+/// What speaks for a picture being a drawing, one ink on one paper.
+struct DrawingEvidence {
+  double explained = 0.0;      ///< fraction of its sharp edges that lie on the border of what is drawn
+  double unevenness = 0.0;     ///< range of four fifths of the paper's grey levels, over the contrast
+  double ink_range = 0.0;      ///< likewise of what is drawn
+  int cut_off = 0;             ///< shapes that run over the picture's border
+  double cut_off_share = 0.0;  ///< of what is drawn
+};
+
 struct Extraction {
   ExtractionMode mode = ExtractionMode::kOutline;  ///< the one that was used
   std::string why;                                 ///< one clause: why this mode
@@ -43,7 +52,8 @@ struct Extraction {
   int picture_height_px = 0;
   double contrast = 0.0;  ///< of drawing and background, grey levels
   double noise = 0.0;     ///< of the picture, standard deviation in grey levels
-  Contours contours;      ///< largest first, never empty
+  DrawingEvidence evidence;
+  Contours contours;  ///< largest first, never empty
 };
 
 /// The contours of a picture of any depth, with 1, 3 or 4 channels. The error is one sentence that says what

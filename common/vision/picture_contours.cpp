@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/vision/picture_contours.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/vision/extraction/ends.h"
+#include "common/vision/raster/grey_plane.h"
+#include "common/vision/segmentation/snapping.h"
+#include "common/vision/segmentation/things.h"
+
+namespace telekerf::vision {
+namespace {
+
+constexpr int kThings_px = 480;   ///< longer side of the scene that things are looked for in
+constexpr int kPointed_px = 360;  ///< cutting out costs more
+constexpr const char* kRemedy =
+    "point at the thing to be cut: --at X,Y (a pixel inside), or --box X,Y,WIDTH,HEIGHT around it";
+
+/// A picture of one ink on one paper: nearly all sharp edges lie on the contours, and the paper is even.
+bool is_sure(const Extraction& drawing) {
+  const DrawingEvidence& e = drawing.evidence;
+  if (getenv("H2DBG")) fprintf(stderr, "DBG things ev explained %.3f uneven %.2f ink %.2f cut %d share %.2f\n", e.explained, e.unevenness, e.ink_range, e.cut_off, e.cut_off_share);
+  if (e.cut_off >= 3 && e.cut_off_share > 0.35) return false;
+  if (e.explained >= 0.99) return e.unevenness < 0.36;
+  if (e.explained < 0.97 && e.ink_range > 1.0) return false;
+  return e.explained >= 0.9 && e.unevenness < 0.2;
+}
+
+Extraction extraction_of(const cv::Mat& image, const Scene& scene, const cv::Mat& mask, const cv::Mat& bgr,
+                         const PictureRequest& request, std::string why) {
+  Extraction out;
+  out.mode = ExtractionMode::kOutline;
+  out.why = std::move(why);
+  out.picture_width_px = image.cols;
+  out.picture_height_px = image.rows;
+  out.contours = snapped_outlines(scene, mask, bgr);
+  for (PixelContour& c : out.contours) smooth_and_resample(c, 1.0);
+  std::stable_sort(out.contours.begin(), out.contours.end(),
+                   [](const auto& a, const auto& b) { return size_px(a) > size_px(b); });
+  if (!out.contours.empty()) apply_ends(out.contours, request.extraction.start_px, request.extraction.end_px);
+  return out;
+}
+
+}  // namespace
+
+tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const PictureRequest& request) {
+  const ExtractionMode mode = request.extraction.mode;
+  if (request.pointing.any()) {
+    if (mode == ExtractionMode::kStroke || mode == ExtractionMode::kThesis)
+      return tl::unexpected(fmt::format("--at and --box find the outline of a thing; leave out --mode {}",
+                                        kExtractionModes.word(mode)));
+    const cv::Mat bgr = colour_plane(image);
+    if (bgr.empty()) return tl::unexpected<std::string>("the picture is empty");
+    const Scene scene = scene_of(bgr, kPointed_px);
+    const auto mask = pointed_at(scene, request.pointing);
+    if (!mask) return tl::unexpected(mask.error());
+    auto out = extraction_of(image, scene, *mask, bgr, request, "what is pointed at");
+    if (out.contours.empty()) return tl::unexpected<std::string>("what is pointed at is too small to be cut");
+    return out;
+  }
+  auto drawing = extract(image, request.extraction);
+  if (drawing && (is_sure(*drawing) || mode == ExtractionMode::kStroke || mode == ExtractionMode::kThesis))
+    return drawing;
+  const cv::Mat bgr = colour_plane(image);
+  if (bgr.empty()) return drawing;
+  const Scene scene = scene_of(bgr, kThings_px);
+  const auto mask = things_in(scene);
+  if (mask) {
+    auto out = extraction_of(image, scene, *mask, bgr, request, "a thing that stands out from its background");
+    if (!out.contours.empty()) return out;
+  }
+  if (!drawing) return tl::unexpected(fmt::format("{}; or {}", drawing.error(), kRemedy));
+  return tl::unexpected(fmt::format("the picture is no drawing on an even background, and {}; {}",
+                                    mask ? "nothing stands out from it" : mask.error(), kRemedy));
+}
+
+}  // namespace telekerf::vision
