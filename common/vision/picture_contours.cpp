@@ -23,11 +23,27 @@ constexpr const char* kRemedy =
 /// A picture of one ink on one paper: nearly all sharp edges lie on the contours, and the paper is even.
 bool is_sure(const Extraction& drawing) {
   const DrawingEvidence& e = drawing.evidence;
-  if (getenv("H2DBG")) fprintf(stderr, "DBG things ev explained %.3f uneven %.2f ink %.2f cut %d share %.2f\n", e.explained, e.unevenness, e.ink_range, e.cut_off, e.cut_off_share);
-  if (e.cut_off >= 3 && e.cut_off_share > 0.35) return false;
+  if (!e.one_pen || (e.cut_off >= 3 && e.cut_off_share > 0.35)) return false;
   if (e.explained >= 0.99) return e.unevenness < 0.36;
   if (e.explained < 0.97 && e.ink_range > 1.0) return false;
   return e.explained >= 0.9 && e.unevenness < 0.2;
+}
+
+/// What of the pointing lies beyond the picture.
+std::optional<std::string> beyond(const Pointing& pointing, const cv::Mat& picture) {
+  const auto inside = [&](const Vec2& p) {
+    return p.x() >= -0.5 && p.y() >= -0.5 && p.x() < picture.cols && p.y() < picture.rows;
+  };
+  const auto sentence = [&](const char* flag, const Vec2& p) {
+    return fmt::format("{} {:.0f},{:.0f} lies beyond the picture, which has {} x {} pixels", flag, p.x(),
+                       p.y(), picture.cols, picture.rows);
+  };
+  for (const Vec2& p : pointing.at)
+    if (!inside(p)) return sentence("--at", p);
+  for (const Vec2& p : pointing.away)
+    if (!inside(p)) return sentence("--not", p);
+  if (pointing.box && !inside(pointing.box->head<2>())) return sentence("--box", pointing.box->head<2>());
+  return std::nullopt;
 }
 
 Extraction extraction_of(const cv::Mat& image, const Scene& scene, const cv::Mat& mask, const cv::Mat& bgr,
@@ -55,6 +71,7 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
                                         kExtractionModes.word(mode)));
     const cv::Mat bgr = colour_plane(image);
     if (bgr.empty()) return tl::unexpected<std::string>("the picture is empty");
+    if (const auto misfit = beyond(request.pointing, bgr)) return tl::unexpected(*misfit);
     const Scene scene = scene_of(bgr, kPointed_px);
     const auto mask = pointed_at(scene, request.pointing);
     if (!mask) return tl::unexpected(mask.error());
@@ -70,7 +87,8 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
   const Scene scene = scene_of(bgr, kThings_px);
   const auto mask = things_in(scene);
   if (mask) {
-    auto out = extraction_of(image, scene, *mask, bgr, request, "a thing that stands out from its background");
+    auto out =
+        extraction_of(image, scene, *mask, bgr, request, "a thing that stands out from its background");
     if (!out.contours.empty()) return out;
   }
   if (!drawing) return tl::unexpected(fmt::format("{}; or {}", drawing.error(), kRemedy));

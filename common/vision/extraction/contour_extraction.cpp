@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core.hpp>
 #include <iterator>
+#include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
 
@@ -166,14 +166,17 @@ DrawingEvidence evidence_of(const Separation& found) {
   double whole = 0.0;
   for (const double area : found.outlines.areas_px) whole += area;
   const auto range = [&](const Histogram& counts) {
-    return (percentile(counts, 0, 255, 0.9) - percentile(counts, 0, 255, 0.1)) / std::max(1.0, found.field.contrast);
+    return (percentile(counts, 0, 255, 0.9) - percentile(counts, 0, 255, 0.1)) /
+           std::max(1.0, found.field.contrast);
   };
   DrawingEvidence out;
   out.explained = found.explained;
   out.unevenness = range(paper);
   out.ink_range = range(ink);
   out.cut_off = found.outlines.cut_off;
-  out.cut_off_share = out.cut_off == 0 ? 0.0 : std::max(0.0, 1.0 - whole / std::max(1.0, inked * kStep * kStep));
+  out.one_pen = out.cut_off < 3 || !found.outlines.thin() || is_of_one_pen(found.field, found.outlines);
+  out.cut_off_share =
+      out.cut_off == 0 ? 0.0 : std::max(0.0, 1.0 - whole / std::max(1.0, inked * kStep * kStep));
   return out;
 }
 
@@ -203,8 +206,8 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
     const double size = std::max(1.0, outlines.size_px);
     const bool mostly_strokes = strokes && (!regions || kinds.strokes.size_px >= kinds.regions.size_px);
     out.mode = mostly_strokes ? ExtractionMode::kStroke : ExtractionMode::kOutline;
-    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", outlines.width_px, size,
-                          mostly_strokes ? "stroke" : "region");
+    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", outlines.width_px,
+                          size, mostly_strokes ? "stroke" : "region");
     if (strokes && regions) out.why += mostly_strokes ? ", and regions beside it" : ", and strokes beside it";
   }
   tl::expected<Contours, std::string> contours;

@@ -9,10 +9,10 @@
 namespace telekerf::vision {
 namespace {
 
-constexpr double kBand = 0.125;   ///< a band of even width is a stroke up to this fraction of its size
-constexpr double kFat = 0.2;      ///< a region for certain: its width over its size
-constexpr double kOfPen = 1.8;    ///< and over that of the pen
-constexpr double kSmall = 0.05;   ///< of the largest shape: below, nothing is told apart
+constexpr double kBand = 0.125;  ///< a band of even width is a stroke up to this fraction of its size
+constexpr double kFat = 0.2;     ///< a region for certain: its width over its size
+constexpr double kOfPen = 1.8;   ///< and over that of the pen
+constexpr double kSmall = 0.05;  ///< of the largest shape: below, nothing is told apart
 
 struct Shape {
   double area = 0.0;
@@ -53,7 +53,9 @@ bool is_even(const Field& field, const Shape& shape, const cv::Mat& labels) {
   }
   if (ridge.size() < 16) return false;
   std::sort(ridge.begin(), ridge.end());
-  const auto at = [&](double f) { return ridge[static_cast<std::size_t>(f * static_cast<double>(ridge.size() - 1))]; };
+  const auto at = [&](double f) {
+    return ridge[static_cast<std::size_t>(f * static_cast<double>(ridge.size() - 1))];
+  };
   return at(0.9) < kEven * at(0.15);
 }
 
@@ -101,18 +103,24 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
   // The pen: of all that is clearly drawn with one, by length.
   double pen = 0.0;
   double drawn_length = 0.0;
+  bool bands = false;  // the largest shape is one
   for (Shape& shape : shapes) {
     if (shape.size <= 0.0) continue;
     const double ratio = shape.width() / shape.size;
     shape.stroke = ratio < Outlines::kThin;
-    const bool winding = shape.holes > 0 || 0.5 * shape.perimeter > 1.6 * shape.size;
-    if (!shape.stroke && ratio < kBand && winding && shape.size > kSmall * largest)
+    if (!shape.stroke && ratio < kBand && shape.holes > 0 && shape.size > kSmall * largest) {
       shape.stroke = is_even(field, shape, labels);
+      bands = bands || (shape.stroke && shape.size == largest);
+    }
     if (!shape.stroke) continue;
     pen += shape.width() * shape.perimeter;
     drawn_length += shape.perimeter;
   }
   pen = drawn_length > 0.0 ? pen / drawn_length : 0.0;
+  const bool clear = std::any_of(shapes.begin(), shapes.end(), [&](const Shape& s) {
+    return s.size > kSmall * largest && !s.stroke && s.width() > kOfPen * pen;
+  });
+  if (!all_strokes && !clear) return bands ? ShapeKinds{outlines, {}, {}} : ShapeKinds{{}, outlines, {}};
   bool strokes = false;
   bool regions = false;
   for (Shape& shape : shapes) {
@@ -144,6 +152,18 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
   finish(out.strokes);
   finish(out.regions);
   return out;
+}
+
+bool is_of_one_pen(const Field& field, const Outlines& outlines) {
+  const auto largest = std::max_element(outlines.contours.begin(), outlines.contours.end(),
+                                        [](const auto& a, const auto& b) { return size_px(a) < size_px(b); });
+  if (largest == outlines.contours.end()) return false;
+  cv::Mat labels;
+  cv::connectedComponents(field.drawn, labels, 8, CV_32S);
+  Shape shape;
+  shape.label = labels.at<int>(seed_of(*largest));
+  shape.box = cv::Rect({}, field.drawn.size());
+  return is_even(field, shape, labels);
 }
 
 }  // namespace telekerf::vision

@@ -15,8 +15,11 @@ struct ShapeKinds {
   cv::Mat stroke_ink;  ///< CV_8U, what is drawn without the regions; empty unless both kinds are there
 };
 
-/// A shape is a stroke when it is thin for its size, or a closed or winding band of even width. A dot counts
+/// A shape is a stroke when it is thin for its size, or a closed band of even width. A dot counts
 /// as a region when it is much wider than the pen of the strokes beside it.
 ShapeKinds kinds_of(const Field& field, const Outlines& outlines);
+
+/// The largest shape has the same width all along, as a pen draws it.
+bool is_of_one_pen(const Field& field, const Outlines& outlines);
 
 }  // namespace telekerf::vision

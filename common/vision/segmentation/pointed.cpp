@@ -83,11 +83,11 @@ class Search {
     }
     if (cv::countNonZero(parts) > 0.85 * static_cast<double>(parts.total())) return;
     const double score = score_of(parts);
-    if (getenv("H2DBG")) fprintf(stderr, "DBG candidate area %.3f score %.2f\n", cv::countNonZero(parts)/double(parts.total()), score);
     if (score > best_.score) best_ = {parts, score};
   }
 
-  /// Regions that lie further off the background than each of several levels; or nearer to the seeds' colours.
+  /// Regions that lie further off the background than each of several levels; or nearer to the seeds'
+  /// colours.
   void by_level(const cv::Mat& distance, bool below) {
     constexpr double kStep = 1.2;
     double largest = 0.0;
@@ -106,8 +106,8 @@ class Search {
     constexpr int kPatch = 3;
     cv::Mat out(scene_.lab.size(), CV_32F, cv::Scalar(1e3));
     for (const cv::Point& p : at_) {
-      const cv::Rect patch =
-          cv::Rect(p.x - kPatch, p.y - kPatch, 2 * kPatch + 1, 2 * kPatch + 1) & cv::Rect({}, scene_.lab.size());
+      const cv::Rect patch = cv::Rect(p.x - kPatch, p.y - kPatch, 2 * kPatch + 1, 2 * kPatch + 1) &
+                             cv::Rect({}, scene_.lab.size());
       const cv::Scalar colour = cv::mean(scene_.lab(patch));
       for (int y = 0; y < out.rows; ++y) {
         for (int x = 0; x < out.cols; ++x) {
@@ -184,17 +184,21 @@ tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing
   if (pointing.box) {
     const Vec2 first = scene.to_scene(pointing.box->head<2>());
     const Vec2 last = scene.to_scene(pointing.box->head<2>() + pointing.box->tail<2>());
-    const cv::Rect box = cv::Rect(cv::Point(static_cast<int>(std::lround(first.x())), static_cast<int>(std::lround(first.y()))),
-                                  cv::Point(static_cast<int>(std::lround(last.x())), static_cast<int>(std::lround(last.y())))) &
-                         cv::Rect({}, scene.lab.size());
+    const cv::Rect box =
+        cv::Rect(
+            cv::Point(static_cast<int>(std::lround(first.x())), static_cast<int>(std::lround(first.y()))),
+            cv::Point(static_cast<int>(std::lround(last.x())), static_cast<int>(std::lround(last.y())))) &
+        cv::Rect({}, scene.lab.size());
     if (box.width < 6 || box.height < 6)
-      return tl::unexpected<std::string>("--box holds next to nothing of the picture; give X,Y,WIDTH,HEIGHT in pixels");
+      return tl::unexpected<std::string>(
+          "--box holds next to nothing of the picture; give X,Y,WIDTH,HEIGHT in pixels");
     found = search.in_box(box);
   } else {
     found = search.best();
   }
   if (found.score <= 0.0)
-    return tl::unexpected<std::string>("no region with an outline of its own is found where --at or --box points");
+    return tl::unexpected<std::string>(
+        "no region with an outline of its own is found where --at or --box points");
   return found.mask;
 }
 

@@ -14,9 +14,9 @@ namespace telekerf::vision {
 
 /// What the user says, pixels of the picture.
 struct Pointing {
-  std::vector<Vec2> at;                       ///< inside the thing, or one in each of several
-  std::vector<Vec2> away;                     ///< outside of it
-  std::optional<Eigen::Vector4d> box = {};    ///< x, y, width, height: all of the thing lies within
+  std::vector<Vec2> at;                     ///< inside the thing, or one in each of several
+  std::vector<Vec2> away;                   ///< outside of it
+  std::optional<Eigen::Vector4d> box = {};  ///< x, y, width, height: all of the thing lies within
 
   bool any() const noexcept { return !at.empty() || box.has_value(); }
 };

@@ -55,7 +55,8 @@ Rating rating_of(const Scene& scene, const std::vector<cv::Point>& outline) {
     const Vec2 normal = Vec2(-tangent.y(), tangent.x()).normalized();
     const Vec2 p(here.x, here.y);
     const auto contrast = [&](double off) {
-      return cv::norm(colour_at(lab, p + (off + kHalf) * normal) - colour_at(lab, p + (off - kHalf) * normal));
+      return cv::norm(colour_at(lab, p + (off + kHalf) * normal) -
+                      colour_at(lab, p + (off - kHalf) * normal));
     };
     across.push_back(std::max(contrast(0.5), contrast(-0.5)));
     beside.push_back(contrast(kParallel));

@@ -89,9 +89,9 @@ Backdrop backdrop_of(const Scene& scene) {
   Backdrop out;
   out.spread = spread;
   out.tolerance = 3.0 * spread + 4.0;
-  out.uniform =
-      static_cast<double>(std::count_if(off.begin(), off.end(), [&](double r) { return r < out.tolerance; })) /
-      static_cast<double>(std::max<std::size_t>(1, off.size()));
+  out.uniform = static_cast<double>(
+                    std::count_if(off.begin(), off.end(), [&](double r) { return r < out.tolerance; })) /
+                static_cast<double>(std::max<std::size_t>(1, off.size()));
   out.distance = cv::Mat(lab.size(), CV_32F);
   for (int y = 0; y < lab.rows; ++y) {
     for (int x = 0; x < lab.cols; ++x) {

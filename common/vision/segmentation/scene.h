@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A photograph in small, in colours as people tell them apart, and how far each pixel lies off the background.
+// A photograph in small, in colours as people tell them apart, and how far each pixel lies off the
+// background.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

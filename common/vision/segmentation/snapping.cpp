@@ -28,7 +28,8 @@ Colour colour_at(const cv::Mat& picture, const Vec2& p) {
     const auto& c = picture.at<cv::Vec3b>(row, column);
     return Colour(c[0], c[1], c[2]);
   };
-  return (1 - v) * ((1 - u) * at(y, x) + u * at(y, x + 1)) + v * ((1 - u) * at(y + 1, x) + u * at(y + 1, x + 1));
+  return (1 - v) * ((1 - u) * at(y, x) + u * at(y, x + 1)) +
+         v * ((1 - u) * at(y + 1, x) + u * at(y + 1, x + 1));
 }
 
 /// Moves a closed line, points about a pixel apart, onto the strongest edge within reach: the path of largest
@@ -63,7 +64,8 @@ void snap(const cv::Mat& picture, double reach_px, std::vector<Vec2>& points) {
     const double size = difference.norm();
     if (size > 0.0) difference /= size;
     for (std::size_t k = 0; k < places; ++k) {
-      const double off = std::abs(static_cast<double>(k) - static_cast<double>(half)) / static_cast<double>(half + 1);
+      const double off =
+          std::abs(static_cast<double>(k) - static_cast<double>(half)) / static_cast<double>(half + 1);
       // Between equal edges the nearer one.
       gain[i][k] = std::max(0.0, steps[i][k].dot(difference)) * (1.0 - 0.35 * off * off);
     }

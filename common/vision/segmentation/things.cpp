@@ -85,7 +85,8 @@ std::vector<Candidate> chosen_of(std::vector<Candidate> all, const cv::Size& siz
   std::vector<Candidate> out;
   cv::Mat taken(size, CV_8U, cv::Scalar(0));
   for (const Candidate& next : all) {
-    if (!out.empty() && (next.score < 0.35 * out.front().score || next.rating.weak < 0.3 * out.front().rating.weak))
+    if (!out.empty() &&
+        (next.score < 0.35 * out.front().score || next.rating.weak < 0.3 * out.front().rating.weak))
       continue;
     if (next.score <= 0.0) break;
     const cv::Mat mask = mask_of(next, size);
@@ -158,14 +159,14 @@ bool is_texture(const std::vector<Candidate>& things) {
 
 tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
   constexpr double kUneven = 6.0;
-  constexpr double kRagged = 0.25;      // an outline like this is none on an uneven background
-  constexpr double kMaxSpread = 9.0;    // of the background, units of L*a*b*
-  constexpr double kMinUniform = 0.8;   // fraction of the border that is background
+  constexpr double kRagged = 0.25;     // an outline like this is none on an uneven background
+  constexpr double kMaxSpread = 9.0;   // of the background, units of L*a*b*
+  constexpr double kMinUniform = 0.8;  // fraction of the border that is background
   constexpr double kMinScore = 11.0;
-  constexpr double kMinArea = 0.008;    // of the picture, all things together
+  constexpr double kMinArea = 0.008;  // of the picture, all things together
   constexpr double kMinLargest = 0.008;
   constexpr double kMaxWhole = 0.4;
-  constexpr double kDust = 0.03;        // of the largest thing
+  constexpr double kDust = 0.03;  // of the largest thing
   constexpr double kMaxCutOff = 4.0;
   const Backdrop backdrop = backdrop_of(scene);
   const auto refused = [](std::string why) { return tl::unexpected(std::move(why)); };
@@ -183,16 +184,12 @@ tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
     area += c.rating.area;
   }
   const Rest rest = rest_of(backdrop, mask);
-  if (getenv("H2DBG")) {
-    const Rating& best = chosen.front().rating;
-    fprintf(stderr, "DBG things %zu median %.1f weak %.1f texture %.1f area %.3f/%.3f round %.2f score %.2f level %.1f | spread %.1f uniform %.2f whole %.2f cut %.2f cuts %d\n",
-            chosen.size(), best.median, best.weak, best.texture, best.area, area, best.round, chosen.front().score, chosen.front().level,
-            backdrop.spread, backdrop.uniform, rest.whole, rest.cut_off, rest.cuts_into);
-  }
   const bool ragged = chosen.front().rating.round < kRagged && backdrop.spread > kUneven;
-  if (chosen.front().score < kMinScore || ragged) return refused("no outline in it is clear all the way round");
+  if (chosen.front().score < kMinScore || ragged)
+    return refused("no outline in it is clear all the way round");
   if (rest.cuts_into) return refused("what stands out runs over the picture's border");
-  if (is_texture(chosen) || area < kMinArea || largest < kMinLargest || rest.whole > kMaxWhole || rest.cut_off > kMaxCutOff)
+  if (is_texture(chosen) || area < kMinArea || largest < kMinLargest || rest.whole > kMaxWhole ||
+      rest.cut_off > kMaxCutOff)
     return refused("many things stand out, none of them alone");
   return mask;
 }
