@@ -23,6 +23,8 @@ constexpr const char* kRemedy =
 /// A picture of one ink on one paper: nearly all sharp edges lie on the contours, and the paper is even.
 bool is_sure(const Extraction& drawing) {
   const DrawingEvidence& e = drawing.evidence;
+  // Edges of what was cleared away are still explained by nothing.
+  if (e.cleared && e.unevenness < 0.15 && e.ink_range < 0.5) return e.explained > 0.5;
   if (!e.one_pen || (e.cut_off >= 3 && e.cut_off_share > 0.35)) return false;
   if (e.explained >= 0.99) return e.unevenness < 0.36;
   if (e.explained < 0.97 && e.ink_range > 1.0) return false;
@@ -80,8 +82,8 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
     return out;
   }
   auto drawing = extract(image, request.extraction);
-  if (drawing && (is_sure(*drawing) || mode == ExtractionMode::kStroke || mode == ExtractionMode::kThesis))
-    return drawing;
+  if (mode == ExtractionMode::kStroke || mode == ExtractionMode::kThesis) return drawing;
+  if (drawing && is_sure(*drawing)) return drawing;
   const cv::Mat bgr = colour_plane(image);
   if (bgr.empty()) return drawing;
   const Scene scene = scene_of(bgr, kThings_px);

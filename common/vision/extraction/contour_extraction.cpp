@@ -19,6 +19,7 @@
 #include "common/vision/extraction/separation.h"
 #include "common/vision/extraction/shapes.h"
 #include "common/vision/extraction/stroke.h"
+#include "common/vision/extraction/surroundings.h"
 #include "common/vision/extraction/thesis_tracker.h"
 #include "common/vision/raster/grey_plane.h"
 #include "common/vision/raster/levels.h"
@@ -186,6 +187,18 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   const auto grey = grey_plane(image);
   if (!grey) return tl::unexpected(grey.error());
   auto found = separated(*grey);
+  std::string cleared;
+  cv::Mat hidden;
+  if (settings.mode == ExtractionMode::kAuto || settings.mode == ExtractionMode::kOutline ||
+      settings.mode == ExtractionMode::kStroke) {
+    auto without = on_sheet(*grey, found);
+    if (!without && settings.mode != ExtractionMode::kStroke) without = under_hair(*grey, found);
+    if (without) {
+      found = std::move(without->found);
+      cleared = "; " + without->what;
+      hidden = without->hidden;
+    }
+  }
   if (!found) return tl::unexpected(found.error());
   Field& field = found->field;
   Outlines& outlines = found->outlines;
@@ -196,6 +209,7 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   out.contrast = field.contrast;
   out.noise = field.noise;
   out.evidence = evidence_of(*found);
+  out.evidence.cleared = !cleared.empty();
   out.mode = settings.mode;
   out.why = "asked for";
   ShapeKinds kinds;
@@ -219,7 +233,12 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
                                                      : outline_mode(field, std::move(outlines), settings);
   }
   if (!contours) return tl::unexpected(contours.error());
+  out.why += cleared;
   out.contours = std::move(*contours);
+  if (!hidden.empty()) {
+    for (PixelContour& contour : out.contours)
+      if (contour.closed && contour.width_px == 0.0) lead_through(hidden, contour);
+  }
   apply_ends(out.contours, settings.start_px, settings.end_px);
   if (out.contours.front().points_px.size() < 4) {
     return tl::unexpected<std::string>(
