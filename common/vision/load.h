@@ -16,6 +16,7 @@ namespace telekerf::vision {
 struct LoadRequest {
   ExtractionSettings extraction;
   Pointing pointing;
+  std::optional<double> smallest_m = std::nullopt;  ///< size of the smallest contour of a picture that counts
   ScaleRequest scale;
   std::size_t select = 0;  ///< which contour is anchored and fitted; 0 is the largest
   bool fit_all = false;    ///< all contours together are anchored and fitted

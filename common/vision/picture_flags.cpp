@@ -27,12 +27,16 @@ void PictureFlags::add_parameters(Settings& settings) {
                "X,Y: a pixel of the thing to be cut; more points X,Y,X,Y for more of it, or more things");
   settings.add("not", away, 0, pixels, "X,Y: a pixel that is none of it; more points likewise");
   settings.add("box", box, 4, pixels, "X,Y,WIDTH,HEIGHT: the thing to be cut lies within");
+  settings.add(
+      "smallest_mm", smallest_mm, {.min = 1e-3, .max = 1e4, .unit = "mm"},
+      "size of the smallest contour of a picture that counts; without it a twentieth of the largest");
 }
 
 void PictureFlags::apply_to(LoadRequest& request) const {
   request.pointing.at = points_of("at", at);
   request.pointing.away = points_of("not", away);
   if (!box.empty()) request.pointing.box = Eigen::Vector4d(box[0], box[1], box[2], box[3]);
+  if (smallest_mm) request.smallest_m = 1e-3 * *smallest_mm;
   if (!away.empty() && !request.pointing.any())
     throw usage_error(
         "--not says what is none of the thing; --at X,Y or --box X,Y,WIDTH,HEIGHT must say where it is");

@@ -2,6 +2,7 @@
 // The settings of every program that looks at pictures, declared once.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/runtime/settings.h"
@@ -13,6 +14,7 @@ struct PictureFlags {
   std::vector<double> at;    ///< x, y, x, y, ...: pixels
   std::vector<double> away;  ///< likewise
   std::vector<double> box;   ///< x, y, width, height
+  std::optional<double> smallest_mm;
 
   void add_parameters(Settings& settings);
   /// Throws StartupError: half a point, or --not without anything that is pointed at.

@@ -28,28 +28,46 @@ namespace telekerf::vision {
 namespace {
 
 constexpr double kMinLength_px = 16.0;
+constexpr double kMinAskedLength_px = 8.0;  ///< where the smallest size is asked for
+constexpr double kNoise_px = 5.0;           ///< smaller ones are not worth a word
 
 /// Largest first; specks go.
-void keep_large(Contours& contours, double min_size_fraction) {
+void keep_large(Contours& contours, const ExtractionSettings& settings, LeftOut& left_out) {
   std::vector<std::pair<double, std::size_t>> order;
+  const double min_length = settings.min_size_px ? kMinAskedLength_px : kMinLength_px;
+  std::vector<double> small;
   for (std::size_t i = 0; i < contours.size(); ++i) {
-    if (length_px(contours[i]) < kMinLength_px) continue;
-    order.emplace_back(size_px(contours[i]), i);
+    const double size = size_px(contours[i]);
+    if (length_px(contours[i]) < min_length) {
+      small.push_back(size);
+    } else {
+      order.emplace_back(size, i);
+    }
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   Contours kept;
   for (const auto& [size, i] : order) {
-    if (size >= min_size_fraction * order.front().first) kept.push_back(std::move(contours[i]));
+    const double min_size = settings.min_size_px.value_or(settings.min_size_fraction * order.front().first);
+    if (size >= min_size) {
+      kept.push_back(std::move(contours[i]));
+    } else {
+      small.push_back(size);
+    }
+  }
+  for (const double size : small) {
+    if (size < kNoise_px) continue;
+    ++left_out.small;
+    left_out.largest_px = std::max(left_out.largest_px, size);
   }
   contours = std::move(kept);
 }
 
-tl::expected<Contours, std::string> finished(Contours contours, double min_size_fraction, double sigma_px,
-                                             const char* complaint) {
-  keep_large(contours, min_size_fraction);
+tl::expected<Contours, std::string> finished(Contours contours, const ExtractionSettings& settings,
+                                             LeftOut& left_out, const char* complaint) {
+  keep_large(contours, settings, left_out);
   if (contours.empty()) return tl::unexpected<std::string>(complaint);
-  for (PixelContour& contour : contours) smooth_and_resample(contour, sigma_px);
+  for (PixelContour& contour : contours) smooth_and_resample(contour, 1.0);
   return contours;
 }
 
@@ -77,11 +95,11 @@ double blur_of(const Field& field, const Contours& contours) {
 }
 
 tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines found,
-                                                 const ExtractionSettings& settings) {
+                                                 const ExtractionSettings& settings, LeftOut& left_out) {
   const double blur_px = blur_of(field, found.contours);
   for (std::size_t i = 0; i < found.contours.size(); ++i) found.contours[i].hole = found.areas_px[i] < 0.0;
   auto contours =
-      finished(std::move(found.contours), settings.min_size_fraction, 1.0,
+      finished(std::move(found.contours), settings, left_out,
                found.cut_off > 0 ? kAllCutOff : "the picture holds specks only, no shape with an outline");
   if (contours) {
     for (PixelContour& contour : *contours) {
@@ -93,13 +111,13 @@ tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines fo
 }
 
 tl::expected<Contours, std::string> stroke_mode(const Field& field, const Outlines& found,
-                                                const ExtractionSettings& settings) {
-  return finished(strokes_of(field, found), settings.min_size_fraction, 1.0,
+                                                const ExtractionSettings& settings, LeftOut& left_out) {
+  return finished(strokes_of(field, found), settings, left_out,
                   found.cut_off > 0 ? kAllCutOff : "the picture holds specks only, no stroke");
 }
 
 tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlines& found,
-                                                const ExtractionSettings& settings) {
+                                                const ExtractionSettings& settings, LeftOut& left_out) {
   const double width = found.width_px;
   const bool is_stroke = found.thin();
   const cv::Mat band = edge_band(field, width, is_stroke);
@@ -119,7 +137,7 @@ tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlin
   Contours out{is_stroke ? centred(field, route, width) : on_border(field, route)};
   const double blur_px = blur_of(field, out);
   auto contours =
-      finished(std::move(out), settings.min_size_fraction, 1.0,
+      finished(std::move(out), settings, left_out,
                "the window found too little to follow from its start; give --start on the contour");
   if (contours && !is_stroke) {
     sharpen_corners(contours->front().points_px, contours->front().closed, {.blur_px = blur_px});
@@ -129,16 +147,16 @@ tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlin
 
 /// Strokes by their centre lines, regions by their outlines; largest first.
 tl::expected<Contours, std::string> both_modes(const Field& field, ShapeKinds kinds,
-                                               const ExtractionSettings& settings) {
+                                               const ExtractionSettings& settings, LeftOut& left_out) {
   Field ink = field;
   ink.drawn = kinds.stroke_ink;
-  auto strokes = stroke_mode(ink, kinds.strokes, settings);
-  auto regions = outline_mode(field, std::move(kinds.regions), settings);
+  auto strokes = stroke_mode(ink, kinds.strokes, settings, left_out);
+  auto regions = outline_mode(field, std::move(kinds.regions), settings, left_out);
   if (!strokes) return regions;
   if (!regions) return strokes;
   strokes->insert(strokes->end(), std::make_move_iterator(regions->begin()),
                   std::make_move_iterator(regions->end()));
-  keep_large(*strokes, settings.min_size_fraction);
+  keep_large(*strokes, settings, left_out);
   return strokes;
 }
 
@@ -226,14 +244,21 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   }
   tl::expected<Contours, std::string> contours;
   if (!kinds.strokes.contours.empty() && !kinds.regions.contours.empty()) {
-    contours = both_modes(field, std::move(kinds), settings);
+    contours = both_modes(field, std::move(kinds), settings, out.left_out);
   } else {
-    contours = out.mode == ExtractionMode::kStroke   ? stroke_mode(field, outlines, settings)
-               : out.mode == ExtractionMode::kThesis ? thesis_mode(field, outlines, settings)
-                                                     : outline_mode(field, std::move(outlines), settings);
+    contours = out.mode == ExtractionMode::kStroke ? stroke_mode(field, outlines, settings, out.left_out)
+               : out.mode == ExtractionMode::kThesis
+                   ? thesis_mode(field, outlines, settings, out.left_out)
+                   : outline_mode(field, std::move(outlines), settings, out.left_out);
   }
   if (!contours) return tl::unexpected(contours.error());
   out.why += cleared;
+  if (out.evidence.cut_off > 0) {
+    out.why +=
+        fmt::format("; {} that touch{} the picture's border left out (--at X,Y takes one of them)",
+                    out.evidence.cut_off == 1 ? "1 shape" : fmt::format("{} shapes", out.evidence.cut_off),
+                    out.evidence.cut_off == 1 ? "es" : "");
+  }
   out.contours = std::move(*contours);
   if (!hidden.empty()) {
     for (PixelContour& contour : out.contours)

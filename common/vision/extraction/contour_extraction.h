@@ -34,6 +34,8 @@ struct ExtractionSettings {
   std::optional<Vec2> end_px = std::nullopt;
   /// Contours smaller than this fraction of the largest one are specks, not contours.
   double min_size_fraction = 0.05;
+  /// Smaller ones, by the diagonal of their box; in place of the fraction.
+  std::optional<double> min_size_px = std::nullopt;
 };
 
 /// What speaks for a picture being a drawing, one ink on one paper.
@@ -47,6 +49,12 @@ struct DrawingEvidence {
   double cut_off_share = 0.0;  ///< of what is drawn
 };
 
+/// Contours that are too small to count.
+struct LeftOut {
+  int small = 0;
+  double largest_px = 0.0;  ///< diagonal of the box of the largest
+};
+
 struct Extraction {
   ExtractionMode mode = ExtractionMode::kOutline;  ///< the one that was used
   std::string why;                                 ///< one clause: why this mode
@@ -55,6 +63,7 @@ struct Extraction {
   double contrast = 0.0;  ///< of drawing and background, grey levels
   double noise = 0.0;     ///< of the picture, standard deviation in grey levels
   DrawingEvidence evidence;
+  LeftOut left_out;
   Contours contours;  ///< largest first, never empty
 };
 
