@@ -175,11 +175,13 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
     if (auto padded = trimmed(image, request.extraction)) drawing = std::move(*padded);
   }
   if (mode == ExtractionMode::kStroke || mode == ExtractionMode::kThesis) return drawing;
-  if (drawing && is_sure(*drawing)) return drawing;
+  const bool sure = drawing && is_sure(*drawing);
+  if (sure && !drawing->evidence.flattened) return drawing;
   const cv::Mat bgr = colour_plane(image);
   if (bgr.empty()) return drawing;
   const Scene scene = scene_of(bgr, kThings_px);
   const auto mask = things_in(scene);
+  if (sure && (!mask || !is_even(scene, *mask))) return drawing;
   if (mask) {
     auto out =
         extraction_of(image, scene, *mask, bgr, request, "a thing that stands out from its background");

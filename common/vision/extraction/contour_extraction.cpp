@@ -190,6 +190,7 @@ DrawingEvidence evidence_of(const Separation& found) {
   };
   DrawingEvidence out;
   out.explained = found.explained;
+  out.flattened = found.flattened;
   out.unevenness = range(paper);
   out.ink_range = range(ink);
   out.cut_off = found.outlines.cut_off;
@@ -227,7 +228,7 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   out.contrast = field.contrast;
   out.noise = field.noise;
   out.evidence = evidence_of(*found);
-  out.evidence.cleared = !cleared.empty();
+  out.evidence.cleared = !hidden.empty();
   out.mode = settings.mode;
   out.why = "asked for";
   ShapeKinds kinds;

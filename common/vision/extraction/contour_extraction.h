@@ -43,7 +43,8 @@ struct DrawingEvidence {
   double explained = 0.0;      ///< fraction of its sharp edges that lie on the border of what is drawn
   double unevenness = 0.0;     ///< range of four fifths of the paper's grey levels, over the contrast
   double ink_range = 0.0;      ///< likewise of what is drawn
-  bool cleared = false;        ///< a desk or hair has been taken away
+  bool flattened = false;      ///< lines across shadows, or what was taken for them
+  bool cleared = false;        ///< hair has been taken away
   bool one_pen = true;         ///< strokes among shapes that are cut off are of even width
   int cut_off = 0;             ///< shapes that run over the picture's border
   double cut_off_share = 0.0;  ///< of what is drawn

@@ -9,10 +9,11 @@
 namespace telekerf::vision {
 namespace {
 
-constexpr double kBand = 0.125;  ///< a band of even width is a stroke up to this fraction of its size
-constexpr double kFat = 0.2;     ///< a region for certain: its width over its size
-constexpr double kOfPen = 1.8;   ///< and over that of the pen
-constexpr double kSmall = 0.05;  ///< of the largest shape: below, nothing is told apart
+constexpr double kBand = 0.125;       ///< a band of even width is a stroke up to this fraction of its size
+constexpr double kNearlyThin = 0.05;  ///< from here on a shape may have a body
+constexpr double kFat = 0.2;          ///< a region for certain: its width over its size
+constexpr double kOfPen = 1.8;        ///< and over that of the pen
+constexpr double kSmall = 0.05;       ///< of the largest shape: below, nothing is told apart
 
 struct Shape {
   double area = 0.0;
@@ -22,6 +23,7 @@ struct Shape {
   int label = 0;
   cv::Rect box;
   bool stroke = false;
+  bool bulky = false;  ///< thin on average, but with a body
 
   double width() const { return perimeter > 0.0 ? 2.0 * std::max(0.0, area) / perimeter : 0.0; }
 };
@@ -34,13 +36,27 @@ cv::Point seed_of(const PixelContour& c) {
   return {static_cast<int>(std::floor(p.x())) + 1, static_cast<int>(std::lround(p.y()))};
 }
 
-/// The middle line lies equally far from both sides all along.
-bool is_even(const Field& field, const Shape& shape, const cv::Mat& labels) {
-  constexpr double kEven = 1.35;
+/// Distance from the rim, of one shape.
+cv::Mat depth_of(const Shape& shape, const cv::Mat& labels) {
   cv::Mat own;
   cv::copyMakeBorder(labels(shape.box) == shape.label, own, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   cv::Mat distance;
   cv::distanceTransform(own, distance, cv::DIST_L2, 5);
+  return distance;
+}
+
+/// A good part of the shape lies deeper than any stroke of its mean width, crossings and all.
+bool has_body(const Shape& shape, const cv::Mat& labels) {
+  constexpr double kDeep = 0.85;  // of the mean width: a stroke's middle lies at half
+  constexpr double kPart = 0.08;  // of the area
+  const cv::Mat distance = depth_of(shape, labels);
+  return cv::countNonZero(distance > kDeep * shape.width()) > kPart * shape.area;
+}
+
+/// The middle line lies equally far from both sides all along.
+bool is_even(const Field& field, const Shape& shape, const cv::Mat& labels) {
+  constexpr double kEven = 1.35;
+  const cv::Mat distance = depth_of(shape, labels);
   std::vector<float> ridge;
   for (int y = 1; y + 1 < distance.rows; ++y) {
     for (int x = 1; x + 1 < distance.cols; ++x) {
@@ -108,6 +124,10 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
     if (shape.size <= 0.0) continue;
     const double ratio = shape.width() / shape.size;
     shape.stroke = ratio < Outlines::kThin;
+    if (shape.stroke && ratio > kNearlyThin && shape.size > kSmall * largest) {
+      shape.bulky = has_body(shape, labels);
+      shape.stroke = !shape.bulky;
+    }
     if (!shape.stroke && ratio < kBand && shape.holes > 0 && shape.size > kSmall * largest) {
       shape.stroke = is_even(field, shape, labels);
       bands = bands || (shape.stroke && shape.size == largest);
@@ -127,7 +147,8 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
     if (shape.size <= 0.0) continue;
     const double ratio = shape.width() / shape.size;
     // What is neither for certain goes with the picture.
-    if (all_strokes && !shape.stroke) shape.stroke = ratio < kFat || shape.width() < kOfPen * pen;
+    if (all_strokes && !shape.stroke && !shape.bulky)
+      shape.stroke = ratio < kFat || shape.width() < kOfPen * pen;
     if (!all_strokes && shape.stroke && shape.size < 0.25 * largest) shape.stroke = false;
     if (shape.size < kSmall * largest) shape.stroke = all_strokes;
     (shape.stroke ? strokes : regions) = true;

@@ -55,13 +55,15 @@ cv::Mat hair_in(const cv::Mat& grey, int width, double min_depth) {
 }  // namespace
 
 std::optional<Cleared> on_sheet(const cv::Mat& grey, const tl::expected<Separation, std::string>& first) {
+  constexpr double kExplained = 0.9;   // of the sharp edges on the sheet
   constexpr double kOtherLevel = 0.2;  // of the contrast
   // On a light ground there is no sheet to be found.
   if (first && first->field.dark) return std::nullopt;
   const auto sheet = sheet_in(grey);
   if (!sheet) return std::nullopt;
   auto found = separated(without_desk(grey, *sheet));
-  if (!found || !found->field.dark || found->outlines.contours.empty()) return std::nullopt;
+  if (!found || !found->field.dark || found->outlines.contours.empty() || found->explained < kExplained)
+    return std::nullopt;
   const double contrast = found->field.contrast;
   const bool even_ground = sheet->desk_range < 0.08 * contrast;
   const bool like_ink =

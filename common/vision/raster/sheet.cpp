@@ -94,8 +94,9 @@ std::optional<Sheet> sheet_in(const cv::Mat& grey) {
   constexpr double kMinArea = 0.12;  // of the picture
   constexpr double kMaxArea = 0.96;
   constexpr double kConvex = 0.93;
+  constexpr std::size_t kMostSides = 6;
   constexpr double kOnBorder = 0.4;  // of the picture's border
-  constexpr double kPaper = 0.6;  // of the sheet is paper
+  constexpr double kPaper = 0.6;     // of the sheet is paper
   const double scale = std::min(1.0, double(kLongest_px) / std::max(grey.cols, grey.rows));
   cv::Mat small;
   cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
@@ -117,6 +118,10 @@ std::optional<Sheet> sheet_in(const cv::Mat& grey) {
   const double total = static_cast<double>(small.total());
   if (area < kMinArea * total || area > kMaxArea * total || cv::contourArea(*largest) < kConvex * area)
     return std::nullopt;
+  // Straight sides: a rectangle seen askew, perhaps cut off by the picture's border.
+  std::vector<cv::Point> sides;
+  cv::approxPolyDP(hull, sides, 0.02 * cv::arcLength(hull, true), true);
+  if (sides.size() > kMostSides || cv::contourArea(sides) < 0.95 * area) return std::nullopt;
   cv::Mat sheet(small.size(), CV_8U, cv::Scalar(0));
   cv::fillConvexPoly(sheet, hull, cv::Scalar(255));
   if (cv::countNonZero(light & sheet) < kPaper * cv::countNonZero(sheet)) return std::nullopt;

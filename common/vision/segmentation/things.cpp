@@ -194,4 +194,10 @@ tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
   return mask;
 }
 
+bool is_even(const Scene& scene, const cv::Mat& things) {
+  const Backdrop backdrop = backdrop_of(scene);
+  const Rest rest = rest_of(backdrop, things);
+  return backdrop.spread < 1.5 && backdrop.uniform > 0.97 && rest.whole + rest.cut_off < 0.15;
+}
+
 }  // namespace telekerf::vision
