@@ -250,7 +250,15 @@ std::vector<Settings::Given> Settings::sorted(std::span<const std::string> words
     }
     if (given.words.empty() || (given.entry == nullptr && given.words.front().empty()))
       throw usage_error(fmt::format("{}: {} needs a value; see --help", kCommandLine, flag));
-    all.push_back(std::move(given));
+    // A list of any length may be given in parts.
+    const auto before = std::find_if(all.begin(), all.end(), [&](const Given& g) {
+      return g.entry == given.entry && type == Type::kNumbers && given.entry->setting.count == 0;
+    });
+    if (before != all.end()) {
+      before->words.insert(before->words.end(), given.words.begin(), given.words.end());
+    } else {
+      all.push_back(std::move(given));
+    }
   }
   return all;
 }

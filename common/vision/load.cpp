@@ -66,7 +66,15 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
 }  // namespace
 
 tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, const LoadRequest& request) {
-  const auto found = extract(image, request.extraction);
+  PictureRequest wanted{request.extraction, request.pointing};
+  auto found = contours_in(image, wanted);
+  if (found && request.smallest_m) {
+    // The size of a pixel may depend on what is found; the largest contour stays the same.
+    const Scale scale =
+        scale_for(found->contours.front(), found->picture_width_px, found->picture_height_px, request.scale);
+    wanted.extraction.min_size_px = *request.smallest_m / scale.metres_per_pixel;
+    found = contours_in(image, wanted);
+  }
   if (!found) return tl::unexpected(found.error());
   if (request.select >= found->contours.size()) {
     return tl::unexpected(
@@ -90,6 +98,13 @@ tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, cons
   }
   out.scale = scale_for(fitted, found->picture_width_px, found->picture_height_px, request.scale);
   out.metres_per_pixel = out.scale.metres_per_pixel;
+  if (found->left_out.small > 0) {
+    out.why +=
+        fmt::format("; {} of at most {:.2f} mm left out (--smallest-mm keeps them)",
+                    found->left_out.small == 1 ? "1 small contour"
+                                               : fmt::format("{} small contours", found->left_out.small),
+                    1e3 * out.metres_per_pixel * found->left_out.largest_px);
+  }
   for (const PixelContour& contour : found->contours) {
     out.contours.push_back(to_workpiece(contour, out.scale));
     out.noise_m.push_back(contour.noise_px * out.metres_per_pixel);
@@ -105,6 +120,9 @@ tl::expected<LoadedContours, std::string> load_contours(const std::string& path,
   LoadRequest reduced = request;
   if (reduced.extraction.start_px) *reduced.extraction.start_px /= picture->reduction;
   if (reduced.extraction.end_px) *reduced.extraction.end_px /= picture->reduction;
+  for (Vec2& p : reduced.pointing.at) p /= picture->reduction;
+  for (Vec2& p : reduced.pointing.away) p /= picture->reduction;
+  if (reduced.pointing.box) *reduced.pointing.box /= picture->reduction;
   if (reduced.scale.metres_per_pixel) *reduced.scale.metres_per_pixel *= picture->reduction;
   auto out = contours_of(picture->image, reduced);
   if (!out) return tl::unexpected(fmt::format("{}: {}", path, out.error()));

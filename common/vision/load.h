@@ -8,13 +8,15 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/vision/extraction/contour_extraction.h"
+#include "common/vision/picture_contours.h"
 #include "common/vision/scaling.h"
 
 namespace telekerf::vision {
 
 struct LoadRequest {
   ExtractionSettings extraction;
+  Pointing pointing;
+  std::optional<double> smallest_m = std::nullopt;  ///< size of the smallest contour of a picture that counts
   ScaleRequest scale;
   std::size_t select = 0;  ///< which contour is anchored and fitted; 0 is the largest
   bool fit_all = false;    ///< all contours together are anchored and fitted

@@ -7,13 +7,14 @@
 #include <tl/expected.hpp>
 
 #include "common/protocol/messages.h"
-#include "common/vision/load.h"
+#include "common/vision/picture_flags.h"
 
 namespace telekerf::vision_process {
 
 struct ContourRequest {
   std::string image;  ///< a shipped picture's name, or a path to a picture, SVG or DXF
   vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
+  vision::PictureFlags picture;                                  ///< what of the picture is meant
   vision::AnchorMode anchor = vision::AnchorMode::kBoundingBox;  ///< what lies on the workpiece's origin
   std::size_t select = 0;                                        ///< which contour; 0 is the largest
   std::optional<double> width_m;  ///< of the whole picture; otherwise the contour is fitted to the workspace

@@ -29,6 +29,7 @@ struct Flags {
   std::string camera = "none";
   vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
   vision::AnchorMode anchor = vision::AnchorMode::kBoundingBox;
+  vision::PictureFlags picture;
   int select = 0;
   double width_mm = 0.0;
   bool fit_all = false;
@@ -42,6 +43,7 @@ ContourRequest request_of(const Flags& flags) {
   request.image = flags.image;
   request.mode = flags.mode;
   request.anchor = flags.anchor;
+  request.picture = flags.picture;
   request.select = static_cast<std::size_t>(flags.select);
   if (flags.width_mm > 0.0) request.width_m = flags.width_mm * 1e-3;
   request.fit_all = flags.fit_all;
@@ -109,6 +111,7 @@ void add_parameters(Flags& flags, Settings& settings) {
                            }),
                "what shows the workpiece in place of image; N: a /dev/video device");
   settings.add("mode", flags.mode, vision::kExtractionModes, "from pixels to points");
+  flags.picture.add_parameters(settings);
   settings.add("anchor", flags.anchor, vision::kAnchorModes, "what lies on the workpiece's origin");
   settings.add("select", flags.select, {.min = 0, .max = 9999}, "which contour, 0 is the largest");
   settings.add("width_mm", flags.width_mm, {.min = 0, .max = 10000, .unit = "mm"},

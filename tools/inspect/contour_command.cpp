@@ -17,6 +17,7 @@
 #include "common/vision/export/overlay.h"
 #include "common/vision/export/svg.h"
 #include "common/vision/load.h"
+#include "common/vision/picture_flags.h"
 #include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {
@@ -27,6 +28,7 @@ struct ContourOptions {
   vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
   std::vector<double> start;
   std::vector<double> end;
+  vision::PictureFlags picture;
   std::optional<double> width_mm;
   std::optional<double> height_mm;
   double workspace_mm = 20.0;
@@ -64,6 +66,7 @@ vision::LoadRequest request_of(const ContourOptions& o) {
   request.scale.workspace_radius_m = 1e-3 * o.workspace_mm;
   request.scale.anchor = o.anchor;
   request.select = o.select;
+  o.picture.apply_to(request);
   return request;
 }
 
@@ -131,6 +134,7 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
   s.add("mode", o.mode, vision::kExtractionModes, "how pixels become points");
   s.add("start", o.start, 2, pixels, "X,Y: where the path starts");
   s.add("end", o.end, 2, pixels, "X,Y: where an open path ends");
+  o.picture.add_parameters(s);
   s.add("width_mm", o.width_mm, length_mm, "true width of the whole picture; without it: see workspace_mm");
   s.add("height_mm", o.height_mm, length_mm, "and its true height, where pixels are not square");
   s.add("workspace_mm", o.workspace_mm, length_mm, "without width_mm the contour fills 60 % of this radius");

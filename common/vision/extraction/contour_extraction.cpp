@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
@@ -16,36 +17,57 @@
 #include "common/vision/extraction/ends.h"
 #include "common/vision/extraction/local_level.h"
 #include "common/vision/extraction/separation.h"
+#include "common/vision/extraction/shapes.h"
 #include "common/vision/extraction/stroke.h"
+#include "common/vision/extraction/surroundings.h"
 #include "common/vision/extraction/thesis_tracker.h"
 #include "common/vision/raster/grey_plane.h"
+#include "common/vision/raster/levels.h"
 
 namespace telekerf::vision {
 namespace {
 
 constexpr double kMinLength_px = 16.0;
+constexpr double kMinAskedLength_px = 8.0;  ///< where the smallest size is asked for
+constexpr double kNoise_px = 5.0;           ///< smaller ones are not worth a word
 
 /// Largest first; specks go.
-void keep_large(Contours& contours, double min_size_fraction) {
+void keep_large(Contours& contours, const ExtractionSettings& settings, LeftOut& left_out) {
   std::vector<std::pair<double, std::size_t>> order;
+  const double min_length = settings.min_size_px ? kMinAskedLength_px : kMinLength_px;
+  std::vector<double> small;
   for (std::size_t i = 0; i < contours.size(); ++i) {
-    if (length_px(contours[i]) < kMinLength_px) continue;
-    order.emplace_back(size_px(contours[i]), i);
+    const double size = size_px(contours[i]);
+    if (length_px(contours[i]) < min_length) {
+      small.push_back(size);
+    } else {
+      order.emplace_back(size, i);
+    }
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   Contours kept;
   for (const auto& [size, i] : order) {
-    if (size >= min_size_fraction * order.front().first) kept.push_back(std::move(contours[i]));
+    const double min_size = settings.min_size_px.value_or(settings.min_size_fraction * order.front().first);
+    if (size >= min_size) {
+      kept.push_back(std::move(contours[i]));
+    } else {
+      small.push_back(size);
+    }
+  }
+  for (const double size : small) {
+    if (size < kNoise_px) continue;
+    ++left_out.small;
+    left_out.largest_px = std::max(left_out.largest_px, size);
   }
   contours = std::move(kept);
 }
 
-tl::expected<Contours, std::string> finished(Contours contours, double min_size_fraction, double sigma_px,
-                                             const char* complaint) {
-  keep_large(contours, min_size_fraction);
+tl::expected<Contours, std::string> finished(Contours contours, const ExtractionSettings& settings,
+                                             LeftOut& left_out, const char* complaint) {
+  keep_large(contours, settings, left_out);
   if (contours.empty()) return tl::unexpected<std::string>(complaint);
-  for (PixelContour& contour : contours) smooth_and_resample(contour, sigma_px);
+  for (PixelContour& contour : contours) smooth_and_resample(contour, 1.0);
   return contours;
 }
 
@@ -73,11 +95,11 @@ double blur_of(const Field& field, const Contours& contours) {
 }
 
 tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines found,
-                                                 const ExtractionSettings& settings) {
+                                                 const ExtractionSettings& settings, LeftOut& left_out) {
   const double blur_px = blur_of(field, found.contours);
   for (std::size_t i = 0; i < found.contours.size(); ++i) found.contours[i].hole = found.areas_px[i] < 0.0;
   auto contours =
-      finished(std::move(found.contours), settings.min_size_fraction, 1.0,
+      finished(std::move(found.contours), settings, left_out,
                found.cut_off > 0 ? kAllCutOff : "the picture holds specks only, no shape with an outline");
   if (contours) {
     for (PixelContour& contour : *contours) {
@@ -89,13 +111,13 @@ tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines fo
 }
 
 tl::expected<Contours, std::string> stroke_mode(const Field& field, const Outlines& found,
-                                                const ExtractionSettings& settings) {
-  return finished(strokes_of(field, found), settings.min_size_fraction, 1.0,
+                                                const ExtractionSettings& settings, LeftOut& left_out) {
+  return finished(strokes_of(field, found), settings, left_out,
                   found.cut_off > 0 ? kAllCutOff : "the picture holds specks only, no stroke");
 }
 
 tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlines& found,
-                                                const ExtractionSettings& settings) {
+                                                const ExtractionSettings& settings, LeftOut& left_out) {
   const double width = found.width_px;
   const bool is_stroke = found.thin();
   const cv::Mat band = edge_band(field, width, is_stroke);
@@ -115,12 +137,67 @@ tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlin
   Contours out{is_stroke ? centred(field, route, width) : on_border(field, route)};
   const double blur_px = blur_of(field, out);
   auto contours =
-      finished(std::move(out), settings.min_size_fraction, 1.0,
+      finished(std::move(out), settings, left_out,
                "the window found too little to follow from its start; give --start on the contour");
   if (contours && !is_stroke) {
     sharpen_corners(contours->front().points_px, contours->front().closed, {.blur_px = blur_px});
   }
   return contours;
+}
+
+/// Strokes by their centre lines, regions by their outlines; largest first.
+tl::expected<Contours, std::string> both_modes(const Field& field, ShapeKinds kinds,
+                                               const ExtractionSettings& settings, LeftOut& left_out) {
+  Field ink = field;
+  ink.drawn = kinds.stroke_ink;
+  auto strokes = stroke_mode(ink, kinds.strokes, settings, left_out);
+  auto regions = outline_mode(field, std::move(kinds.regions), settings, left_out);
+  if (!strokes) return regions;
+  if (!regions) return strokes;
+  strokes->insert(strokes->end(), std::make_move_iterator(regions->begin()),
+                  std::make_move_iterator(regions->end()));
+  keep_large(*strokes, settings, left_out);
+  return strokes;
+}
+
+/// Looked at in some pixels only.
+DrawingEvidence evidence_of(const Separation& found) {
+  constexpr int kStep = 4;
+  constexpr int kClear_px = 3;  // from what is drawn
+  const cv::Mat& drawn = found.field.drawn;
+  Histogram paper{};
+  Histogram ink{};
+  double inked = 0.0;
+  for (int y = kClear_px; y + kClear_px < drawn.rows; y += kStep) {
+    const auto* above = drawn.ptr<unsigned char>(y - kClear_px);
+    const auto* here = drawn.ptr<unsigned char>(y);
+    const auto* below = drawn.ptr<unsigned char>(y + kClear_px);
+    const auto* grey = found.field.smooth.ptr<unsigned char>(y);
+    for (int x = kClear_px; x + kClear_px < drawn.cols; x += kStep) {
+      if (here[x] != 0) {
+        inked += 1.0;
+        ink[grey[x]] += 1.0;
+      }
+      const int near = above[x] | below[x] | here[x - kClear_px] | here[x + kClear_px] | here[x];
+      if (near == 0) paper[grey[x]] += 1.0;
+    }
+  }
+  double whole = 0.0;
+  for (const double area : found.outlines.areas_px) whole += area;
+  const auto range = [&](const Histogram& counts) {
+    return (percentile(counts, 0, 255, 0.9) - percentile(counts, 0, 255, 0.1)) /
+           std::max(1.0, found.field.contrast);
+  };
+  DrawingEvidence out;
+  out.explained = found.explained;
+  out.flattened = found.flattened;
+  out.unevenness = range(paper);
+  out.ink_range = range(ink);
+  out.cut_off = found.outlines.cut_off;
+  out.one_pen = out.cut_off < 3 || !found.outlines.thin() || is_of_one_pen(found.field, found.outlines);
+  out.cut_off_share =
+      out.cut_off == 0 ? 0.0 : std::max(0.0, 1.0 - whole / std::max(1.0, inked * kStep * kStep));
+  return out;
 }
 
 }  // namespace
@@ -129,6 +206,18 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   const auto grey = grey_plane(image);
   if (!grey) return tl::unexpected(grey.error());
   auto found = separated(*grey);
+  std::string cleared;
+  cv::Mat hidden;
+  if (settings.mode == ExtractionMode::kAuto || settings.mode == ExtractionMode::kOutline ||
+      settings.mode == ExtractionMode::kStroke) {
+    auto without = on_sheet(*grey, found);
+    if (!without && settings.mode != ExtractionMode::kStroke) without = under_hair(*grey, found);
+    if (without) {
+      found = std::move(without->found);
+      cleared = "; " + without->what;
+      hidden = without->hidden;
+    }
+  }
   if (!found) return tl::unexpected(found.error());
   Field& field = found->field;
   Outlines& outlines = found->outlines;
@@ -138,20 +227,44 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   out.picture_height_px = image.rows;
   out.contrast = field.contrast;
   out.noise = field.noise;
+  out.evidence = evidence_of(*found);
+  out.evidence.cleared = !hidden.empty();
   out.mode = settings.mode;
   out.why = "asked for";
+  ShapeKinds kinds;
   if (settings.mode == ExtractionMode::kAuto) {
-    const double width = outlines.width_px;
+    kinds = kinds_of(field, outlines);
+    const bool strokes = !kinds.strokes.contours.empty();
+    const bool regions = !kinds.regions.contours.empty();
     const double size = std::max(1.0, outlines.size_px);
-    out.mode = outlines.thin() ? ExtractionMode::kStroke : ExtractionMode::kOutline;
-    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", width, size,
-                          out.mode == ExtractionMode::kStroke ? "stroke" : "region");
+    const bool mostly_strokes = strokes && (!regions || kinds.strokes.size_px >= kinds.regions.size_px);
+    out.mode = mostly_strokes ? ExtractionMode::kStroke : ExtractionMode::kOutline;
+    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", outlines.width_px,
+                          size, mostly_strokes ? "stroke" : "region");
+    if (strokes && regions) out.why += mostly_strokes ? ", and regions beside it" : ", and strokes beside it";
   }
-  auto contours = out.mode == ExtractionMode::kStroke   ? stroke_mode(field, outlines, settings)
-                  : out.mode == ExtractionMode::kThesis ? thesis_mode(field, outlines, settings)
-                                                        : outline_mode(field, std::move(outlines), settings);
+  tl::expected<Contours, std::string> contours;
+  if (!kinds.strokes.contours.empty() && !kinds.regions.contours.empty()) {
+    contours = both_modes(field, std::move(kinds), settings, out.left_out);
+  } else {
+    contours = out.mode == ExtractionMode::kStroke ? stroke_mode(field, outlines, settings, out.left_out)
+               : out.mode == ExtractionMode::kThesis
+                   ? thesis_mode(field, outlines, settings, out.left_out)
+                   : outline_mode(field, std::move(outlines), settings, out.left_out);
+  }
   if (!contours) return tl::unexpected(contours.error());
+  out.why += cleared;
+  if (out.evidence.cut_off > 0) {
+    out.why +=
+        fmt::format("; {} that touch{} the picture's border left out (--at X,Y takes one of them)",
+                    out.evidence.cut_off == 1 ? "1 shape" : fmt::format("{} shapes", out.evidence.cut_off),
+                    out.evidence.cut_off == 1 ? "es" : "");
+  }
   out.contours = std::move(*contours);
+  if (!hidden.empty()) {
+    for (PixelContour& contour : out.contours)
+      if (contour.closed && contour.width_px == 0.0) lead_through(hidden, contour);
+  }
   apply_ends(out.contours, settings.start_px, settings.end_px);
   if (out.contours.front().points_px.size() < 4) {
     return tl::unexpected<std::string>(

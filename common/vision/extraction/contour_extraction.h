@@ -34,6 +34,26 @@ struct ExtractionSettings {
   std::optional<Vec2> end_px = std::nullopt;
   /// Contours smaller than this fraction of the largest one are specks, not contours.
   double min_size_fraction = 0.05;
+  /// Smaller ones, by the diagonal of their box; in place of the fraction.
+  std::optional<double> min_size_px = std::nullopt;
+};
+
+/// What speaks for a picture being a drawing, one ink on one paper.
+struct DrawingEvidence {
+  double explained = 0.0;      ///< fraction of its sharp edges that lie on the border of what is drawn
+  double unevenness = 0.0;     ///< range of four fifths of the paper's grey levels, over the contrast
+  double ink_range = 0.0;      ///< likewise of what is drawn
+  bool flattened = false;      ///< lines across shadows, or what was taken for them
+  bool cleared = false;        ///< hair has been taken away
+  bool one_pen = true;         ///< strokes among shapes that are cut off are of even width
+  int cut_off = 0;             ///< shapes that run over the picture's border
+  double cut_off_share = 0.0;  ///< of what is drawn
+};
+
+/// Contours that are too small to count.
+struct LeftOut {
+  int small = 0;
+  double largest_px = 0.0;  ///< diagonal of the box of the largest
 };
 
 struct Extraction {
@@ -43,7 +63,9 @@ struct Extraction {
   int picture_height_px = 0;
   double contrast = 0.0;  ///< of drawing and background, grey levels
   double noise = 0.0;     ///< of the picture, standard deviation in grey levels
-  Contours contours;      ///< largest first, never empty
+  DrawingEvidence evidence;
+  LeftOut left_out;
+  Contours contours;  ///< largest first, never empty
 };
 
 /// The contours of a picture of any depth, with 1, 3 or 4 channels. The error is one sentence that says what

@@ -115,6 +115,7 @@ std::vector<Separation> across_shadows(const cv::Mat& grey) {
     auto field = make_field(without_shadows(grey, small_side));
     if (!field) continue;
     Separation found = judged(std::move(*field));
+    found.flattened = true;
     if (found.whole() && found.outlines.thin()) out.push_back(std::move(found));
   }
   return out;

@@ -23,6 +23,7 @@ struct Separation {
   Outlines outlines;
   std::optional<std::string> complaint;
   double explained = 0.0;   ///< fraction of the sharp edges
+  bool flattened = false;   ///< lines across shadows: the field is not the picture's own grey
   bool stands_out = false;  ///< large enough to be what the picture is about
 
   bool whole() const { return !complaint && stands_out; }

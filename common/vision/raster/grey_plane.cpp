@@ -146,4 +146,27 @@ tl::expected<cv::Mat, std::string> grey_plane(const cv::Mat& image) {
   }
 }
 
+cv::Mat colour_plane(const cv::Mat& image) {
+  if (image.empty() || image.dims != 2) return {};
+  const cv::Mat bits = to_eight_bits(image);
+  cv::Mat out;
+  switch (bits.channels()) {
+    case 1:
+      cv::cvtColor(bits, out, cv::COLOR_GRAY2BGR);
+      return out;
+    case 3:
+      return bits;
+    case 4: {
+      cv::Mat alpha;
+      cv::extractChannel(bits, alpha, 3);
+      cv::cvtColor(bits, out, cv::COLOR_BGRA2BGR);
+      cv::cvtColor(alpha, alpha, cv::COLOR_GRAY2BGR);
+      cv::multiply(out, alpha, out, 1.0 / 255.0);
+      return out + (cv::Scalar::all(255) - alpha);
+    }
+    default:
+      return {};
+  }
+}
+
 }  // namespace telekerf::vision

@@ -12,4 +12,7 @@ namespace telekerf::vision {
 /// the background's colour where that tells more; alpha is laid over white. The error is one sentence.
 tl::expected<cv::Mat, std::string> grey_plane(const cv::Mat& image);
 
+/// The same picture in colour, CV_8UC3, alpha laid over white; empty where grey_plane() fails.
+cv::Mat colour_plane(const cv::Mat& image);
+
 }  // namespace telekerf::vision

@@ -114,6 +114,14 @@ TEST(Settings, NumbersAsPeopleWriteThem) {
   EXPECT_FALSE(loaded("--engage=false").engage);
 }
 
+TEST(Settings, AListOfAnyLengthMayBeGivenInParts) {
+  std::vector<double> at;
+  Settings settings;
+  settings.add("at", at, 0, {.min = 0, .max = 100}, "points");
+  settings.load(std::vector<std::string>{"--at", "1,2", "--at", "3", "4"});
+  EXPECT_EQ(at, (std::vector<double>{1, 2, 3, 4}));
+}
+
 TEST(Settings, RefusalsNameKeyValueAndBound) {
   EXPECT_EQ(refusal_of("--block 65"), "command line: block = 65: must lie within [4, 64]");
   EXPECT_EQ(refusal_of("--stream-hz 99"), "command line: stream_hz = 99: must lie within [100, 10000] Hz");

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a person sees at once in a photograph: the things that stand out from its background.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "common/vision/segmentation/scene.h"
+
+namespace telekerf::vision {
+
+/// A mask of the scene, CV_8U, 255 on the things that stand out. The error is a clause that says why none is
+/// sure.
+tl::expected<cv::Mat, std::string> things_in(const Scene& scene);
+
+/// The background is of one colour and one light, without a shadow, and nothing but things lies on it.
+bool is_even(const Scene& scene, const cv::Mat& things);
+
+}  // namespace telekerf::vision

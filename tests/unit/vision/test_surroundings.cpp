@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drawings photographed: a sheet on a desk, hair over a region, thick pens, dots beside strokes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "common/vision/picture_contours.h"
+#include "tests/unit/vision/truth.h"
+
+namespace telekerf::vision {
+namespace {
+
+geometry::Polyline blob(double size, const Vec2& centre) {
+  geometry::Polyline out{{}, true};
+  for (int i = 0; i < 720; ++i) {
+    const double a = i * M_PI / 360;
+    const double r =
+        size * (1.0 + 0.12 * std::cos(2 * a + 0.5) + 0.08 * std::sin(3 * a) + 0.04 * std::cos(5 * a));
+    out.points_m.push_back(centre + r * Vec2(std::cos(a), std::sin(a)));
+  }
+  return out;
+}
+
+std::vector<cv::Point> in_sixteenths(const geometry::Polyline& line) {
+  std::vector<cv::Point> out;
+  for (const Vec2& p : line.points_m)
+    out.emplace_back(static_cast<int>(std::lround(16 * p.x())), static_cast<int>(std::lround(16 * p.y())));
+  return out;
+}
+
+void fill(cv::Mat& picture, const geometry::Polyline& line, double grey) {
+  cv::fillPoly(picture, std::vector{in_sixteenths(line)}, cv::Scalar(grey), cv::LINE_AA, 4);
+}
+
+void stroke(cv::Mat& picture, const geometry::Polyline& line, int pen, double grey) {
+  cv::polylines(picture, std::vector{in_sixteenths(line)}, line.closed, cv::Scalar(grey), pen, cv::LINE_AA,
+                4);
+}
+
+void photograph(cv::Mat& picture, double blur = 1.2, double sigma = 3.0) {
+  cv::GaussianBlur(picture, picture, {}, blur);
+  cv::RNG rng(7);
+  cv::Mat grain(picture.size(), CV_16S);
+  rng.fill(grain, cv::RNG::NORMAL, 0.0, sigma);
+  cv::Mat wide;
+  picture.convertTo(wide, CV_16S);
+  wide += grain;
+  wide.convertTo(picture, CV_8U);
+}
+
+/// Boards with a wavy grain.
+cv::Mat desk(int period) {
+  cv::Mat out(600, 800, CV_8U);
+  for (int y = 0; y < out.rows; ++y) {
+    for (int x = 0; x < out.cols; ++x) {
+      out.at<unsigned char>(y, x) = cv::saturate_cast<unsigned char>(
+          62 + 26 * std::sin(2 * M_PI * (y + 12 * std::sin(x / 90.0)) / period));
+    }
+  }
+  return out;
+}
+
+TEST(Surroundings, ASheetOnADeskIsBackground) {
+  const geometry::Polyline truth = blob(120, {400, 300});
+  for (const int period : {23, 44, 80}) {
+    for (const int pen : {4, 7}) {
+      cv::Mat picture = desk(period);
+      cv::fillConvexPoly(picture, std::vector<cv::Point>{{95, 62}, {718, 88}, {700, 545}, {82, 520}},
+                         cv::Scalar(225), cv::LINE_AA);
+      stroke(picture, truth, pen, 40);
+      photograph(picture);
+      const auto found = contours_in(picture, {});
+      ASSERT_TRUE(found) << found.error() << " period " << period;
+      ASSERT_EQ(found->contours.size(), 1u);
+      EXPECT_TRUE(found->contours.front().closed);
+      EXPECT_LT(compare(found->contours.front(), truth).rms_px, 0.5);
+      EXPECT_NE(found->why.find("sheet"), std::string::npos) << found->why;
+    }
+  }
+}
+
+TEST(Surroundings, ALightPlateWithHolesOnAnEvenGroundStaysAPlate) {
+  cv::Mat picture(600, 800, CV_8U, cv::Scalar(40));
+  cv::rectangle(picture, {150, 120}, {650, 480}, cv::Scalar(225), cv::FILLED);
+  cv::circle(picture, {300, 300}, 60, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  cv::circle(picture, {500, 300}, 60, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  photograph(picture);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 3u);
+  EXPECT_NEAR(geometry::bounding_box(found->contours.front().points_px).size().x(), 501.0, 1.5);
+}
+
+TEST(Surroundings, HairOverALesionIsNoPartOfIt) {
+  for (const double ink : {90.0, 110.0}) {
+    const geometry::Polyline truth = blob(170, {400, 310});
+    cv::Mat picture(600, 800, CV_8U, cv::Scalar(190));
+    fill(picture, truth, ink);
+    cv::GaussianBlur(picture, picture, {}, 3.0);
+    cv::RNG rng(11);
+    for (int hair = 0; hair < 9; ++hair) {
+      geometry::Polyline line;
+      const double y = rng.uniform(120, 500);
+      const double rise = rng.uniform(20, 70);
+      const double length = rng.uniform(80, 160);
+      for (int x = hair % 2 == 0 ? -10 : 60; x < 700 + 30 * hair; x += 8)
+        line.points_m.emplace_back(x, y + rise * std::sin(x / length + hair));
+      stroke(picture, line, 3, 45);
+    }
+    photograph(picture, 0.8);
+    const auto found = contours_in(picture, {});
+    ASSERT_TRUE(found) << found.error();
+    ASSERT_EQ(found->contours.size(), 1u) << ink;
+    const Comparison c = compare(found->contours.front(), truth);
+    EXPECT_LT(c.rms_px, 1.5) << ink;
+    EXPECT_NEAR(c.length_ratio, 1.0, 0.02) << ink;
+    EXPECT_NE(found->why.find("hair"), std::string::npos) << found->why;
+  }
+}
+
+TEST(Surroundings, AThickPenIsOneLine) {
+  const geometry::Polyline truth = blob(190, {400, 300});
+  for (const int pen : {30, 42, 50}) {
+    cv::Mat picture(600, 800, CV_8U, cv::Scalar(235));
+    stroke(picture, truth, pen, 35);
+    photograph(picture);
+    const auto found = contours_in(picture, {});
+    ASSERT_TRUE(found) << found.error();
+    ASSERT_EQ(found->contours.size(), 1u) << pen;
+    EXPECT_TRUE(found->contours.front().closed);
+    EXPECT_LT(compare(found->contours.front(), truth).rms_px, 0.8) << pen;
+  }
+}
+
+TEST(Surroundings, ARingWithAnUnevenRimIsARegion) {
+  cv::Mat picture(600, 800, CV_8U, cv::Scalar(235));
+  cv::circle(picture, {400, 300}, 220, cv::Scalar(35), cv::FILLED, cv::LINE_AA);
+  cv::circle(picture, {440, 300}, 150, cv::Scalar(235), cv::FILLED, cv::LINE_AA);
+  photograph(picture);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_EQ(found->contours.size(), 2u);
+  EXPECT_EQ(found->mode, ExtractionMode::kOutline);
+}
+
+TEST(Surroundings, DotsBesideStrokesKeepTheirOutlines) {
+  const geometry::Polyline line = blob(200, {400, 300});
+  const geometry::Polyline dot = blob(45, {410, 290});
+  cv::Mat picture(600, 800, CV_8U, cv::Scalar(235));
+  stroke(picture, line, 6, 35);
+  fill(picture, dot, 35);
+  photograph(picture);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 2u);
+  EXPECT_TRUE(found->contours[0].closed && found->contours[1].closed);
+  EXPECT_LT(compare(found->contours[0], line).rms_px, 0.4);
+  EXPECT_LT(compare(found->contours[1], dot).rms_px, 0.8);
+}
+
+}  // namespace
+}  // namespace telekerf::vision

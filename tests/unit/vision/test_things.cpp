@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photographs of things: found without a word, or pointed at. Likenesses drawn here, whose outlines are
+// known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "common/vision/picture_contours.h"
+#include "tests/unit/vision/truth.h"
+
+namespace telekerf::vision {
+namespace {
+
+/// Grain of a camera, the same each time.
+void add_grain(cv::Mat& picture, double sigma, std::uint64_t seed = 1) {
+  cv::RNG rng(seed);
+  cv::Mat grain(picture.size(), CV_16SC(picture.channels()));
+  rng.fill(grain, cv::RNG::NORMAL, 0.0, sigma);
+  cv::Mat wide;
+  picture.convertTo(wide, grain.type());
+  wide += grain;
+  wide.convertTo(picture, picture.type());
+}
+
+/// Light that falls off to one side.
+void add_falling_light(cv::Mat& picture, double share) {
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const double gain = 1.0 - share * x / picture.cols;
+      auto& p = picture.at<cv::Vec3b>(y, x);
+      for (int c = 0; c < 3; ++c) p[c] = cv::saturate_cast<unsigned char>(gain * p[c]);
+    }
+  }
+}
+
+/// Patches of all sizes in colours between two.
+cv::Mat texture(const cv::Size& size, const cv::Scalar& a, const cv::Scalar& b, std::uint64_t seed) {
+  cv::RNG rng(seed);
+  cv::Mat plane(size, CV_32F);
+  rng.fill(plane, cv::RNG::UNIFORM, 0.0, 1.0);
+  cv::GaussianBlur(plane, plane, {}, 5.0);
+  cv::normalize(plane, plane, 0.0, 1.0, cv::NORM_MINMAX);
+  cv::Mat out(size, CV_8UC3);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const double u = plane.at<float>(y, x);
+      for (int c = 0; c < 3; ++c)
+        out.at<cv::Vec3b>(y, x)[c] = cv::saturate_cast<unsigned char>(a[c] + u * (b[c] - a[c]));
+    }
+  }
+  return out;
+}
+
+geometry::Polyline circle(const Vec2& centre, double radius) {
+  geometry::Polyline out{{}, true};
+  for (int i = 0; i < 360; ++i)
+    out.points_m.push_back(centre + radius * Vec2(std::cos(i * M_PI / 180), std::sin(i * M_PI / 180)));
+  return out;
+}
+
+void disc(cv::Mat& picture, const Vec2& centre, double radius, const cv::Scalar& colour) {
+  constexpr int kShift = 4;
+  cv::circle(picture, {static_cast<int>(centre.x() * 16), static_cast<int>(centre.y() * 16)},
+             static_cast<int>(radius * 16), colour, cv::FILLED, cv::LINE_AA, kShift);
+}
+
+/// A speckled disc whose inside changes as much as a coin's does.
+void coin(cv::Mat& picture, const Vec2& centre, double radius, std::uint64_t seed) {
+  cv::Mat face = texture(picture.size(), {150, 150, 150}, {220, 220, 220}, seed);
+  cv::Mat mask(picture.size(), CV_8U, cv::Scalar(0));
+  disc(mask, centre, radius, cv::Scalar(255));
+  face.copyTo(picture, mask > 127);
+}
+
+TEST(Things, ABrightCellOnGreyIsFoundWithoutAWord) {
+  cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(100, 100, 100));
+  disc(picture, {400, 260}, 60, cv::Scalar(80, 80, 80));  // its halo
+  cv::GaussianBlur(picture, picture, {}, 12.0);
+  disc(picture, {400, 260}, 45, cv::Scalar(205, 205, 205));
+  cv::GaussianBlur(picture, picture, {}, 1.5);
+  add_falling_light(picture, 0.25);
+  add_grain(picture, 6.0);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 1u);
+  const Comparison c = compare(found->contours.front(), circle({400, 260}, 45));
+  EXPECT_LT(c.rms_px, 0.7);
+  EXPECT_LT(c.max_px, 2.5);
+  EXPECT_NEAR(c.length_ratio, 1.0, 0.02);
+}
+
+TEST(Things, RowsOfCoinsOnADarkClothAreSeveralContours) {
+  cv::Mat picture = texture({640, 480}, {40, 42, 45}, {70, 70, 72}, 3);
+  std::vector<Vec2> centres;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      centres.emplace_back(100 + 145 * column, 90 + 150 * row);
+      coin(picture, centres.back(), 34 + 3 * ((row + column) % 4), 10 + centres.size());
+    }
+  }
+  cv::GaussianBlur(picture, picture, {}, 0.8);
+  add_falling_light(picture, 0.35);
+  add_grain(picture, 4.0);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), centres.size());
+  for (const PixelContour& contour : found->contours) {
+    const Vec2 middle = geometry::bounding_box(contour.points_px).centre();
+    EXPECT_TRUE(std::any_of(centres.begin(), centres.end(), [&](const Vec2& c) {
+      return (c - middle).norm() < 1.5;
+    })) << middle.transpose();
+  }
+}
+
+TEST(Things, ColourAloneTellsAFruitFromItsTable) {
+  // As bright as the table, and shaded from one side.
+  cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(60, 130, 140));
+  disc(picture, {300, 240}, 120, cv::Scalar(50, 95, 235));
+  disc(picture, {330, 200}, 25, cv::Scalar(90, 140, 255));  // where the light glances off
+  cv::GaussianBlur(picture, picture, {}, 1.2);
+  add_falling_light(picture, 0.3);
+  add_grain(picture, 5.0);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 1u);
+  EXPECT_LT(compare(found->contours.front(), circle({300, 240}, 120)).rms_px, 0.7);
+}
+
+TEST(Things, WhatLiesOnTextureIsFoundWhenPointedAt) {
+  cv::Mat picture = texture({640, 480}, {30, 90, 40}, {90, 200, 120}, 5);
+  const cv::Mat inside = texture({640, 480}, {30, 40, 140}, {120, 110, 240}, 6);
+  cv::Mat mask(480, 640, CV_8U, cv::Scalar(0));
+  disc(mask, {250, 220}, 110, cv::Scalar(255));
+  inside.copyTo(picture, mask > 127);
+  cv::GaussianBlur(picture, picture, {}, 1.0);
+  add_grain(picture, 4.0);
+  PictureRequest request;
+  request.pointing.at = {{250, 230}};
+  PictureRequest in_box;
+  in_box.pointing.box = Eigen::Vector4d(110, 80, 290, 290);
+  for (const PictureRequest& asked : {request, in_box}) {
+    const auto found = contours_in(picture, asked);
+    ASSERT_TRUE(found) << found.error();
+    ASSERT_EQ(found->contours.size(), 1u);
+    const Comparison c = compare(found->contours.front(), circle({250, 220}, 110));
+    EXPECT_LT(c.rms_px, 1.5);
+    EXPECT_NEAR(c.length_ratio, 1.0, 0.04);
+  }
+}
+
+TEST(Things, WhatRunsOverTheBorderIsFoundWhenPointedAtAndFollowsIt) {
+  cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(200, 205, 210));
+  disc(picture, {320, 480}, 150, cv::Scalar(40, 60, 120));
+  cv::GaussianBlur(picture, picture, {}, 1.0);
+  add_grain(picture, 4.0);
+  EXPECT_FALSE(contours_in(picture, {}));
+  PictureRequest request;
+  request.pointing.at = {{320, 430}};
+  const auto found = contours_in(picture, request);
+  ASSERT_TRUE(found) << found.error();
+  const geometry::Box box = geometry::bounding_box(found->contours.front().points_px);
+  EXPECT_NEAR(box.min.y(), 330.0, 2.0);
+  EXPECT_NEAR(box.max.y(), 479.0, 1.5);
+  EXPECT_NEAR(box.size().x(), 300.0, 4.0);
+}
+
+TEST(Things, SeveralPointsAreSeveralThingsAndNotLeavesOut) {
+  cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(190, 190, 190));
+  disc(picture, {150, 150}, 60, cv::Scalar(40, 40, 200));
+  disc(picture, {450, 300}, 80, cv::Scalar(200, 60, 40));
+  disc(picture, {150, 380}, 50, cv::Scalar(60, 160, 60));
+  add_grain(picture, 4.0);
+  PictureRequest request;
+  request.pointing.at = {{150, 150}, {450, 300}};
+  const auto found = contours_in(picture, request);
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 2u);
+  EXPECT_LT(compare(found->contours[0], circle({450, 300}, 80)).rms_px, 0.7);
+  EXPECT_LT(compare(found->contours[1], circle({150, 150}, 60)).rms_px, 0.7);
+
+  // Two halves of other colours: with a point in one and --not in the other only the one.
+  cv::Mat halves(480, 640, CV_8UC3, cv::Scalar(190, 190, 190));
+  cv::rectangle(halves, {160, 140}, {319, 339}, cv::Scalar(30, 30, 170), cv::FILLED);
+  cv::rectangle(halves, {320, 140}, {480, 339}, cv::Scalar(30, 120, 170), cv::FILLED);
+  add_grain(halves, 4.0);
+  PictureRequest one;
+  one.pointing.at = {{240, 240}};
+  one.pointing.away = {{400, 240}};
+  const auto half = contours_in(halves, one);
+  ASSERT_TRUE(half) << half.error();
+  const geometry::Box box = geometry::bounding_box(half->contours.front().points_px);
+  EXPECT_NEAR(box.min.x(), 159.5, 1.5);
+  EXPECT_NEAR(box.max.x(), 319.5, 1.5);
+}
+
+TEST(Things, ScenesAreRefusedWithTheRemedy) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    cv::Mat scene = texture({640, 480}, {20, 60, 30}, {220, 200, 240}, seed);
+    add_grain(scene, 5.0);
+    const auto found = contours_in(scene, {});
+    ASSERT_FALSE(found) << seed;
+    EXPECT_NE(found.error().find("--at X,Y"), std::string::npos) << found.error();
+    EXPECT_NE(found.error().find("--box"), std::string::npos) << found.error();
+  }
+}
+
+TEST(Things, PointingAtNothingSaysSo) {
+  cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(200, 205, 210));
+  add_grain(picture, 4.0);
+  PictureRequest request;
+  request.pointing.at = {{320, 240}};
+  const auto found = contours_in(picture, request);
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().find("--box"), std::string::npos) << found.error();
+}
+
+}  // namespace
+}  // namespace telekerf::vision
