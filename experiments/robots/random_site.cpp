@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "common/robot/robot_model.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
+#include "experiments/draw.h"
 #include "netem/core/profile.h"
 
 namespace telekerf::experiments {
@@ -20,25 +20,6 @@ using Kind = master::OperatorDisturbance::Kind;
 
 /// Of a hand, whatever the motors can hold.
 constexpr double kStrongest_n = 30.0;
-
-/// Not the standard's distributions: their sequences are not the same in every library.
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : random_(seed) {}
-  double between(double least, double most) {
-    return least + (most - least) * static_cast<double>(random_() >> 11) * 0x1p-53;
-  }
-  /// As likely to be halved as to be doubled.
-  double factor(double least, double most) { return std::exp(between(std::log(least), std::log(most))); }
-  template <typename Values>
-  auto one_of(const Values& values) {
-    return *std::next(std::begin(values), static_cast<std::ptrdiff_t>(random_() % std::size(values)));
-  }
-  bool one_in(unsigned n) { return random_() % n == 0; }
-
- private:
-  std::mt19937_64 random_;
-};
 
 void scale_lengths(robot::DeltaGeometry& geometry, double scale, Draw& draw) {
   for (double* length :

@@ -31,6 +31,7 @@ class VirtualLink {
     // Copies of a message share its tag, so it is kept until nothing older than it can still arrive.
     if (!emulator_.next_deadline()) waiting_.clear();
   }
+  const netem::Counters& counters() const noexcept { return emulator_.counters(); }
 
  private:
   netem::Emulator emulator_;

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "experiments/chaos/faulty_devices.h"
+
+#include <utility>
+
+#include "common/robot/drivers/simulated_robot.h"
+#include "common/runtime/startup_error.h"
+
+namespace telekerf::experiments {
+namespace {
+
+class FaultyRobot final : public robot::Robot {
+ public:
+  FaultyRobot(std::unique_ptr<robot::SimulatedRobot> robot, const SensorFault& fault)
+      : robot_(std::move(robot)), fault_(fault) {}
+
+  robot::JointReading read() noexcept override {
+    robot::JointReading reading = robot_->read();
+    if (fault_.dropout) {
+      reading.valid = false;
+      return reading;
+    }
+    reading.joints_m += fault_.slip_m;
+    if (fault_.stuck) reading.joints_m[0] = stuck_m_;
+    stuck_m_ = reading.joints_m[0];
+    return reading;
+  }
+  void write(const Vec3& currents_a) noexcept override { robot_->write(currents_a); }
+  robot::Capabilities capabilities() const override { return robot_->capabilities(); }
+
+ private:
+  std::unique_ptr<robot::SimulatedRobot> robot_;
+  const SensorFault& fault_;
+  double stuck_m_ = 0.0;
+};
+
+class FaultyLaser final : public laser::Laser {
+ public:
+  explicit FaultyLaser(LaserState& state) : state_(state) {}
+  bool emit(double power_w, bool /*pilot*/) noexcept override {
+    state_.told_w = power_w;
+    state_.unheard = state_.deaf ? state_.unheard + 1 : 0;
+    if (!state_.deaf) state_.emitted_w = power_w;
+    if (state_.unheard >= kSilentLaserSteps) state_.emitted_w = 0.0;
+    if (state_.stuck) state_.emitted_w = kStuck_w;
+    return !state_.deaf;
+  }
+
+ private:
+  static constexpr double kStuck_w = 10.0;
+  LaserState& state_;
+};
+
+class ScriptedButton final : public master::OperatorInput {
+ public:
+  explicit ScriptedButton(const bool& pressed) : pressed_(pressed) {}
+  master::OperatorSample sample(std::int64_t /*now_ns*/) noexcept override { return {.trigger = pressed_}; }
+
+ private:
+  const bool& pressed_;
+};
+
+}  // namespace
+
+robot::Drive faulty_drive(const robot::RobotModel& truth, std::uint64_t seed, const Vec3& tool_in_base_m,
+                          const SensorFault& fault) {
+  std::unique_ptr<robot::SimulatedRobot> plant;
+  try {
+    plant = std::make_unique<robot::SimulatedRobot>(truth, seed, tool_in_base_m);
+  } catch (const StartupError&) {
+    plant = std::make_unique<robot::SimulatedRobot>(truth, seed, truth.in_base(Vec3::Zero()));
+  }
+  robot::SimulatedRobot* const seen = plant.get();
+  return {std::make_unique<FaultyRobot>(std::move(plant), fault), seen};
+}
+
+std::unique_ptr<laser::Laser> faulty_laser(LaserState& state) { return std::make_unique<FaultyLaser>(state); }
+
+std::unique_ptr<master::OperatorInput> scripted_button(const bool& pressed) {
+  return std::make_unique<ScriptedButton>(pressed);
+}
+
+}  // namespace telekerf::experiments
