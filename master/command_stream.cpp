@@ -80,7 +80,10 @@ void CommandStream::place_model(std::int64_t index, Engagement::Phase phase, boo
 void CommandStream::begin_block(std::int64_t index, const MasterSample& master) noexcept {
   const bool rescaled = master.beta != beta_;
   beta_ = master.beta;
-  if (rescaled) engagement_.forget_blocks();
+  if (rescaled || master.engage != engage_) engagement_.forget_blocks();
+  engage_ = master.engage;
+  echo_sequence_ = master.echo_sequence;
+  echo_sent_ns_ = master.echo_sent_ns;
   const KinematicState source = scaled(master.tool, beta_);
   if (!streams_accelerations(settings_.law)) {
     const auto phase = engagement_.begin_block_unaided(master.engaged);
@@ -157,7 +160,11 @@ std::optional<CommandBlock> CommandStream::finish_block(std::int64_t now_ns,
   block.contour_id = master.contour_id;
   block.beta = to_wire_precision(beta_);
   block.law = settings_.law;
-  block.engaged = engagement_.engaged() && master.engaged;
+  block.engaged = engagement_.engaged() && master.engaged && master.engage == engage_;
+  block.engage = engage_;
+  block.stop = master.stop;
+  block.echo_sequence = echo_sequence_;
+  block.echo_sent_ns = echo_sent_ns_;
   block.engaged_before = engagement_.engaged_before();
   engagement_.finish_block(block.engaged);
   block.button = packets_.buttons();

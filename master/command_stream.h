@@ -36,6 +36,10 @@ struct MasterSample {
   std::uint32_t contour_id = 0;
   bool button = false;
   bool engaged = false;
+  std::uint32_t engage = 0;         ///< engagements so far
+  std::uint32_t stop = 0;           ///< number of the emergency stop in force; 0: none
+  std::uint32_t echo_sequence = 0;  ///< newest state block that has come; 0: none
+  std::int64_t echo_sent_ns = 0;    ///< its stamp, slave's clock
 };
 
 /// What the observer thinks; published for console, recorder and plots. Workpiece frame of the slave.
@@ -82,6 +86,9 @@ class CommandStream {
   streaming::RedundancyControl redundancy_;
   std::int64_t engaged_from_ = 0;  ///< index
   Observed observed_;
+  std::uint32_t engage_ = 0;    ///< changes where blocks begin only
+  std::uint32_t echo_sequence_ = 0;  ///< as the block began
+  std::int64_t echo_sent_ns_ = 0;
   double beta_ = 1.0;           ///< changes where blocks begin only
   KinematicState model_;        ///< the commands' integral: the reference of a slave that follows the anchors
   KinematicState block_model_;  ///< where the block began

@@ -11,6 +11,7 @@
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
 #include "common/bus/process.h"
+#include "common/bus/stop_line.h"
 #include "common/runtime/program.h"
 #include "common/runtime/startup_error.h"
 #include "master/station.h"
@@ -28,6 +29,7 @@ struct Flags {
   BusFlags bus;
   netem::NetemFlags netem;
   StationSettings station;
+  StopFlags stop;
   std::string record;
   double duration_s = 0.0;
   double wait_s = 20.0;
@@ -62,6 +64,7 @@ int run(Flags& flags) {
   StatusReporter& status = process.status();
   Reader<StateBlock> states(process.bus());
   Reader<EventMessage> events(process.bus());
+  StopLine stop(process.bus(), flags.stop.path(settings));
   Writer<CommandBlock> commands(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());
   const netem::NetemSwitch netem_switch(process.bus(), emulator);
@@ -90,7 +93,8 @@ int run(Flags& flags) {
     drain(states, arrived_states);
     drain(events, arrived_events);
     GuidedContour* const task = contour.current();
-    const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events);
+    const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events, stop.order());
+    stop.obeyed(out.stop);
     if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
     (out.mode == MasterMode::kEngaged ? engaged_s : waited_s) += station.control_period_s();
@@ -133,6 +137,7 @@ int run(Flags& flags) {
 
 void add_parameters(Flags& flags, Settings& settings) {
   flags.station.add_parameters(settings);
+  flags.stop.add_parameters(settings);
   settings.add("record", flags.record, kFolder, "for the record of the run");
   settings.add("engage", flags.station.engage, "lets the slave follow as soon as everything is ready");
   settings.add("duration_s", flags.duration_s, {.min = 0, .max = 36000, .unit = "s"},

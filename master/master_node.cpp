@@ -34,7 +34,8 @@ MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& set
       modes_(settings.approach_m_per_s, dt_s_),
       constraint_(settings_.constraint),
       stream_(settings.command, epoch),
-      states_(settings.stale_s, epoch, settings.command.ticks_per_sample) {}
+      states_(settings.stale_s, epoch, settings.command.ticks_per_sample),
+      epoch_(epoch) {}
 
 KinematicState MasterNode::observe(const robot::JointReading& joints) noexcept {
   if (!located_ && joints.valid) joints_.reset(joints.joints_m);
@@ -63,7 +64,12 @@ void MasterNode::receive(std::span<const Received<StateBlock>> states) noexcept 
 bool MasterNode::slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept {
   return states_.heard() && states_.silent_s(now_ns) < settings_.stale_s && guide != nullptr &&
          states_.header().contour_id == guide->contour_id &&
-         states_.header().interlock != Interlock::kStopped;
+         states_.header().stop == 0 && !(modes_.mode() == MasterMode::kEngaged && spent(engage_));
+}
+
+bool MasterNode::spent(std::uint32_t engage) const noexcept {
+  return states_.header().master_epoch == epoch_ &&
+         static_cast<std::int32_t>(engage - states_.header().engage) <= 0;
 }
 
 Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode,
@@ -79,17 +85,30 @@ Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<Constrai
   return wanted;
 }
 
+void MasterNode::begin_engagement() noexcept {
+  // One that the slave does not take for an old one.
+  if (spent(engage_ + 1)) engage_ = states_.header().engage;
+  ++engage_;
+  button_seen_ = false;
+}
+
 MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) noexcept {
   MasterOutputs out;
   const KinematicState tool = observe(inputs.joints);
   if (joints_.posed()) hand_n_ += hand_share_ * (joints_.reaction_force_n() - hand_n_);
   out.hand_n = hand_n_;
   receive(inputs.states);
+  out.stop = inputs.stop.in_force(states_.heard() ? states_.header().stop : 0);
   const Situation situation{.guide = inputs.guide,
                             .tool_m = tool.position_m,
+                            .stopped = out.stop != 0,
                             .engage = inputs.engage,
                             .slave_ready = slave_ready(now_ns, inputs.guide)};
-  if (modes_.step(situation, inputs.events)) constraint_.enter();
+  const bool was_engaged = modes_.mode() == MasterMode::kEngaged;
+  if (modes_.step(situation)) constraint_.enter();
+  out.engage_spent = modes_.engage_spent();
+  if (modes_.mode() == MasterMode::kEngaged && !was_engaged) begin_engagement();
+  button_seen_ = button_seen_ || !inputs.button;
 
   const Vec3 wanted = this->wanted(tool, inputs.constraint, out);
   // The hand's force is rejected with the rest of the disturbance; along the curve it comes back through the
@@ -110,8 +129,12 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
                                {.tool = {tool.position_m, tool.velocity_m_per_s, out.acceleration_m_per_s2},
                                 .beta = modes_.guide()->beta,
                                 .contour_id = modes_.guide()->contour_id,
-                                .button = inputs.button,
-                                .engaged = out.mode == MasterMode::kEngaged});
+                                .button = inputs.button && button_seen_,
+                                .engaged = out.mode == MasterMode::kEngaged,
+                                .engage = engage_,
+                                .stop = out.stop,
+                                .echo_sequence = states_.heard() ? states_.header().sequence : 0,
+                                .echo_sent_ns = states_.heard() ? states_.header().sent_ns : 0});
     if (out.command) link_.sent(*out.command, stream_.copies());
   }
   out.observed = stream_.observed();

@@ -34,10 +34,10 @@ struct MasterSettings {
 struct MasterInputs {
   robot::JointReading joints;
   std::span<const Received<StateBlock>> states;  ///< since the last step, in order of arrival
-  std::span<const EventMessage> events;
   const GuidePath* guide = nullptr;  ///< null: no contour yet; outlives the step after which it is another
   bool button = false;               ///< the pen's laser button
   bool engage = false;               ///< the operator wants the slave to follow
+  StopOrder stop;
   std::optional<ConstraintMode> constraint;  ///< guidance or corridor from now on; none: as it is
 };
 
@@ -45,6 +45,8 @@ struct MasterOutputs {
   Vec3 currents_a = Vec3::Zero();
   std::optional<CommandBlock> command;
   MasterMode mode = MasterMode::kIdle;
+  bool engage_spent = false;  ///< the operator has to engage anew
+  std::uint32_t stop = 0;     ///< number of the emergency stop that is obeyed; 0: none
   Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
   Vec3 velocity_m_per_s = Vec3::Zero();
   /// Commanded to the tool, without what leads it back to the curve.
@@ -66,19 +68,20 @@ class MasterNode {
   const control::LoopBandwidths& bandwidths() const noexcept { return bandwidths_; }
 
   MasterOutputs step(std::int64_t now_ns, const MasterInputs& inputs) noexcept;
-  /// Emergency stop and its end alone; step() does it itself. For a robot that does not tell yet where it
-  /// stands.
-  void handle_events(std::span<const EventMessage> events) noexcept { modes_.handle_events(events); }
-
   const streaming::LinkStatistics& link() const noexcept { return link_; }
   const streaming::StreamCounters& states() const noexcept { return states_.counters(); }
   Tick tick() const noexcept { return tick_; }
+  /// The newest that the slave has told; null: nothing yet.
+  const StateHeader* slave() const noexcept { return states_.heard() ? &states_.header() : nullptr; }
   const Observed& observed() const noexcept { return stream_.observed(); }
 
  private:
   KinematicState observe(const robot::JointReading& joints) noexcept;
   void receive(std::span<const Received<StateBlock>> states) noexcept;
   bool slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept;
+  /// The slave does not follow this engagement (any more).
+  bool spent(std::uint32_t engage) const noexcept;
+  void begin_engagement() noexcept;
   bool guided() const noexcept {
     return modes_.mode() == MasterMode::kGuiding || modes_.mode() == MasterMode::kEngaged;
   }
@@ -102,6 +105,9 @@ class MasterNode {
   CommandStream stream_;
   streaming::StateReceiver states_;
   ForceFeedback force_;
+  std::uint32_t epoch_;
+  std::uint32_t engage_ = 0;   ///< engagements so far
+  bool button_seen_ = false;  ///< released, since the engagement began
   streaming::LinkStatistics link_;
 };
 

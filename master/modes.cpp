@@ -14,22 +14,17 @@ constexpr double kShortest_s = 0.5;
 
 }  // namespace
 
-void Modes::handle_events(std::span<const EventMessage> events) noexcept {
-  for (const auto& event : events) {
-    if (event.kind == EventMessage::Kind::kStop) mode_ = MasterMode::kStopped;
-    if (event.kind == EventMessage::Kind::kClearStop && mode_ == MasterMode::kStopped)
-      mode_ = MasterMode::kIdle;
+bool Modes::step(const Situation& now) noexcept {
+  engage_spent_ = now.stopped;
+  if (now.stopped != (mode_ == MasterMode::kStopped)) {
+    mode_ = now.stopped ? MasterMode::kStopped : MasterMode::kIdle;
+    hold_m_ = now.tool_m;
   }
-}
-
-bool Modes::step(const Situation& now, std::span<const EventMessage> events) noexcept {
-  const MasterMode before = mode_;
-  handle_events(events);
-  if (mode_ != before) hold_m_ = now.tool_m;
   if (mode_ == MasterMode::kStopped) {
     guide_ = now.guide;  // the one before may be gone by the next step
     return false;
   }
+  if (now.guide != guide_ && guide_ != nullptr) engage_spent_ = true;
   if (now.guide != guide_ || (mode_ == MasterMode::kIdle && now.guide != nullptr)) {
     guide_ = now.guide;
     if (guide_ != nullptr) {
@@ -48,7 +43,10 @@ bool Modes::step(const Situation& now, std::span<const EventMessage> events) noe
       if (now.engage && now.slave_ready) mode_ = MasterMode::kEngaged;
       break;
     case MasterMode::kEngaged:
-      if (!now.engage || !now.slave_ready) mode_ = MasterMode::kGuiding;
+      if (!now.engage || !now.slave_ready) {
+        mode_ = MasterMode::kGuiding;
+        engage_spent_ = true;
+      }
       break;
     case MasterMode::kIdle:
     case MasterMode::kStopped:

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include "common/control/kinematic_state.h"
 #include "common/protocol/messages.h"
@@ -25,8 +24,9 @@ enum class MasterMode : std::uint8_t {
 struct Situation {
   const GuidePath* guide = nullptr;  ///< null: no contour yet
   Vec3 tool_m = Vec3::Zero();
+  bool stopped = false;      ///< emergency stop
   bool engage = false;       ///< the operator wants the slave to follow
-  bool slave_ready = false;  ///< it is alive, not stopped, and works on the same contour
+  bool slave_ready = false;  ///< it is alive, not stopped, would follow, and works on the same contour
 };
 
 class Modes {
@@ -35,10 +35,10 @@ class Modes {
   Modes(double approach_m_per_s, double dt_s) noexcept : approach_m_per_s_(approach_m_per_s), dt_s_(dt_s) {}
 
   void rest_at(const Vec3& position_m) noexcept { hold_m_ = position_m; }
-  /// Emergency stop and its end alone; step() does it itself.
-  void handle_events(std::span<const EventMessage> events) noexcept;
   /// Every control step, once. True: another curve is to be followed from now on.
-  bool step(const Situation& now, std::span<const EventMessage> events) noexcept;
+  bool step(const Situation& now) noexcept;
+  /// The wish to engage is over: the operator has to say it anew. Of the last step.
+  bool engage_spent() const noexcept { return engage_spent_; }
 
   MasterMode mode() const noexcept { return mode_; }
   const GuidePath* guide() const noexcept { return guide_; }
@@ -53,6 +53,7 @@ class Modes {
   double dt_s_;
   MasterMode mode_ = MasterMode::kIdle;
   const GuidePath* guide_ = nullptr;
+  bool engage_spent_ = false;
   Vec3 hold_m_ = Vec3::Zero();
   Vec3 approach_from_m_ = Vec3::Zero();
   Vec3 approach_to_m_ = Vec3::Zero();

@@ -19,8 +19,10 @@ class OperatorRequests {
       : engage_(engage), wanted_beta_(beta), beta_in_force_(beta) {}
 
   /// True: another scale is asked for than before, so the contour must be prepared for it. A scale out of
-  /// bounds is no request. Wait-free.
-  bool hear(std::span<const EventMessage> events) noexcept;
+  /// bounds, or one that comes while the beam is on, is no request. Wait-free.
+  bool hear(std::span<const EventMessage> events, bool beam_on = false) noexcept;
+  /// The wish to engage is over, until the next event.
+  void spend_engage() noexcept { engage_ = false; }
   /// The slave shall follow, as soon as everything is ready for it.
   bool engage() const noexcept { return engage_; }
 

@@ -21,6 +21,7 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                          {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}})),
       requests_(settings_.engage, settings_.beta),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
+      simulated_button_(!operator_ || settings_.button == "pressed"),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
   control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
@@ -50,11 +51,21 @@ HandSample Station::hand(GuidedContour& task) noexcept {
   return task.hand.sample(now_s, *tool_m, *velocity, guided_);
 }
 
+namespace {
+
+/// The slave waits for the button to be let go before it counts.
+bool wants_release(const StateHeader* slave) noexcept {
+  return slave != nullptr && (slave->guards & kButtonGuard) != 0;
+}
+
+}  // namespace
+
 StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                              std::span<const Received<StateBlock>> states,
-                             std::span<const EventMessage> events) noexcept {
+                             std::span<const EventMessage> events, const StopOrder& stop) noexcept {
   StationOutputs out;
-  out.prepare_anew = requests_.hear(events);
+  const StateHeader* const slave = node_.slave();
+  out.prepare_anew = requests_.hear(events, slave != nullptr && slave->laser_on);
   const Tick tick = node_.tick();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
 
@@ -62,12 +73,13 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   inputs.joints = machine_.read();
   const OperatorSample told = operator_ ? operator_->sample(now_ns) : OperatorSample{};
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to tell the slave
-    node_.handle_events(events);
+    out.stop = stop.number;
+    if (stop.number != 0) requests_.spend_engage();
     machine_.write(Vec3::Zero());
     return out;
   }
   inputs.states = states;
-  inputs.events = events;
+  inputs.stop = stop;
   inputs.engage = requests_.engage();
   inputs.constraint = constraint_;
   constraint_.reset();
@@ -77,8 +89,11 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
     hand = this->hand(*task);
     if (told.force_n) hand.force_n = *told.force_n;
     inputs.button = operator_ ? told.trigger : hand.trigger;
+    if (simulated_button_ && (!engaged_ || wants_release(slave))) inputs.button = false;
   }
   static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
+  engaged_ = out.mode == MasterMode::kEngaged;
+  if (out.engage_spent) requests_.spend_engage();
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
   machine_.write(out.currents_a);
   if (robot::SimulatedRobot* const plant = machine_.plant()) {

@@ -42,7 +42,7 @@ class Station {
 
   /// One control step: hear, read, decide, write, and let a simulated plant move. `task` may be null.
   StationOutputs step(std::int64_t now_ns, GuidedContour* task, std::span<const Received<StateBlock>> states,
-                      std::span<const EventMessage> events) noexcept;
+                      std::span<const EventMessage> events, const StopOrder& stop = {}) noexcept;
 
   /// Guidance or corridor from the next step on.
   void set_constraint(const ConstraintMode& mode) noexcept { constraint_ = mode; }
@@ -64,9 +64,11 @@ class Station {
   robot::RobotSupervisor machine_;
   OperatorRequests requests_;
   std::unique_ptr<OperatorInput> operator_;  ///< null: the simulated operator alone
+  bool simulated_button_;  ///< nobody's hand: it lets go when it is told to
   MasterNode node_;
   Recorder<MasterRow> recorder_;
   bool guided_ = false;
+  bool engaged_ = false;
   std::optional<ConstraintMode> constraint_;
 };
 

@@ -7,6 +7,7 @@
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
 #include "common/bus/process.h"
+#include "common/bus/stop_line.h"
 #include "common/runtime/program.h"
 #include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
@@ -19,6 +20,7 @@ struct Flags {
   BusFlags bus;
   netem::NetemFlags netem;
   StationSettings station;
+  StopFlags stop;
   std::string record;
   void validate() const { (void)station.validated(); }
 };
@@ -47,7 +49,7 @@ int run(Flags& flags) {
 
   Process process(settings, "slave", text_of(SlaveMode::kWaiting));
   Reader<CommandBlock> commands(process.bus());
-  Reader<EventMessage> events(process.bus());
+  StopLine stop(process.bus(), flags.stop.path(settings));
   Writer<StateBlock> states(process.bus());
   const netem::NetemSwitch netem_switch(process.bus(), emulator);
   ContourSubscriber<Corridor> contour(
@@ -57,13 +59,11 @@ int run(Flags& flags) {
   process.ready();
 
   std::vector<Received<CommandBlock>> arrived_commands;
-  std::vector<EventMessage> arrived_events;
   arrived_commands.reserve(64);
-  arrived_events.reserve(64);
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(commands, arrived_commands);
-    drain(events, arrived_events);
-    const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, arrived_events);
+    const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, stop.order());
+    stop.obeyed(out.stop);
     if (out.state) states.write(*out.state);
     process.status().state(text_of(out.mode));
     return !contour.refused() && !station.machine().failed() && !station.beam().failed();
@@ -87,6 +87,7 @@ int run(Flags& flags) {
 
 void add_parameters(Flags& flags, Settings& settings) {
   flags.station.add_parameters(settings);
+  flags.stop.add_parameters(settings);
   settings.add("record", flags.record, kFolder, "for the record of the run");
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);

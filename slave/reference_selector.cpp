@@ -15,38 +15,37 @@ constexpr double kCoast_s = 0.1;
 
 ReferenceSelector::ReferenceSelector(const robot::RobotModel& model,
                                      const control::BumplessTransferSettings& transfer, double dt_s,
-                                     BareAccelerations bare)
+                                     BareAccelerations bare, const FreshnessSettings& freshness)
     : radius_m_(model.workspace.radius_m),
       half_height_m_(0.5 * model.workspace.height_m),
       max_m_per_s_(model.limits.velocity_m_per_s),
+      max_m_per_s2_(model.limits.acceleration_m_per_s2),
       dt_s_(dt_s),
       bare_(bare),
+      follow_age_s_(freshness.follow_age_s),
+      arming_(freshness, dt_s),
       transfer_(transfer) {}
 
 void ReferenceSelector::rest_at(const Vec3& position_m) noexcept {
   reference_ = hold_ = KinematicState{.position_m = position_m};
 }
 
-void ReferenceSelector::handle_events(std::span<const EventMessage> events) noexcept {
-  for (const auto& event : events) {
-    if (event.kind == EventMessage::Kind::kStop) mode_ = SlaveMode::kStopped;
-    if (event.kind == EventMessage::Kind::kClearStop && mode_ == SlaveMode::kStopped)
-      mode_ = SlaveMode::kWaiting;
-  }
-}
-
-Selected ReferenceSelector::step(const streaming::Played& played) noexcept {
+Selected ReferenceSelector::step(const streaming::Played& played, const Circumstances& now) noexcept {
+  arming_.step(played, now);
   const streaming::StreamSample* sample = played.sample;
   if (played.cursor && (sample == nullptr || sample->concealed) && mode_ == SlaveMode::kFollowing)
     ++missed_ticks_;
 
   Selected out;
   out.button = sample != nullptr && sample->button;
-  const bool led = follows(played);
+  const bool led = follows(played, now);
   auto applied = streaming::Applied::kNothing;
   if (led) applied = sample->concealed ? streaming::Applied::kConcealed : streaming::Applied::kSample;
   out.acknowledgement = log_.step(applied, played.index, played.begins);
-  if (led) out.applied_tick = played.tick;
+  if (led) {
+    out.applied_tick = played.tick;
+    out.age_s = played.age_s.value_or(-1.0);
+  }
 
   transferred_ = false;
   const KinematicState source = led ? follow(played) : hold(out.acknowledgement.age);
@@ -61,21 +60,51 @@ Selected ReferenceSelector::step(const streaming::Played& played) noexcept {
   return out;
 }
 
-bool ReferenceSelector::follows(const streaming::Played& played) noexcept {
+bool ReferenceSelector::follows(const streaming::Played& played, const Circumstances& now) noexcept {
   const streaming::StreamSample* sample = played.sample;
   if (sample != nullptr && !sample->engaged) tripped_ = false;
-  if (mode_ == SlaveMode::kStopped) return false;  // latched: whatever the stream says
+  if (now.stopped) {  // whatever the stream says
+    mode_ = SlaveMode::kStopped;
+    reason_ = HoldReason::kStopped;
+    return false;
+  }
+  if (mode_ == SlaveMode::kStopped) mode_ = SlaveMode::kWaiting;
   if (sample != nullptr && sample->engaged) {
+    reason_ = refusal(played);
+    if (reason_ != HoldReason::kNone) {
+      mode_ = SlaveMode::kHolding;
+      return false;
+    }
     mode_ = SlaveMode::kFollowing;
     if (sample->law == Law::kRemoteAcceleration) tripped_ = tripped_ || !within_limits(played.state);
+    if (tripped_) reason_ = HoldReason::kLimits;
     return !tripped_;
   }
-  if (!played.fresh && mode_ == SlaveMode::kFollowing) {
-    mode_ = SlaveMode::kHolding;
-  } else if (sample != nullptr) {
+  if (sample != nullptr) {
     mode_ = SlaveMode::kWaiting;
+    reason_ = HoldReason::kNotEngaged;
+  } else if (!played.fresh) {
+    if (mode_ == SlaveMode::kFollowing) mode_ = SlaveMode::kHolding;
+    reason_ = now.heard ? HoldReason::kSilent : HoldReason::kNoCommands;
   }
   return false;
+}
+
+HoldReason ReferenceSelector::refusal(const streaming::Played& played) noexcept {
+  if (!played.age_s) return HoldReason::kClockWrong;
+  if (*played.age_s > follow_age_s_) return HoldReason::kTooOld;
+  return arming_.may_lead(played.sample->engage) ? HoldReason::kNone : HoldReason::kNeedsEngage;
+}
+
+KinematicState ReferenceSelector::brake() noexcept {
+  // Straight on, as hard as the robot may, to rest.
+  const double speed = hold_.velocity_m_per_s.norm();
+  const double step = max_m_per_s2_ * dt_s_;
+  const Vec3 before = hold_.velocity_m_per_s;
+  hold_.velocity_m_per_s *= speed > step ? 1.0 - step / speed : 0.0;
+  hold_.position_m += 0.5 * dt_s_ * (before + hold_.velocity_m_per_s);
+  hold_.acceleration_m_per_s2 = (hold_.velocity_m_per_s - before) / dt_s_;
+  return hold_;
 }
 
 KinematicState ReferenceSelector::follow(const streaming::Played& played) noexcept {
@@ -104,6 +133,16 @@ KinematicState ReferenceSelector::follow(const streaming::Played& played) noexce
 }
 
 KinematicState ReferenceSelector::hold(std::int64_t unled_steps) noexcept {
+  if (mode_ == SlaveMode::kStopped) {
+    if (!stopping_) {
+      hold_ = reference_;
+      transfer_.start(reference_, reference_);
+    }
+    stopping_ = true;
+    source_generation_ = 0;
+    return brake();
+  }
+  stopping_ = false;
   if (mode_ == SlaveMode::kFollowing && !tripped_ && static_cast<double>(unled_steps) * dt_s_ < kCoast_s) {
     const bool begins = source_generation_ != 0;
     if (begins) {

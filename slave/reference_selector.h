@@ -12,17 +12,11 @@
 #include "common/runtime/enum_table.h"
 #include "common/streaming/acknowledgement.h"
 #include "common/streaming/command_receiver.h"
+#include "slave/arming.h"
 
 namespace telekerf::slave {
 
 using control::KinematicState;
-
-enum class SlaveMode : std::uint8_t {
-  kWaiting,    ///< no commands yet, or disengaged: holds its pose
-  kFollowing,  ///< applies the stream
-  kHolding,    ///< was following, but the stream has dried up: holds, laser off
-  kStopped,    ///< latched emergency stop
-};
 
 /// What the slave makes of a stream of accelerations that comes without anchors (law remote-acceleration).
 enum class BareAccelerations : std::uint8_t { kObeyed, kIntegrated };
@@ -41,6 +35,7 @@ struct Selected {
   bool bare = false;
   Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< of the source, without what is left of a transfer
   bool button = false;
+  double age_s = -1.0;  ///< of the command that is applied, by the slave's clock; negative: none
   double applied_tick = -1.0;  ///< master tick that the reference is of; negative: none
   streaming::Acknowledgement acknowledgement;
 };
@@ -49,16 +44,17 @@ class ReferenceSelector {
  public:
   /// `model`: workspace and limits of the slave's robot.
   ReferenceSelector(const robot::RobotModel& model, const control::BumplessTransferSettings& transfer,
-                    double dt_s, BareAccelerations bare = BareAccelerations::kObeyed);
+                    double dt_s, BareAccelerations bare = BareAccelerations::kObeyed,
+                    const FreshnessSettings& freshness = {});
 
   /// The tool rests here when nobody has led it yet.
   void rest_at(const Vec3& position_m) noexcept;
-  /// Emergency stop and its end. Engaging and the like come with the stream itself.
-  void handle_events(std::span<const EventMessage> events) noexcept;
   /// Every control step, once.
-  Selected step(const streaming::Played& played) noexcept;
+  Selected step(const streaming::Played& played, const Circumstances& now) noexcept;
 
   SlaveMode mode() const noexcept { return mode_; }
+  HoldReason reason() const noexcept { return reason_; }
+  const Arming& arming() const noexcept { return arming_; }
   const KinematicState& reference() const noexcept { return reference_; }
   /// What is left of a change of source.
   double offset_m() const noexcept { return transfer_.offset_m(); }
@@ -66,7 +62,10 @@ class ReferenceSelector {
   std::uint64_t missed_ticks() const noexcept { return missed_ticks_; }
 
  private:
-  bool follows(const streaming::Played& played) noexcept;
+  bool follows(const streaming::Played& played, const Circumstances& now) noexcept;
+  /// Why a sample of the stream that leads is not followed.
+  HoldReason refusal(const streaming::Played& played) noexcept;
+  KinematicState brake() noexcept;
   KinematicState follow(const streaming::Played& played) noexcept;
   KinematicState hold(std::int64_t unled_steps) noexcept;
   void transfer_to(const KinematicState& source) noexcept;
@@ -77,13 +76,18 @@ class ReferenceSelector {
   double radius_m_;
   double half_height_m_;
   double max_m_per_s_;
+  double max_m_per_s2_;
   double dt_s_;
   BareAccelerations bare_;
+  double follow_age_s_;
   SlaveMode mode_ = SlaveMode::kWaiting;
+  HoldReason reason_ = HoldReason::kNoCommands;
+  Arming arming_;
   control::BumplessTransfer transfer_;
   streaming::AcknowledgementLog log_;
   KinematicState reference_;
   KinematicState hold_;                  ///< source while not following
+  bool stopping_ = false;  ///< hold_ is braked since an emergency stop
   KinematicState integral_;              ///< of bare accelerations
   std::uint32_t source_generation_ = 0;  ///< 0: holding
   std::uint32_t source_block_ = 0;

@@ -8,6 +8,8 @@
 namespace telekerf::slave {
 namespace {
 
+static_assert(laser::guard_bit("button") == kButtonGuard);
+
 constexpr double kSettled_m = 2e-6;
 
 std::int64_t period_ns(const SlaveSettings& settings) noexcept {
@@ -37,7 +39,8 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
                  .timeout_s = settings.command_timeout_s,
                  .max_acceleration_m_per_s2 = model.limits.acceleration_m_per_s2,
                  .control_period_ns = period_ns(settings)}),
-      selector_(model, settings.transfer, dt_s_, settings.bare_accelerations),
+      selector_(model, settings.transfer, dt_s_, settings.bare_accelerations,
+                {.beam_age_s = settings.interlock.beam_age_s, .follow_age_s = settings.follow_age_s}),
       interlock_(limits_of(model, settings), period_ns(settings)),
       cut_speed_(dt_s_),
       dose_(model.workspace.radius_m),
@@ -91,18 +94,18 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
   const laser::DoseBook::Dose dose = dose_.at(place);
   // As long as a permit lasts.
   const double more_j = dose.kept ? 2.0 * dt_s_ * power_w : laser::kAbsent;
-  return {.stopped = selector_.mode() == SlaveMode::kStopped,
+  return {.stopped = stop_ != 0,
           .fault = false,
           .contour_known = known,
           .engaged = selector_.mode() == SlaveMode::kFollowing,
-          .armed = true,
-          .button_armed = true,
+          .armed = selector_.arming().armed(),
+          .button_armed = selector_.arming().button_armed(),
           .fresh = selected.following && joints_.posed() && inputs.joints.valid && led_m_per_s.allFinite(),
           .unlit = true,
           .on_time = true,
           .emission_agrees = inputs.emission_agrees,
           .monitor_agrees = true,
-          .command_age_s = 0.0,
+          .command_age_s = selected.age_s >= 0.0 ? selected.age_s : laser::kAbsent,
           .radius_m = place.norm(),
           .height_m = std::abs(tool.position_m.z()),
           .contour_distance_m = on_contour.distance_m,
@@ -127,11 +130,18 @@ void SlaveNode::book(std::int64_t now_ns) noexcept {
 SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept {
   SlaveOutputs out;
   const KinematicState tool = observe(inputs.joints);
-  handle_events(inputs.events);
   std::optional<std::uint32_t> contour_id;
   if (inputs.corridor != nullptr) contour_id = inputs.corridor->contour_id;
   for (const auto& command : inputs.commands) commands_.receive(command, contour_id, now_ns);
-  const Selected selected = selector_.step(commands_.play(now_ns, tool));
+  const bool heard = commands_.heard();
+  const std::uint32_t stop = inputs.stop.in_force(heard ? commands_.header().stop : 0);
+  if (stop != stop_) stop_tick_ = tick_;
+  stop_ = stop;
+  const Selected selected =
+      selector_.step(commands_.play(now_ns, tool), {.stopped = stop_ != 0,
+                                                    .heard = heard,
+                                                    .contour_id = contour_id.value_or(0),
+                                                    .newest_engage = heard ? commands_.header().engage : 0});
 
   if (joints_.posed()) out.force_n = joints_.reaction_force_n();
   out.currents_a = joints_.currents(track(selected, tool));
@@ -145,6 +155,9 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   out.laser_w = judgement.permits() && selected.button ? now.power_w : 0.0;
   lit_ = {now_ns, tool.position_m.head<2>(), out.laser_w};
   out.mode = selector_.mode();
+  out.reason = selector_.reason();
+  out.stop = stop_;
+  out.command_age_s = selected.age_s;
   out.settled = selected.following && selector_.offset_m() < kSettled_m;
   out.applied_tick = selected.applied_tick;
   out.reference = selected.reference;
@@ -155,8 +168,16 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
                             .force_n = out.force_n,
                             .laser_on = out.laser_w > 0.0,
                             .interlock = out.interlock,
-                            .contour_id = contour_id.value_or(0)},
+                            .contour_id = contour_id.value_or(0),
+                            .mode = out.mode,
+                            .reason = out.reason,
+                            .engage_spent = selector_.arming().spent(),
+                            .stop = stop_,
+                            .stop_tick = stop_tick_,
+                            .guards = out.forbidden,
+                            .command_age_s = out.command_age_s},
                            commands_, selected.acknowledgement);
+  if (out.state) commands_.state_sent(out.state->sequence, out.state->sent_ns);
   return out;
 }
 

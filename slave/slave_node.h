@@ -37,6 +37,7 @@ struct SlaveSettings {
   codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};
   streaming::PlayoutSettings playout;
   control::BumplessTransferSettings transfer{.rate_rad_per_s = 200.0, .max_acceleration_m_per_s2 = 5.0};
+  double follow_age_s = 2.5;           ///< commands older than this are not followed
   laser::InterlockSettings interlock;  ///< what is the robot's and the work's in it is filled in by the node
 };
 
@@ -49,7 +50,7 @@ struct Corridor {
 struct SlaveInputs {
   robot::JointReading joints;
   std::span<const Received<CommandBlock>> commands;  ///< since the last step, in order of arrival
-  std::span<const EventMessage> events;
+  StopOrder stop;
   const Corridor* corridor = nullptr;  ///< null: no contour yet; must outlive its use
   bool emission_agrees = true;         ///< see LaserOutput::emission_agrees()
 };
@@ -65,6 +66,9 @@ struct SlaveOutputs {
   std::uint32_t forbidden = laser::Judgement{}.forbidden;  ///< bit n: guard n of laser::kGuards
   std::optional<StateBlock> state;
   SlaveMode mode = SlaveMode::kWaiting;
+  HoldReason reason = HoldReason::kNoCommands;
+  std::uint32_t stop = 0;       ///< number of the emergency stop that is obeyed; 0: none
+  double command_age_s = -1.0;  ///< of the command applied, by this side's clock; negative: none
   Interlock interlock = Interlock::kNoContour;
   double applied_tick = -1.0;  ///< master tick applied at this step; negative: none
   bool settled = false;        ///< following without a rest of an approach
@@ -81,10 +85,6 @@ class SlaveNode {
   const control::LoopBandwidths& bandwidths() const noexcept { return bandwidths_; }
 
   SlaveOutputs step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept;
-  /// Emergency stop and its end alone; step() does it itself. For a robot that does not tell yet where it
-  /// stands.
-  void handle_events(std::span<const EventMessage> events) noexcept { selector_.handle_events(events); }
-
   /// Another codec, block length or redundancy of the state stream, from where its next block begins; the
   /// rate stays. Throws StartupError.
   void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {
@@ -120,6 +120,8 @@ class SlaveNode {
 
   streaming::CommandReceiver commands_;
   ReferenceSelector selector_;
+  std::uint32_t stop_ = 0;  ///< number of the emergency stop in force; 0: none
+  Tick stop_tick_ = 0;      ///< since when
   laser::BeamInterlock interlock_;
   laser::ContourPlace contour_place_;
   laser::CutSpeed cut_speed_;

@@ -46,6 +46,13 @@ std::optional<StateBlock> StateReport::step(std::int64_t now_ns, Tick tick, cons
   block.laser_on = sample.laser_on;
   block.interlock = sample.interlock;
   block.contour_id = sample.contour_id;
+  block.mode = sample.mode;
+  block.reason = sample.reason;
+  block.engage = sample.engage_spent;
+  block.stop = sample.stop;
+  block.stop_tick = sample.stop_tick;
+  block.guards = sample.guards;
+  block.command_age_s = sample.command_age_s;
   commands.describe(acknowledgement, block);
   if (!positions_.pack(now_ns, block)) return std::nullopt;
   (void)forces_.encode(block.force);  // without the forces the positions are still worth sending

@@ -27,6 +27,13 @@ struct ReportSample {
   bool laser_on = false;
   Interlock interlock = Interlock::kNoContour;
   std::uint32_t contour_id = 0;  ///< 0: none is known
+  SlaveMode mode = SlaveMode::kWaiting;
+  HoldReason reason = HoldReason::kNoCommands;
+  std::uint32_t engage_spent = 0;  ///< engagements up to this one are not followed any more
+  std::uint32_t stop = 0;          ///< number of the emergency stop that is obeyed; 0: none
+  Tick stop_tick = 0;              ///< since when
+  std::uint32_t guards = 0;        ///< bit n: guard n forbids the beam
+  double command_age_s = -1.0;     ///< negative: none is applied
 };
 
 struct StateReportCounters {

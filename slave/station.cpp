@@ -44,6 +44,8 @@ void StationSettings::add_node_parameters(Settings& settings) {
                "of the disturbance observer, 0: chosen likewise");
   settings.add("stale_s", node.command_timeout_s, {.min = 0.02, .max = 10, .unit = "s"},
                "no command for this long: hold, laser off");
+  settings.add("beam_age_s", node.interlock.beam_age_s, {.min = 0.02, .max = 2, .unit = "s"},
+               "commands older than this, measured there and back, give no light");
   settings.add("bare_accelerations", node.bare_accelerations, kBareAccelerations,
                "of law remote-acceleration, what the slave makes of them");
   settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"},
@@ -125,17 +127,18 @@ std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const 
 
 SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
                            std::span<const Received<CommandBlock>> commands,
-                           std::span<const EventMessage> events) noexcept {
+                           const StopOrder& stop) noexcept {
   SlaveInputs inputs;
   inputs.joints = machine_.read();
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to report
-    node_.handle_events(events);
     beam_.off();
     machine_.write(Vec3::Zero());
-    return {};
+    SlaveOutputs out;
+    out.stop = stop.number;
+    return out;
   }
   inputs.commands = commands;
-  inputs.events = events;
+  inputs.stop = stop;
   inputs.corridor = corridor;
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);

@@ -47,7 +47,7 @@ class Station {
 
   SlaveOutputs step(std::int64_t now_ns, const Corridor* corridor,
                     std::span<const Received<CommandBlock>> commands,
-                    std::span<const EventMessage> events) noexcept;
+                    const StopOrder& stop = {}) noexcept;
 
   /// See SlaveNode::change().
   void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {

@@ -9,11 +9,12 @@ namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastrtps::Duration_t;
 
 constexpr int kEvents = 256;  // kept for a reader that is behind
+constexpr int kStops = 32;    // kept for whoever comes later
 
 /// What both ends of an intent agree on.
 template <class Qos>
 Qos qos_of(Intent intent) {
-  const bool latched = intent == Intent::kLatched;
+  const bool latched = intent == Intent::kLatched || intent == Intent::kStop;
   Qos qos;
   qos.data_sharing().off();
   qos.reliability().kind =
@@ -52,6 +53,12 @@ dds::DataWriterQos writer_qos(Intent intent) {
       times.heartbeatPeriod = milliseconds(5);
       times.nackResponseDelay = milliseconds(0);
       break;
+    case Intent::kStop:
+      qos.history().depth = kStops;
+      times.initialHeartbeatDelay = milliseconds(0);
+      times.heartbeatPeriod = milliseconds(20);
+      times.nackResponseDelay = milliseconds(0);
+      break;
     case Intent::kSlow:
       break;
   }
@@ -62,7 +69,7 @@ dds::DataReaderQos reader_qos(Intent intent) {
   auto qos = qos_of<dds::DataReaderQos>(intent);
   qos.history().depth = 32;  // the listener takes each one at once; this is for bursts
   if (intent == Intent::kLatched) qos.history().depth = 4;
-  if (intent == Intent::kEvent) {
+  if (intent == Intent::kEvent || intent == Intent::kStop) {
     qos.history().depth = kEvents;
     qos.reliable_reader_qos().times.heartbeatResponseDelay = milliseconds(0);
   }

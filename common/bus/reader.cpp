@@ -18,8 +18,10 @@ using eprosima::fastrtps::types::ReturnCode_t;
 
 template <class T>
 struct Reader<T>::Impl : dds::DataReaderListener {
-  Impl(Bus& bus, std::size_t capacity)
-      : participant(bus.participant()), ring(capacity == 0 ? bus::Topic<T>::kRing : capacity) {
+  Impl(Bus& bus, std::size_t capacity, std::function<void(const T&)> to = {})
+      : participant(bus.participant()),
+        ring(capacity == 0 ? bus::Topic<T>::kRing : capacity),
+        tap(std::move(to)) {
     reader = participant->subscriber()->create_datareader(
         bus::topic_of<T>(*participant), bus::reader_qos(bus::Topic<T>::kIntent), this,
         dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
@@ -70,7 +72,11 @@ struct Reader<T>::Impl : dds::DataReaderListener {
     switch (bus::from_wire(wire, participant->settings().contract, sample.value)) {
       case bus::Verdict::kGood:
         received.fetch_add(1, std::memory_order_relaxed);
-        ring.push(std::move(sample));
+        if (tap) {
+          tap(sample.value);
+        } else {
+          ring.push(std::move(sample));
+        }
         return;
       case bus::Verdict::kDamaged:
         damaged.fetch_add(1, std::memory_order_relaxed);
@@ -86,6 +92,7 @@ struct Reader<T>::Impl : dds::DataReaderListener {
   std::atomic<unsigned> calls{0};
   typename bus::Topic<T>::Type::type wire;
   Ring<Received<T>> ring;
+  std::function<void(const T&)> tap;
   std::atomic<int> matched{0};
   std::atomic<std::uint64_t> received{0};
   std::atomic<std::uint64_t> damaged{0};
@@ -94,6 +101,9 @@ struct Reader<T>::Impl : dds::DataReaderListener {
 
 template <class T>
 Reader<T>::Reader(Bus& bus, std::size_t capacity) : impl_(std::make_unique<Impl>(bus, capacity)) {}
+template <class T>
+Reader<T>::Reader(Bus& bus, std::function<void(const T&)> tap)
+    : impl_(std::make_unique<Impl>(bus, 1, std::move(tap))) {}
 template <class T>
 Reader<T>::~Reader() = default;
 template <class T>
@@ -123,6 +133,7 @@ template class Reader<CommandBlock>;
 template class Reader<StateBlock>;
 template class Reader<ContourMessage>;
 template class Reader<EventMessage>;
+template class Reader<StopMessage>;
 template class Reader<TelemetryMessage>;
 
 }  // namespace telekerf

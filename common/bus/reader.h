@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <type_traits>
@@ -27,6 +28,8 @@ class Reader {
  public:
   /// `capacity`: samples that wait to be taken (0: as topics.h says).
   explicit Reader(Bus& bus, std::size_t capacity = 0);
+  /// Each good one goes to `tap`, in the middleware's thread and before any queue; take() has none.
+  Reader(Bus& bus, std::function<void(const T&)> tap);
   ~Reader();
   Reader(Reader&&) noexcept;
   Reader& operator=(Reader&&) noexcept;
@@ -65,6 +68,7 @@ extern template class Reader<CommandBlock>;
 extern template class Reader<StateBlock>;
 extern template class Reader<ContourMessage>;
 extern template class Reader<EventMessage>;
+extern template class Reader<StopMessage>;
 extern template class Reader<TelemetryMessage>;
 
 }  // namespace telekerf

@@ -17,6 +17,7 @@ enum class Intent {
   kStream,   ///< newest matters, a lost one is not missed: best effort, nothing kept
   kLatched,  ///< whoever comes late gets the last one: reliable, transient local, may be large
   kEvent,    ///< each one matters, soon: reliable, volatile
+  kStop,     ///< must arrive, at once, and at whoever comes later: reliable, transient local
   kSlow,     ///< numbers for people: best effort
 };
 
@@ -58,6 +59,10 @@ struct Topic<ContourMessage> : TopicOf<wire::ContourPubSubType, Intent::kLatched
 template <>
 struct Topic<EventMessage> : TopicOf<wire::EventPubSubType, Intent::kEvent> {
   static constexpr const char* kName = "telekerf/event";
+};
+template <>
+struct Topic<StopMessage> : TopicOf<wire::StopPubSubType, Intent::kStop> {
+  static constexpr const char* kName = "telekerf/stop";
 };
 template <>
 struct Topic<TelemetryMessage> : TopicOf<wire::TelemetryPubSubType, Intent::kSlow> {

@@ -3,9 +3,11 @@
 
 #include <fastcdr/Cdr.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/crc.hpp>
 #include <cmath>
+#include <limits>
 
 namespace telekerf::bus {
 namespace {
@@ -81,6 +83,13 @@ void common_from_wire(const Wire& wire, Block& value) {
   from_wire(wire.payload(), value.payload);
 }
 
+constexpr std::uint32_t kNoAge = std::numeric_limits<std::uint32_t>::max();
+
+std::uint32_t age_to_wire(double age_s) {
+  if (!(age_s >= 0.0)) return kNoAge;
+  return static_cast<std::uint32_t>(std::min(std::round(age_s * 1e6), static_cast<double>(kNoAge - 1)));
+}
+
 bool payloads_fit(const wire::CommandBlock& wire) { return wire.payload().size() <= Payload::kCapacity; }
 bool payloads_fit(const wire::StateBlock& wire) {
   return wire.payload().size() <= Payload::kCapacity && wire.force().size() <= Payload::kCapacity;
@@ -107,6 +116,10 @@ bool to_wire(const CommandBlock& value, std::uint16_t contract, wire::CommandBlo
   wire.contract(contract);
   wire.law(static_cast<std::uint8_t>(value.law));
   wire.engaged(static_cast<std::uint8_t>((value.engaged_before << 1U) | (value.engaged ? 1U : 0U)));
+  wire.engage(value.engage);
+  wire.stop(value.stop);
+  wire.echo_number(value.echo_sequence);
+  wire.echo_sent_ns(value.echo_sent_ns);
   common_to_wire(value, wire);
   wire.checksum(stream_checksum(wire));
   return true;
@@ -118,6 +131,10 @@ Verdict from_wire(const wire::CommandBlock& wire, std::uint16_t contract, Comman
   value.law = static_cast<Law>(wire.law());
   value.engaged = (wire.engaged() & 1U) != 0;
   value.engaged_before = static_cast<std::uint8_t>(wire.engaged() >> 1U);
+  value.engage = wire.engage();
+  value.stop = wire.stop();
+  value.echo_sequence = wire.echo_number();
+  value.echo_sent_ns = wire.echo_sent_ns();
   common_from_wire(wire, value);
   return Verdict::kGood;
 }
@@ -135,6 +152,13 @@ bool to_wire(const StateBlock& value, std::uint16_t contract, wire::StateBlock& 
   wire.echo_number(value.echo_sequence);
   wire.echo_sent_ns(value.echo_sent_ns);
   wire.echo_received_ns(value.echo_received_ns);
+  wire.mode(static_cast<std::uint8_t>(value.mode));
+  wire.reason(static_cast<std::uint8_t>(value.reason));
+  wire.engage(value.engage);
+  wire.stop(value.stop);
+  wire.stop_tick(value.stop_tick);
+  wire.guards(value.guards);
+  wire.command_age_us(age_to_wire(value.command_age_s));
   to_wire(value.force, wire.force());
   common_to_wire(value, wire);
   wire.checksum(stream_checksum(wire));
@@ -143,7 +167,10 @@ bool to_wire(const StateBlock& value, std::uint16_t contract, wire::StateBlock& 
 
 Verdict from_wire(const wire::StateBlock& wire, std::uint16_t contract, StateBlock& value) {
   if (const Verdict verdict = judged(wire, contract); verdict != Verdict::kGood) return verdict;
-  if (wire.interlock() > static_cast<std::uint8_t>(kLastInterlock)) return Verdict::kDamaged;
+  if (wire.interlock() > static_cast<std::uint8_t>(kLastInterlock) ||
+      wire.mode() > static_cast<std::uint8_t>(SlaveMode::kStopped) ||
+      wire.reason() > static_cast<std::uint8_t>(HoldReason::kStopped))
+    return Verdict::kDamaged;
   value.interlock = static_cast<Interlock>(wire.interlock());
   value.laser_on = wire.laser_on() != 0;
   value.master_epoch = wire.master_epoch();
@@ -154,6 +181,13 @@ Verdict from_wire(const wire::StateBlock& wire, std::uint16_t contract, StateBlo
   value.echo_sequence = wire.echo_number();
   value.echo_sent_ns = wire.echo_sent_ns();
   value.echo_received_ns = wire.echo_received_ns();
+  value.mode = static_cast<SlaveMode>(wire.mode());
+  value.reason = static_cast<HoldReason>(wire.reason());
+  value.engage = wire.engage();
+  value.stop = wire.stop();
+  value.stop_tick = wire.stop_tick();
+  value.guards = wire.guards();
+  value.command_age_s = wire.command_age_us() == kNoAge ? -1.0 : wire.command_age_us() * 1e-6;
   from_wire(wire.force(), value.force);
   common_from_wire(wire, value);
   return Verdict::kGood;

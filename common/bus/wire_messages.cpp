@@ -112,6 +112,31 @@ Verdict from_wire(const wire::Event& wire, std::uint16_t contract, EventMessage&
   return Verdict::kGood;
 }
 
+bool to_wire(const StopMessage& value, std::uint16_t contract, wire::Stop& wire) {
+  if (value.source.size() > kName || value.reason.size() > kLongText || value.number == 0) return false;
+  wire.contract(contract);
+  wire.epoch(value.epoch);
+  wire.number(value.number);
+  wire.source(value.source);
+  wire.set(value.set ? 1 : 0);
+  wire.obeyed(value.obeyed ? 1 : 0);
+  wire.reason(value.reason);
+  return true;
+}
+
+Verdict from_wire(const wire::Stop& wire, std::uint16_t contract, StopMessage& value) {
+  if (wire.contract() != contract) return Verdict::kForeignContract;
+  if (wire.number() == 0 || wire.source().size() > kName || wire.reason().size() > kLongText)
+    return Verdict::kDamaged;
+  value.epoch = wire.epoch();
+  value.number = wire.number();
+  value.source = wire.source();
+  value.set = wire.set() != 0;
+  value.obeyed = wire.obeyed() != 0;
+  value.reason = wire.reason();
+  return Verdict::kGood;
+}
+
 bool to_wire(const TelemetryMessage& value, std::uint16_t contract, wire::Telemetry& wire) {
   if (value.role.size() > kShortText || value.values.size() > kMaxValues) return false;
   wire.contract(contract);

@@ -13,6 +13,7 @@
 #include "common/protocol/contour.h"
 #include "common/protocol/events.h"
 #include "common/protocol/presence.h"
+#include "common/protocol/stop.h"
 
 namespace telekerf::bus {
 
@@ -20,11 +21,13 @@ namespace telekerf::bus {
 /// have their size. False: the value breaks a bound of the contract (too many points, a text too long).
 [[nodiscard]] bool to_wire(const ContourMessage& value, std::uint16_t contract, wire::Contour& wire);
 [[nodiscard]] bool to_wire(const EventMessage& value, std::uint16_t contract, wire::Event& wire);
+[[nodiscard]] bool to_wire(const StopMessage& value, std::uint16_t contract, wire::Stop& wire);
 [[nodiscard]] bool to_wire(const TelemetryMessage& value, std::uint16_t contract, wire::Telemetry& wire);
 
 /// Judge `wire` and fill `value`, which is unspecified unless the verdict is good.
 [[nodiscard]] Verdict from_wire(const wire::Contour& wire, std::uint16_t contract, ContourMessage& value);
 [[nodiscard]] Verdict from_wire(const wire::Event& wire, std::uint16_t contract, EventMessage& value);
+[[nodiscard]] Verdict from_wire(const wire::Stop& wire, std::uint16_t contract, StopMessage& value);
 [[nodiscard]] Verdict from_wire(const wire::Telemetry& wire, std::uint16_t contract, TelemetryMessage& value);
 
 /// A participant's USER_DATA. An empty vector: a bound is broken.

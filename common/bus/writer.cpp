@@ -105,6 +105,7 @@ template class Writer<CommandBlock>;
 template class Writer<StateBlock>;
 template class Writer<ContourMessage>;
 template class Writer<EventMessage>;
+template class Writer<StopMessage>;
 template class Writer<TelemetryMessage>;
 
 }  // namespace telekerf

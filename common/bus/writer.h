@@ -40,6 +40,7 @@ extern template class Writer<CommandBlock>;
 extern template class Writer<StateBlock>;
 extern template class Writer<ContourMessage>;
 extern template class Writer<EventMessage>;
+extern template class Writer<StopMessage>;
 extern template class Writer<TelemetryMessage>;
 
 }  // namespace telekerf

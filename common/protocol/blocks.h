@@ -40,6 +40,10 @@ struct CommandHeader {
   std::uint64_t button = 0;         ///< bit n: laser button at sample n of the newest block
   Anchor anchor;                    ///< state at first_tick
   std::int64_t sent_ns = 0;         ///< sender's monotonic clock, when handed to the bus
+  std::uint32_t engage = 0;         ///< counts the operator's engagements; each is followed once
+  std::uint32_t stop = 0;           ///< number of the emergency stop that the master has latched; 0: none
+  std::uint32_t echo_sequence = 0;  ///< of the newest state block that had come when the samples began; 0: none
+  std::int64_t echo_sent_ns = 0;    ///< its stamp, slave's clock
 };
 
 /// Operator -> slave, best effort, one a block of N stream samples.
@@ -72,6 +76,29 @@ enum class Interlock : std::uint8_t {
 };
 inline constexpr Interlock kLastInterlock = Interlock::kLate;
 
+/// The bit of StateHeader::guards that asks for a released button.
+inline constexpr std::uint32_t kButtonGuard = 1U << 5U;
+
+enum class SlaveMode : std::uint8_t {
+  kWaiting,    ///< no commands yet, or disengaged: holds its pose
+  kFollowing,  ///< applies the stream
+  kHolding,    ///< was following, but what came is no longer good enough: holds, laser off
+  kStopped,    ///< latched emergency stop
+};
+
+/// Why a slave does not follow.
+enum class HoldReason : std::uint8_t {
+  kNone,         ///< it follows
+  kNoCommands,   ///< none has come yet
+  kNotEngaged,   ///< the master does not lead
+  kNeedsEngage,  ///< led by an engagement from before a stop, outage, fault, other contour or restart
+  kSilent,       ///< no commands arrive any more
+  kTooOld,       ///< they arrive, but too old to be followed
+  kClockWrong,   ///< they echo no state of this slave, so nobody knows how old they are
+  kLimits,       ///< they lead out of the robot's bounds
+  kStopped,      ///< emergency stop
+};
+
 /// What a state block says beside its samples.
 struct StateHeader {
   std::uint32_t sequence = 0;
@@ -96,6 +123,13 @@ struct StateHeader {
   std::int64_t echo_sent_ns = 0;
   std::int64_t echo_received_ns = 0;
   std::int64_t sent_ns = 0;
+  SlaveMode mode = SlaveMode::kWaiting;
+  HoldReason reason = HoldReason::kNoCommands;
+  std::uint32_t engage = 0;      ///< engagements up to this one are not followed any more
+  std::uint32_t stop = 0;        ///< number of the emergency stop that is obeyed; 0: none
+  Tick stop_tick = 0;            ///< slave tick since which it is
+  std::uint32_t guards = 0;      ///< bit n: guard n forbids the beam (slave/laser/guards.h)
+  double command_age_s = -1.0;   ///< of the command applied, by the slave's own clock; negative: none
 };
 
 /// Slave -> operator, best effort, one a block of N stream samples of the measured tool position and of the

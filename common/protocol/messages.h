@@ -8,3 +8,4 @@
 #include "common/protocol/events.h"
 #include "common/protocol/presence.h"
 #include "common/protocol/received.h"
+#include "common/protocol/stop.h"

@@ -89,6 +89,8 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
   if (const auto state = state_at(cursor, tool)) {
     out.sample = buffer_->find(out.index);
     out.state = *state;
+    if (out.sample != nullptr)
+      out.age_s = echoes_.age_s(out.sample->echo_sequence, out.sample->echo_sent_ns, now_ns);
   }
   out.discontinuity = !cursor_ || !clock_.went_on();
   if (!out.discontinuity && header().law != Law::kRemoteAcceleration) {

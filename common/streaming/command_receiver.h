@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/streaming/acknowledgement.h"
+#include "common/streaming/echo_log.h"
 #include "common/streaming/jitter_buffer.h"
 #include "common/streaming/playout_clock.h"
 #include "common/streaming/stream_receiver.h"
@@ -31,6 +32,8 @@ struct Played {
   std::int64_t index = -1;
   const StreamSample* sample = nullptr;  ///< null: not there; valid until the next receive()
   KinematicState state;                  ///< of `sample` at the cursor
+  /// Of `sample`, s, an upper bound by this side's clock. None: it echoes no state of this side.
+  std::optional<double> age_s;
 };
 
 /// No allocation, lock or throw after construction.
@@ -44,6 +47,9 @@ class CommandReceiver {
                std::int64_t now_ns) noexcept;
   /// Every control step, once. `tool`: as measured; bare accelerations start from it.
   Played play(std::int64_t now_ns, const KinematicState& tool) noexcept;
+
+  /// A state block leaves: commands may echo it from now on.
+  void state_sent(std::uint32_t sequence, std::int64_t sent_ns) noexcept { echoes_.sent(sequence, sent_ns); }
 
   bool heard() const noexcept { return stream_.heard(); }
   /// Of the newest block.
@@ -62,6 +68,7 @@ class CommandReceiver {
   StreamReceiver<CommandBlock> stream_;
   std::unique_ptr<JitterBuffer> buffer_;
   PlayoutClock clock_;
+  EchoLog echoes_;
   /// This side's time, in steps: what a late step costs is neither jitter of the link nor time to catch up
   /// with.
   std::optional<std::int64_t> time_ns_;

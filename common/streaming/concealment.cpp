@@ -16,7 +16,9 @@ void conceal_gap(JitterBuffer& buffer, std::int64_t index, double period_s, int 
   if (!known(before) || !known(after)) return;
   const StreamSample from = *buffer.find(before);
   const StreamSample to = *buffer.find(after);
-  if (!from.engaged || !to.engaged || from.generation != to.generation || from.law != to.law) return;
+  if (!from.engaged || !to.engaged || from.generation != to.generation || from.law != to.law ||
+      from.engage != to.engage)
+    return;
 
   const double duration = static_cast<double>(after - before) * period_s;
   const Vec3 way = (to.value - from.value) / duration;

@@ -13,6 +13,9 @@ StreamSample sample_of(const PacketSamples& samples, std::int64_t index, const C
   sample.button = samples.button(index);
   sample.engaged = age == 0 ? header.engaged : age <= 7 && ((header.engaged_before >> (age - 1)) & 1U) != 0;
   sample.generation = generation;
+  sample.engage = header.engage;
+  sample.echo_sequence = header.echo_sequence;
+  sample.echo_sent_ns = header.echo_sent_ns - age * samples.size() * header.sample_period_ns;
   (header.law == Law::kLocal ? sample.value : sample.acceleration_m_per_s2) = samples.at(index);
   return sample;
 }

@@ -35,6 +35,21 @@ std::int64_t first_index(const Header& header) noexcept {
   return static_cast<std::int64_t>(header.first_tick / header.ticks_per_sample);
 }
 
+/// A block's number may be ahead by what the elapsed time allows, and this many blocks: delay that becomes less.
+constexpr double kFutureBlocks = 64.0;
+/// A sender whose blocks all count as overtaken for this long has begun to count anew.
+constexpr double kLease_s = 1.0;
+
+/// What any arithmetic with it relies on.
+template <class Header>
+bool within_bounds(const Header& header) noexcept {
+  constexpr std::uint32_t kShortest_ns = 10'000, kLongest_ns = 100'000'000;
+  constexpr std::uint16_t kMostTicks = 1000;
+  constexpr Tick kLastTick = Tick{1} << 48U;
+  return header.sample_period_ns >= kShortest_ns && header.sample_period_ns <= kLongest_ns &&
+         header.ticks_per_sample >= 1 && header.ticks_per_sample <= kMostTicks && header.first_tick < kLastTick;
+}
+
 /// By how many numbers `a` is ahead of `b`, around the end of 32 bits.
 std::int32_t ahead(std::uint32_t a, std::uint32_t b) noexcept { return static_cast<std::int32_t>(a - b); }
 
@@ -55,9 +70,13 @@ Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int
     heard_ = false;
     decoder_.reset();
   }
-  if (block.sample_period_ns == 0 || block.ticks_per_sample == 0) return refuse();
+  if (!within_bounds<Header>(block)) return refuse();
   if (contour_id && block.contour_id != *contour_id) return refuse();
-  if (heard_ && ahead(block.sequence, header_.sequence) <= 0) return overtaken(block, useful_from);
+  if (heard_ && ahead(block.sequence, header_.sequence) <= 0) {
+    if (!(silent_s(received.received_ns) > std::max(silence_s_, kLease_s))) return overtaken(block, useful_from);
+    heard_ = false;
+    decoder_.reset();
+  }
 
   const std::int64_t first = first_index(block);
   const bool begins = !heard_ || !same_count<Header>(block, header_);
@@ -65,6 +84,10 @@ Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int
                      silent_s(received.received_ns) + kFuture_s) {
     return refuse();
   }
+  const double block_s = block_size_ * 1e-9 * block.sample_period_ns;
+  if (heard_ && ahead(block.sequence, header_.sequence) >
+                    silent_s(received.received_ns) / block_s + kFutureBlocks)
+    return refuse();
   const auto decoded = decoder_.decode(block.payload.view(), trend_of(block));
   if (!decoded) return refuse();
 
@@ -78,6 +101,7 @@ Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int
   counters_.lost += arrival.missing;
   ++counters_.blocks;
   newest_ = std::max(newest_, first + arrival.packet->block_size - 1);
+  block_size_ = arrival.packet->block_size;
   header_ = block;
   arrived_ns_ = received.received_ns;
   heard_ = true;

@@ -72,6 +72,7 @@ class StreamReceiver {
   Header header_;
   std::uint32_t first_sequence_ = 0;  ///< since the stream began; what is older was never lost
   std::int64_t newest_ = -1;          ///< index of the newest sample
+  int block_size_ = 1;                ///< samples in the newest block
   std::int64_t arrived_ns_ = 0;
   bool heard_ = false;
   std::uint32_t generation_ = 0;

@@ -30,6 +30,13 @@ class Announcements {
   std::vector<EventMessage> due_;
 };
 
+StopOrder stop_at(const std::vector<TimedStop>& stops, std::int64_t now_ns) {
+  StopOrder order;
+  for (const TimedStop& stop : stops)
+    if (stop.at_s * 1e9 <= static_cast<double>(now_ns)) order = stop.order;
+  return order;
+}
+
 }  // namespace
 
 ContourMessage find_contour(const SimulationSettings& settings) {
@@ -58,7 +65,6 @@ RunRecord simulate(const SimulationSettings& settings, const ContourMessage& con
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
   Announcements at_master(settings.events);
-  Announcements at_slave(settings.events);
 
   const auto end_ns = static_cast<std::int64_t>(settings.duration_s * 1e9);
   const auto master_period_ns = std::llround(master.control_period_s() * 1e9);
@@ -69,7 +75,8 @@ RunRecord simulate(const SimulationSettings& settings, const ContourMessage& con
     if (master_ns <= slave_ns) {
       states.clear();
       backward.deliver(master_ns, states);
-      const auto out = master.step(master_ns, guided.back().get(), states, at_master.due(master_ns));
+      const auto out = master.step(master_ns, guided.back().get(), states, at_master.due(master_ns),
+                                   stop_at(settings.stops, master_ns));
       if (out.command) forward.push(master_ns, *out.command, wire_bytes(*out.command));
       if (out.prepare_anew) {
         try {
@@ -82,7 +89,7 @@ RunRecord simulate(const SimulationSettings& settings, const ContourMessage& con
     } else {
       commands.clear();
       forward.deliver(slave_ns, commands);
-      const auto out = slave.step(slave_ns, corridor.get(), commands, at_slave.due(slave_ns));
+      const auto out = slave.step(slave_ns, corridor.get(), commands, stop_at(settings.stops, slave_ns));
       if (out.state) backward.push(slave_ns, *out.state, wire_bytes(*out.state));
       slave_ns += slave_period_ns;
     }

@@ -20,6 +20,12 @@ struct TimedEvent {
   EventMessage event;
 };
 
+/// What both stations are told of the emergency stop from then on.
+struct TimedStop {
+  double at_s = 0.0;
+  StopOrder order;
+};
+
 struct SimulationSettings {
   SimulationSettings() { master.engage = true; }
   std::string image = "heart";
@@ -30,6 +36,7 @@ struct SimulationSettings {
   master::StationSettings master;
   slave::StationSettings slave;
   std::vector<TimedEvent> events;  ///< in order of time
+  std::vector<TimedStop> stops;    ///< likewise
 };
 
 /// The contour that vision would publish. Throws StartupError.

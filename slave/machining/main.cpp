@@ -10,6 +10,7 @@
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
 #include "common/bus/process.h"
+#include "common/bus/stop_line.h"
 #include "common/reporting/tables.h"
 #include "common/runtime/program.h"
 #include "common/runtime/results.h"
@@ -75,7 +76,7 @@ int run(const Flags& flags) {
 
   Process process(settings, "machine");
   StatusReporter& status = process.status();
-  Reader<EventMessage> events(process.bus());
+  StopLine emergency(process.bus(), flags.stop.path(settings));
   ContourSubscriber<Job> contour(process.bus(), [&](const ContourMessage& m) { return station.prepare(m); });
   if (station.machine().plant() == nullptr)
     status.say(flags.station.machine.drive + " is not simulated: the measured tool is recorded");
@@ -91,8 +92,9 @@ int run(const Flags& flags) {
   bool stop = false;
   // A signal stops the tool first; the work ends when it stands.
   const LoopStatistics loop = run_loop(station.control_hz(), [&](std::int64_t) {
-    while (const auto event = events.take()) stop = stop || event->value.kind == EventMessage::Kind::kStop;
-    stop = stop || stop_requested();
+    const std::uint32_t number = emergency.order().number;
+    stop = stop || number != 0 || stop_requested();
+    emergency.obeyed(number);
     const JobExecutorOutputs out = station.step(stop);
     status.state(text_of(out.phase));
     status.progress(out.progress, station.time_s());
@@ -114,6 +116,7 @@ int run(const Flags& flags) {
 
 void add_parameters(Flags& flags, Settings& settings) {
   flags.station.add_parameters(settings);
+  flags.stop.add_parameters(settings);
   settings.add("record", flags.record, kFolder, "for what the work leaves");
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
                "gives up after this long without a contour");

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-ctl WHAT [VALUE]: what an operator says to a running cell.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/send_event.h"
+#include "common/bus/send_stop.h"
 #include "common/runtime/program.h"
 #include "netem/drivers/netem_flags.h"
 
@@ -25,6 +29,44 @@ int run(const Options& options) {
   return 0;
 }
 
+struct StopOptions {
+  BusFlags bus;
+  netem::NetemFlags netem;
+  std::string as = "operator";
+  std::string reason;
+};
+
+/// Neither looks around first nor asks for a place in the cell: a stop waits for nobody.
+BusSettings at_once(const StopOptions& options) {
+  BusSettings settings = options.bus.bus_settings(Site::kOperator, "ctl");
+  settings.receive_filter = options.netem.emulator(settings.site);
+  settings.discovery_wait = std::chrono::milliseconds(0);
+  return settings;
+}
+
+int stop(const StopOptions& options) {
+  Bus bus(at_once(options));
+  fmt::print("stopped: {} confirmed it\n", fmt::join(send_stop(bus, options.as, options.reason), ", "));
+  return 0;
+}
+
+int clear(const StopOptions& options) {
+  Bus bus(at_once(options));
+  fmt::print("cleared: {} confirmed it; engage anew to go on\n", fmt::join(clear_stop(bus, options.as), ", "));
+  return 0;
+}
+
+void add_who(StopOptions& options, Settings& settings) {
+  settings.add("as", options.as, kName, "who says it: a stop is cleared by nobody else");
+  options.bus.add_parameters(settings);
+  options.netem.add_parameters(settings);
+}
+
+void add_stop_parameters(StopOptions& options, Settings& settings) {
+  settings.add("reason", options.reason, TextForm{"TEXT"}, "told at both sites");
+  add_who(options, settings);
+}
+
 Options saying(EventMessage::Kind kind) {
   Options options;
   options.event.kind = kind;
@@ -43,9 +85,10 @@ int main(int argc, char** argv) {
   using namespace telekerf;
   using Kind = EventMessage::Kind;
   Program program("telekerf-ctl", "Says something to the processes of a running cell");
-  program.add("stop", "Emergency stop: laser off, every robot holds, until clear-stop", saying(Kind::kStop),
-              add_parameters, run);
-  program.add("clear-stop", "Ends an emergency stop", saying(Kind::kClearStop), add_parameters, run);
+  program.add("stop", "Emergency stop: laser off, every robot brakes and holds, until clear-stop", StopOptions{},
+              add_stop_parameters, stop);
+  program.add("clear-stop", "Ends an emergency stop; nothing moves before it is engaged anew", StopOptions{},
+              add_who, clear);
   program.add("engage", "Lets the slave follow the master", saying(Kind::kEngage), add_parameters, run);
   program.add("disengage", "Lets go of the slave: it holds its pose, laser off", saying(Kind::kDisengage),
               add_parameters, run);

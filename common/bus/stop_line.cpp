@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/stop_line.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "common/runtime/settings.h"
+#include "common/runtime/startup_error.h"
+
+namespace telekerf {
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod{5};
+
+bool contains(const std::vector<std::uint32_t>& numbers, std::uint32_t number) {
+  return std::find(numbers.begin(), numbers.end(), number) != numbers.end();
+}
+
+std::filesystem::path state_folder() {
+  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != 0) return state;  // NOLINT
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0)  // NOLINT
+    return std::filesystem::path(home) / ".local" / "state";
+  return {};
+}
+
+std::string read(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+void StopFlags::add_parameters(Settings& settings) {
+  settings.add("stop_file", stop_file, TextForm{.form = "auto|off|FILE", .complaint = [](const std::string& text) {
+                 return text.empty() ? std::string("say auto, off or a file") : std::string();
+               }},
+               "keeps an emergency stop over a restart of this process");
+}
+
+std::string StopFlags::path(const BusSettings& bus) const {
+  if (stop_file == "off") return {};
+  if (stop_file != "auto") return stop_file;
+  const std::filesystem::path folder = state_folder();
+  if (folder.empty()) return {};
+  std::string cell = bus.cell;
+  std::replace(cell.begin(), cell.end(), '/', '_');
+  return folder / "telekerf" / fmt::format("{}-{}-{}.stop", bus.domain, cell, bus.role);
+}
+
+StopLine::StopLine(Bus& bus, std::string path)
+    : path_(std::move(path)),
+      epoch_(bus.settings().epoch),
+      latch_(path_.empty() ? StopLatch() : StopLatch::from_text(read(path_))),
+      kept_(latch_.text()),
+      writer_(bus),
+      reader_(bus, [this](const StopMessage& message) { hear(message); }) {
+  const StopOrder order = latch_.order();
+  order_.store(std::uint64_t{order.cleared} << 32U | order.number);
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    for (; !stop.stop_requested(); std::this_thread::sleep_for(kPeriod)) publish();
+  });
+}
+
+StopOrder StopLine::order() const noexcept {
+  const std::uint64_t both = order_.load(std::memory_order_acquire);
+  return {.number = static_cast<std::uint32_t>(both), .cleared = static_cast<std::uint32_t>(both >> 32U)};
+}
+
+std::string StopLine::sentence() const {
+  const std::lock_guard lock(mutex_);
+  if (latch_.in_force().empty()) return {};
+  const StopLatch::Entry& entry = latch_.in_force().back();
+  return fmt::format("stopped by {}{}{}: laser off until {} clears it (telekerf-ctl clear-stop)",
+                     entry.source.empty() ? "the other side" : entry.source, entry.reason.empty() ? "" : ", ",
+                     entry.reason, entry.source.empty() ? "who stopped" : entry.source);
+}
+
+void StopLine::hear(const StopMessage& message) {
+  const std::lock_guard lock(mutex_);
+  (void)latch_.hear(message);
+  const StopOrder order = latch_.order();
+  order_.store(std::uint64_t{order.cleared} << 32U | order.number, std::memory_order_release);
+}
+
+void StopLine::say(const StopLatch::Entry& entry, bool set) {
+  (void)writer_.write({.epoch = epoch_,
+                       .number = entry.number,
+                       .source = entry.source,
+                       .set = set,
+                       .obeyed = true,
+                       .reason = entry.reason});
+}
+
+void StopLine::publish() {
+  const std::uint32_t obeyed = obeyed_.load(std::memory_order_acquire);
+  const std::lock_guard lock(mutex_);
+  if (obeyed != 0) (void)latch_.quoted(obeyed);  // known already, unless only the stream has brought it
+  const StopOrder order = latch_.order();
+  order_.store(std::uint64_t{order.cleared} << 32U | order.number, std::memory_order_release);
+  if (latch_.text() != kept_) keep();
+  for (const StopLatch::Entry& entry : latch_.in_force()) {
+    if (obeyed == 0 || entry.source.empty() || contains(told_set_, entry.number)) continue;
+    say(entry, true);
+    told_set_.push_back(entry.number);
+  }
+  for (const StopLatch::Entry& entry : latch_.cleared()) {
+    if (obeyed == entry.number || contains(told_cleared_, entry.number)) continue;
+    say(entry, false);
+    told_cleared_.push_back(entry.number);
+  }
+}
+
+void StopLine::keep() {
+  kept_ = latch_.text();
+  if (path_.empty()) return;
+  std::error_code ignored;
+  std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
+  if (kept_.empty()) {
+    std::filesystem::remove(path_, ignored);
+    return;
+  }
+  const std::string next = path_ + ".new";
+  std::ofstream(next) << kept_;
+  std::filesystem::rename(next, path_, ignored);
+  if (ignored) fmt::print(stderr, "an emergency stop cannot be kept over a restart: {}: {}\n", path_, ignored.message());
+}
+
+}  // namespace telekerf

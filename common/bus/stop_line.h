@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// A station's ear and voice on the emergency stop: it stops in the thread that hears, tells who comes later, and
+// keeps the stop in a file over a restart.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "common/bus/endpoints.h"
+#include "common/bus/stop_latch.h"
+
+namespace telekerf {
+
+class Settings;
+
+/// Where stops survive: "auto" is a file named after domain, cell and role in the user's state folder.
+struct StopFlags {
+  std::string stop_file = "auto";
+  void add_parameters(Settings& settings);
+  /// Empty: nowhere.
+  std::string path(const BusSettings& bus) const;
+};
+
+class StopLine {
+ public:
+  /// `path`: of the file; empty: none. Throws StartupError: it can be neither read nor written.
+  StopLine(Bus& bus, std::string path);
+
+  /// For the control loop, every step: wait-free.
+  StopOrder order() const noexcept;
+  /// What the loop obeys at this step (0: none), which may have come by the other side's stream. Wait-free.
+  void obeyed(std::uint32_t number) noexcept { obeyed_.store(number, std::memory_order_release); }
+  /// Who stopped and why, for people; empty: nobody.
+  std::string sentence() const;
+
+ private:
+  void hear(const StopMessage& message);
+  void publish();
+  void say(const StopLatch::Entry& entry, bool set);
+  void keep();
+
+  std::string path_;
+  std::uint32_t epoch_;
+  mutable std::mutex mutex_;
+  StopLatch latch_;
+  std::string kept_;  ///< what the file holds
+  std::vector<std::uint32_t> told_set_, told_cleared_;
+  std::atomic<std::uint64_t> order_{0};  ///< number, and in the upper half the cleared one
+  std::atomic<std::uint32_t> obeyed_{0};
+  Writer<StopMessage> writer_;
+  Reader<StopMessage> reader_;
+  std::jthread thread_;  ///< last: starts when everything else is there, ends first
+};
+
+}  // namespace telekerf

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/arming.h"
+
+namespace telekerf::slave {
+namespace {
+
+/// By how many engagements `a` is after `b`, around the end of 32 bits.
+std::int32_t after(std::uint32_t a, std::uint32_t b) noexcept { return static_cast<std::int32_t>(a - b); }
+
+}  // namespace
+
+void Arming::step(const streaming::Played& played, const Circumstances& now) noexcept {
+  if (played.begins) {  // another master counts anew, and what it began before it was heard is spent
+    spent_ = leading_ = now.newest_engage;
+    spend(now.newest_engage);
+  }
+  if (now.stopped && now.heard) spend(now.newest_engage);
+  if (now.contour_id != contour_id_) {
+    contour_id_ = now.contour_id;
+    if (now.heard) spend(now.newest_engage);
+  }
+  const streaming::StreamSample* sample = played.sample;
+  const bool good = sample != nullptr && played.age_s && *played.age_s <= settings_.follow_age_s;
+  outage_s_ = good || !armed_ ? 0.0 : outage_s_ + dt_s_;
+  if (outage_s_ > settings_.beam_age_s) spend(leading_);
+  if (!good) return;
+  if (*played.age_s > settings_.beam_age_s) {
+    button_armed_ = false;
+  } else if (!sample->concealed && !sample->button) {
+    button_armed_ = armed_;
+  }
+}
+
+bool Arming::may_lead(std::uint32_t engage) noexcept {
+  if (after(engage, spent_) <= 0) return false;
+  if (!armed_ || engage != leading_) button_armed_ = false;
+  leading_ = engage;
+  armed_ = true;
+  return true;
+}
+
+void Arming::spend(std::uint32_t engage) noexcept {
+  if (after(engage, spent_) > 0) spent_ = engage;
+  if (after(leading_, spent_) > 0) spent_ = leading_;
+  armed_ = button_armed_ = false;
+  outage_s_ = 0.0;
+}
+
+}  // namespace telekerf::slave
