@@ -118,7 +118,7 @@ bool to_wire(const StopMessage& value, std::uint16_t contract, wire::Stop& wire)
   wire.epoch(value.epoch);
   wire.number(value.number);
   wire.source(value.source);
-  wire.set(value.set ? 1 : 0);
+  wire.in_force(value.set ? 1 : 0);
   wire.obeyed(value.obeyed ? 1 : 0);
   wire.reason(value.reason);
   return true;
@@ -131,7 +131,7 @@ Verdict from_wire(const wire::Stop& wire, std::uint16_t contract, StopMessage& v
   value.epoch = wire.epoch();
   value.number = wire.number();
   value.source = wire.source();
-  value.set = wire.set() != 0;
+  value.set = wire.in_force() != 0;
   value.obeyed = wire.obeyed() != 0;
   value.reason = wire.reason();
   return Verdict::kGood;
