@@ -65,7 +65,8 @@ void Replayer::step(std::int64_t now_ns, const FaultWindow& window, BirthRegiste
     }
     if (how == 1) {
       for (Tick i = 0; i < kAhead; ++i) {
-        if (const auto born = births.of(recorded.block.epoch, first + i)) births.made(block.epoch, first + i, *born);
+        if (const auto born = births.of(recorded.block.epoch, first + i))
+          births.made(block.epoch, first + i, *born);
       }
     }
     out.push_back(datagram);

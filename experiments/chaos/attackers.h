@@ -17,7 +17,7 @@ namespace telekerf::experiments {
 /// A command block on its way.
 struct Datagram {
   CommandBlock block;
-  bool genuine = false;     ///< of a master, not of an attacker
+  bool genuine = false;      ///< of a master, not of an attacker
   std::int64_t born_ns = 0;  ///< true time at which its newest sample was made
 };
 
@@ -29,7 +29,8 @@ class Forger {
   explicit Forger(const codec::StreamSettings& codec) : encoder_(codec), block_samples_(codec.block) {}
   void saw(const CommandBlock& block) { seen_ = block; }
   /// What it sends at `now_ns`, every millisecond; registers when that was made.
-  void step(std::int64_t now_ns, const FaultWindow& window, BirthRegister& births, std::vector<Datagram>& out);
+  void step(std::int64_t now_ns, const FaultWindow& window, BirthRegister& births,
+            std::vector<Datagram>& out);
 
  private:
   codec::BlockEncoder encoder_;
@@ -43,7 +44,8 @@ class Forger {
 class Replayer {
  public:
   void saw(std::int64_t now_ns, const CommandBlock& block);
-  void step(std::int64_t now_ns, const FaultWindow& window, BirthRegister& births, std::vector<Datagram>& out);
+  void step(std::int64_t now_ns, const FaultWindow& window, BirthRegister& births,
+            std::vector<Datagram>& out);
 
  private:
   struct Recorded {
