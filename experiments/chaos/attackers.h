@@ -22,7 +22,8 @@ struct Datagram {
 };
 
 /// Copies what a true block says (epoch, contour, whatever else is in its head), so that it is taken for one:
-/// button held, zero accelerations.
+/// button held, zero accelerations, on one spot; numbers counted up, as far ahead as they go, or the last one
+/// there is.
 class Forger {
  public:
   /// `codec`: of the true stream.
@@ -38,6 +39,8 @@ class Forger {
   std::optional<CommandBlock> seen_;
   std::int64_t next_ns_ = 0;
   std::uint32_t forged_ = 0;
+  double window_from_s_ = -1.0;
+  Anchor spot_;
 };
 
 /// Keeps the last seconds; plays them again at their own pace.

@@ -158,15 +158,16 @@ void Checker::deposit(const Vec2& at_m, double energy_j, std::int64_t now_ns) {
   const auto place = [](int r, int c) {
     return static_cast<std::size_t>(r) * kCells + static_cast<std::size_t>(c);
   };
-  dose_j_[place(row, column)] += static_cast<float>(energy_j);
-  double sum = 0.0;
+  // Each cell knows what fell within 0.1 mm of it.
   for (int r = -kReach; r <= kReach; ++r) {
     for (int c = -kReach; c <= kReach; ++c) {
-      if (r * r + c * c <= kReach * kReach) sum += dose_j_[place(row + r, column + c)];
+      if (r * r + c * c > kReach * kReach) continue;
+      float& around = dose_j_[place(row + r, column + c)];
+      around += static_cast<float>(energy_j);
+      findings_.dose_j = std::max(findings_.dose_j, static_cast<double>(around));
     }
   }
-  findings_.dose_j = std::max(findings_.dose_j, sum);
-  if (sum > settings_.dose_j) miss(Bar::kDose, now_ns);
+  if (findings_.dose_j > settings_.dose_j) miss(Bar::kDose, now_ns);
 }
 
 }  // namespace telekerf::experiments
