@@ -81,9 +81,9 @@ TEST_F(CheckerOnALine, SeesEnergyWithoutAnyContour) {
 TEST_F(CheckerOnALine, SeesABeamThatStaysOnOneSpot) {
   go_on();
   const Observation seen = lit();
-  for (int i = 0; i < 290; ++i) checker_.afterglow(seen, 1e-3);
+  for (int i = 0; i < 280; ++i) checker_.afterglow(seen, 1e-3);
   EXPECT_FALSE(checker_.findings().missed(Bar::kDose));
-  for (int i = 0; i < 20; ++i) checker_.afterglow(seen, 1e-3);
+  for (int i = 0; i < 30; ++i) checker_.afterglow(seen, 1e-3);
   expect_only(Bar::kDose);
 }
 
