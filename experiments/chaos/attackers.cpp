@@ -11,23 +11,30 @@ constexpr std::int64_t kTape_ns = 4'000'000'000;
 constexpr std::uint32_t kForeignEpoch = 5000;
 /// How far ahead of the true stream a tape is renumbered.
 constexpr Tick kAhead = 64;
+/// Half of all numbers: what is as far ahead as that counts as behind.
+constexpr std::uint32_t kFarthest = 0x80000000U;
 
 }  // namespace
 
 void Forger::step(std::int64_t now_ns, const FaultWindow& window, BirthRegister& births,
                   std::vector<Datagram>& out) {
   if (!seen_ || now_ns < next_ns_) return;
-  const bool to_the_end = window.word % 3 == 0;
+  if (window.from_s != window_from_s_) {
+    window_from_s_ = window.from_s;
+    spot_ = {.position_m = seen_->anchor.position_m};
+  }
   next_ns_ = now_ns + std::int64_t{block_samples_} * seen_->sample_period_ns;
-  forged_ = seen_->sequence - forged_ < 0x80000000U ? seen_->sequence + 1 : forged_ + 1;
+  forged_ = seen_->sequence - forged_ < kFarthest ? seen_->sequence + 1 : forged_ + 1;
   Datagram datagram{.block = *seen_, .born_ns = now_ns};
   CommandBlock& block = datagram.block;
-  block.sequence = to_the_end ? 0xFFFFFFFFU : forged_;
+  block.sequence = window.word % 3 == 0   ? 0xFFFFFFFFU
+                   : window.word % 3 == 1 ? seen_->sequence + kFarthest - 1
+                                          : forged_;
   block.first_tick += static_cast<Tick>(block_samples_) * block.ticks_per_sample;
   block.engaged = true;
   block.engaged_before = 0;
   block.button = ~std::uint64_t{0};
-  block.anchor.velocity_m_per_s = Vec3::Zero();
+  block.anchor = spot_;
   const std::vector<Vec3> still(static_cast<std::size_t>(block_samples_), Vec3::Zero());
   const auto bytes = encoder_.encode(still, block.button, {}, block.payload.room());
   if (!bytes) return;
@@ -65,7 +72,8 @@ void Replayer::step(std::int64_t now_ns, const FaultWindow& window, BirthRegiste
     }
     if (how == 1) {
       for (Tick i = 0; i < kAhead; ++i) {
-        if (const auto born = births.of(recorded.block.epoch, first + i)) births.made(block.epoch, first + i, *born);
+        if (const auto born = births.of(recorded.block.epoch, first + i))
+          births.made(block.epoch, first + i, *born);
       }
     }
     out.push_back(datagram);

@@ -17,19 +17,21 @@ namespace telekerf::experiments {
 /// A command block on its way.
 struct Datagram {
   CommandBlock block;
-  bool genuine = false;     ///< of a master, not of an attacker
+  bool genuine = false;      ///< of a master, not of an attacker
   std::int64_t born_ns = 0;  ///< true time at which its newest sample was made
 };
 
 /// Copies what a true block says (epoch, contour, whatever else is in its head), so that it is taken for one:
-/// button held, zero accelerations.
+/// button held, zero accelerations, on one spot; numbers counted up, as far ahead as they go, or the last one
+/// there is.
 class Forger {
  public:
   /// `codec`: of the true stream.
   explicit Forger(const codec::StreamSettings& codec) : encoder_(codec), block_samples_(codec.block) {}
   void saw(const CommandBlock& block) { seen_ = block; }
   /// What it sends at `now_ns`, every millisecond; registers when that was made.
-  void step(std::int64_t now_ns, const FaultWindow& window, BirthRegister& births, std::vector<Datagram>& out);
+  void step(std::int64_t now_ns, const FaultWindow& window, BirthRegister& births,
+            std::vector<Datagram>& out);
 
  private:
   codec::BlockEncoder encoder_;
@@ -37,13 +39,16 @@ class Forger {
   std::optional<CommandBlock> seen_;
   std::int64_t next_ns_ = 0;
   std::uint32_t forged_ = 0;
+  double window_from_s_ = -1.0;
+  Anchor spot_;
 };
 
 /// Keeps the last seconds; plays them again at their own pace.
 class Replayer {
  public:
   void saw(std::int64_t now_ns, const CommandBlock& block);
-  void step(std::int64_t now_ns, const FaultWindow& window, BirthRegister& births, std::vector<Datagram>& out);
+  void step(std::int64_t now_ns, const FaultWindow& window, BirthRegister& births,
+            std::vector<Datagram>& out);
 
  private:
   struct Recorded {

@@ -62,8 +62,8 @@ void add_parameters(Options& o, Settings& s) {
 }  // namespace
 
 void add_chaos_command(Program& program) {
-  program.add("chaos", "Faults of many seeds in virtual time: chaos.json; exit code 1 if a bar is missed", Options{},
-              add_parameters, run);
+  program.add("chaos", "Faults of many seeds in virtual time: chaos.json; exit code 1 if a bar is missed",
+              Options{}, add_parameters, run);
 }
 
 }  // namespace telekerf::experiments

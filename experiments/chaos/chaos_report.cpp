@@ -99,7 +99,8 @@ void run_all(std::vector<Row>& rows, const ChaosContours& contours, int jobs,
 }
 
 /// The first seed that misses each bar, as small as it gets.
-void shrink_failures(const std::vector<Row>& rows, const ChaosContours& contours, bool shrinks, ChaosReport& report) {
+void shrink_failures(const std::vector<Row>& rows, const ChaosContours& contours, bool shrinks,
+                     ChaosReport& report) {
   report.json["missed"] = Json::array();
   for (const auto& bar : kBarRows) {
     const auto missed = [&](const Row& row) { return row.outcome.findings.missed(bar.value); };
@@ -113,9 +114,10 @@ void shrink_failures(const std::vector<Row>& rows, const ChaosContours& contours
     }
     const auto runs = std::count_if(rows.begin(), rows.end(), missed);
     const std::string command = command_line(smallest);
-    report.json["missed"].push_back({{"bar", bar.word}, {"runs", runs}, {"seed", first->settings.seed}, {"command", command}});
-    report.sentences.push_back(fmt::format("{}: {}, in {} of {} runs; the first: {}", bar.word, bar.sentence, runs,
-                                           rows.size(), command));
+    report.json["missed"].push_back(
+        {{"bar", bar.word}, {"runs", runs}, {"seed", first->settings.seed}, {"command", command}});
+    report.sentences.push_back(fmt::format("{}: {}, in {} of {} runs; the first: {}", bar.word, bar.sentence,
+                                           runs, rows.size(), command));
   }
 }
 
@@ -130,8 +132,8 @@ ChaosReport run_campaign(const ChaosCampaign& campaign, const std::function<void
     undisturbed[i].settings.kinds.clear();
   }
   run_all(undisturbed, contours, campaign.jobs, [](std::size_t) {});
-  const double nominal_j =
-      sum(undisturbed, [](const auto& o) { return o.findings.energy_inside_j; }) / static_cast<double>(kUndisturbed);
+  const double nominal_j = sum(undisturbed, [](const auto& o) { return o.findings.energy_inside_j; }) /
+                           static_cast<double>(kUndisturbed);
   const double nominal_dose_j = largest(undisturbed, [](const auto& f) { return f.dose_j; });
 
   std::vector<Row> rows(static_cast<std::size_t>(campaign.runs), Row{campaign.each, {}});
@@ -160,8 +162,10 @@ ChaosReport run_campaign(const ChaosCampaign& campaign, const std::function<void
   json["energy_inside_j_mean"] = inside_j;
   json["energy_outside_corridor_j_max"] = largest(rows, [](const auto& f) { return f.energy_outside_j; });
   json["dose_j_max"] = largest(rows, [](const auto& f) { return f.dose_j; });
-  json["limit_violations"] = static_cast<int>(sum(rows, [](const auto& o) { return o.findings.limit_violations; }));
-  json["laser_off_ticks_max"] = static_cast<int>(largest(rows, [](const auto& f) { return f.laser_off_ticks; }));
+  json["limit_violations"] =
+      static_cast<int>(sum(rows, [](const auto& o) { return o.findings.limit_violations; }));
+  json["laser_off_ticks_max"] =
+      static_cast<int>(largest(rows, [](const auto& f) { return f.laser_off_ticks; }));
   json["jumps"] = static_cast<int>(sum(rows, [](const auto& o) { return o.findings.jumps; }));
   json["relights"] = static_cast<int>(sum(rows, [](const auto& o) { return o.findings.relights; }));
   json["beam_age_s_max"] = largest(rows, [](const auto& f) { return f.beam_age_s; });
@@ -171,18 +175,21 @@ ChaosReport run_campaign(const ChaosCampaign& campaign, const std::function<void
   json["seed"] = campaign.seed;
   json["duration_s"] = campaign.each.duration_s;
   json["mode"] = kChaosModes.word(campaign.each.mode);
-  json["undisturbed"] = {{"runs", kUndisturbed}, {"energy_inside_j_mean", nominal_j}, {"dose_j_max", nominal_dose_j}};
+  json["undisturbed"] = {
+      {"runs", kUndisturbed}, {"energy_inside_j_mean", nominal_j}, {"dose_j_max", nominal_dose_j}};
   json["energy_stuck_laser_j_max"] = largest(rows, [](const auto& f) { return f.energy_stuck_j; });
   json["energy_without_permit_j_max"] = largest(rows, [](const auto& f) { return f.energy_unpermitted_j; });
-  json["failed_runs"] = std::count_if(rows.begin(), rows.end(), [](const Row& row) { return row.outcome.findings.failed(); });
+  json["failed_runs"] =
+      std::count_if(rows.begin(), rows.end(), [](const Row& row) { return row.outcome.findings.failed(); });
   json["faults"] = per_fault(rows);
   shrink_failures(rows, contours, campaign.shrinks, report);
 
   const bool enough = inside_j >= kLeastEnergy * nominal_j;
   json["energy_enough"] = enough;
   if (!enough) {
-    report.sentences.push_back(fmt::format("energy: {:.1f} J inside in the mean, {:.1f} J undisturbed; at least half is asked for",
-                                           inside_j, nominal_j));
+    report.sentences.push_back(
+        fmt::format("energy: {:.1f} J inside in the mean, {:.1f} J undisturbed; at least half is asked for",
+                    inside_j, nominal_j));
   }
   report.passed = report.sentences.empty();
   return report;

@@ -13,8 +13,8 @@ namespace telekerf::experiments {
 
 struct ChaosCampaign {
   int runs = 1000;
-  std::uint64_t seed = 1;  ///< of the first run
-  int jobs = 0;            ///< at a time; changes nothing else
+  std::uint64_t seed = 1;                       ///< of the first run
+  int jobs = 0;                                 ///< at a time; changes nothing else
   std::optional<std::vector<FaultKind>> kinds;  ///< none: each seed draws its own
   ChaosSettings each;
   bool shrinks = true;  ///< of every bar missed, its first seed

@@ -57,8 +57,7 @@ void Checker::button(std::int64_t at_ns, bool pressed) noexcept {
 
 void Checker::heard(std::int64_t at_ns, std::int64_t born_ns) noexcept {
   // An outage: whatever comes after it needs a deliberate restart since the last block before it was made.
-  if (heard_ns_ >= 0 &&
-      static_cast<double>(at_ns - heard_ns_) * 1e-9 > settings_.gate_s + kSilenceMargin_s)
+  if (heard_ns_ >= 0 && static_cast<double>(at_ns - heard_ns_) * 1e-9 > settings_.gate_s + kSilenceMargin_s)
     needs_restart(heard_born_ns_);
   heard_ns_ = at_ns;
   heard_born_ns_ = std::max(heard_born_ns_, born_ns);
@@ -111,10 +110,9 @@ void Checker::judge_motion(const Observation& now) {
     const auto& was = last_->reference;
     const Vec3 gap_m = now.reference.position_m - was.position_m -
                        0.5 * dt * (was.velocity_m_per_s + now.reference.velocity_m_per_s);
-    const bool jumped =
-        (now.reference.velocity_m_per_s - was.velocity_m_per_s).norm() > allowed ||
-        gap_m.norm() > 0.5 * dt * allowed ||
-        (has_step_ && (step_m - last_step_m_).norm() / dt > 2.0 * allowed);
+    const bool jumped = (now.reference.velocity_m_per_s - was.velocity_m_per_s).norm() > allowed ||
+                        gap_m.norm() > 0.5 * dt * allowed ||
+                        (has_step_ && (step_m - last_step_m_).norm() / dt > 2.0 * allowed);
     if (jumped) {
       ++findings_.jumps;
       miss(Bar::kJump, now.now_ns);
@@ -157,16 +155,19 @@ void Checker::deposit(const Vec2& at_m, double energy_j, std::int64_t now_ns) {
   };
   const int column = cell(at_m.x());
   const int row = cell(at_m.y());
-  const auto place = [](int r, int c) { return static_cast<std::size_t>(r) * kCells + static_cast<std::size_t>(c); };
-  dose_j_[place(row, column)] += static_cast<float>(energy_j);
-  double sum = 0.0;
+  const auto place = [](int r, int c) {
+    return static_cast<std::size_t>(r) * kCells + static_cast<std::size_t>(c);
+  };
+  // Each cell knows what fell within 0.1 mm of it.
   for (int r = -kReach; r <= kReach; ++r) {
     for (int c = -kReach; c <= kReach; ++c) {
-      if (r * r + c * c <= kReach * kReach) sum += dose_j_[place(row + r, column + c)];
+      if (r * r + c * c > kReach * kReach) continue;
+      float& around = dose_j_[place(row + r, column + c)];
+      around += static_cast<float>(energy_j);
+      findings_.dose_j = std::max(findings_.dose_j, static_cast<double>(around));
     }
   }
-  findings_.dose_j = std::max(findings_.dose_j, sum);
-  if (sum > settings_.dose_j) miss(Bar::kDose, now_ns);
+  if (findings_.dose_j > settings_.dose_j) miss(Bar::kDose, now_ns);
 }
 
 }  // namespace telekerf::experiments

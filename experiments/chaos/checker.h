@@ -61,10 +61,10 @@ struct Observation {
   Vec3 tool_m = Vec3::Zero();
   Vec3 velocity_m_per_s = Vec3::Zero();
   control::KinematicState reference = {};
-  double told_w = 0.0;     ///< what the laser was told
-  double emitted_w = 0.0;  ///< what it gave
-  bool permitted = false;  ///< the interlock said yes in this step
-  bool stuck = false;      ///< the laser gives what it likes: booked apart
+  double told_w = 0.0;               ///< what the laser was told
+  double emitted_w = 0.0;            ///< what it gave
+  bool permitted = false;            ///< the interlock said yes in this step
+  bool stuck = false;                ///< the laser gives what it likes: booked apart
   std::optional<double> age_s = {};  ///< of the command in force
 };
 
@@ -87,8 +87,8 @@ struct Findings {
 
 struct CheckerSettings {
   double corridor_m = 0.5e-3;
-  double gate_s = 0.35;   ///< oldest command that the beam may be on for
-  double dose_j = 1e9;    ///< most within 0.1 mm
+  double gate_s = 0.35;  ///< oldest command that the beam may be on for
+  double dose_j = 1e9;   ///< most within 0.1 mm
   double tick_s = 1e-3;
 };
 
@@ -99,8 +99,9 @@ class Checker {
 
   /// The contour that the beam may be on from now on; outlives its use. Null: none.
   void contour(const geometry::NearestIndex* contour) noexcept { contour_ = contour; }
-  /// Whatever asks for a deliberate restart: stop, clear, another contour, outage, a process begins. Told when
-  /// the slave learns of it; `at_ns` is when it happened, so that what is still under way counts as heard.
+  /// Whatever asks for a deliberate restart: stop, clear, another contour, outage, a process begins. Told
+  /// when the slave learns of it; `at_ns` is when it happened, so that what is still under way counts as
+  /// heard.
   void needs_restart(std::int64_t at_ns) noexcept;
   /// The operator engages.
   void engaged(std::int64_t at_ns) noexcept;

@@ -188,8 +188,8 @@ Schedule draw_schedule(std::uint64_t seed, const std::vector<FaultKind>& kinds, 
 
 netem::DirectionProfile link_profile(const Schedule& schedule, bool forward) {
   netem::Conditions base;
-  base.delay.distribution = schedule.jitter_s > 0.0 ? netem::DelayDistribution::kNormal
-                                                    : netem::DelayDistribution::kConstant;
+  base.delay.distribution =
+      schedule.jitter_s > 0.0 ? netem::DelayDistribution::kNormal : netem::DelayDistribution::kConstant;
   base.delay.delay_s = 0.5 * schedule.rtt_s;
   base.delay.jitter_s = schedule.jitter_s;
   std::vector<double> edges{0.0};

@@ -12,6 +12,10 @@ constexpr double kFirstPatience_s = 0.3;
 /// From engaging until the button is seen released and pressed again.
 constexpr double kRelease_s = 0.3;
 constexpr double kPress_s = 0.6;
+/// From a trouble that has passed by itself until the button is pressed again.
+constexpr double kAgain_s = 0.3;
+/// Shorter ones nobody sees.
+constexpr double kNoticed_s = 0.25;
 
 EventMessage event(Kind kind, double value = 0.0) {
   EventMessage message;
@@ -58,9 +62,13 @@ void OperatorScript::step(const OperatorView& view, std::vector<EventMessage>& o
     press_at_s_ = -1.0;
   }
   if (ready(view)) {
+    if (!pressed_ && press_at_s_ < 0.0) press_at_s_ = now_s + kAgain_s;
+    unready_since_s_.reset();
     trouble_since_s_.reset();
     return;
   }
+  if (!unready_since_s_) unready_since_s_ = now_s;
+  if (now_s - *unready_since_s_ < kNoticed_s) return;
   meet_trouble(now_s, view, out);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the operator does, and what it looks like to the stations: engage, button, stop, clear, scale. All of it
-// is here.
+// What the operator does, and what it looks like to the stations: engage, button, stop, clear, scale. All of
+// it is here.
 #pragma once
 
 #include <cstdint>
@@ -47,6 +47,7 @@ class OperatorScript {
   bool healed_ = false;
   bool engaged_since_heal_ = false;
   int engages_ = 0;
+  std::optional<double> unready_since_s_;
   std::optional<double> trouble_since_s_;
   double patience_s_ = 0.0;
   double release_at_s_ = -1.0;

@@ -63,8 +63,9 @@ std::string command_line(const ChaosSettings& settings) {
     if (!faults.empty()) faults += ',';
     faults += kFaults.word(kind);
   }
-  return fmt::format("telekerf-experiment chaos --runs 1 --seed {} --duration-s {:g} --mode {} --faults {}", settings.seed,
-                     settings.duration_s, kChaosModes.word(settings.mode), faults.empty() ? "none" : faults);
+  return fmt::format("telekerf-experiment chaos --runs 1 --seed {} --duration-s {:g} --mode {} --faults {}",
+                     settings.seed, settings.duration_s, kChaosModes.word(settings.mode),
+                     faults.empty() ? "none" : faults);
 }
 
 std::vector<FaultKind> parse_faults(const std::string& words) {

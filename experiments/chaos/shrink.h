@@ -12,8 +12,8 @@ namespace telekerf::experiments {
 /// True: the run still misses the bar in question.
 using StillFails = std::function<bool(const ChaosSettings&)>;
 
-/// Shorter (halves, then smaller parts), without healing where that is not the matter, and fault by fault left
-/// out, as long as it fails. `failing` must fail.
+/// Shorter (halves, then smaller parts), without healing where that is not the matter, and fault by fault
+/// left out, as long as it fails. `failing` must fail.
 ChaosSettings shrink(const ChaosSettings& failing, const StillFails& fails);
 
 /// What to type to see it.

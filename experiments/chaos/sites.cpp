@@ -75,7 +75,8 @@ void SlaveSite::start(std::uint32_t epoch, const ContourMessage& contour, Refuse
 void SlaveSite::end(Refused& refused) {
   if (!station_) return;
   const slave::SlaveCounters counters = station_->node().counters();
-  count(refused, "command: not decodable, of another contour or sender, or from the future", counters.refused);
+  count(refused, "command: not decodable, of another contour or sender, or from the future",
+        counters.refused);
   count(refused, "command: repeated or too late", counters.stale);
   rest_in_base_m_ = station_->machine().plant()->true_tool_in_base_m();
   station_.reset();

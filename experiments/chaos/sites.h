@@ -43,7 +43,7 @@ class SiteClock {
 /// What both sites have: a clock, and when they are there.
 struct SiteTime {
   SiteClock clock;
-  std::int64_t next_ns = 0;        ///< true time of the next step
+  std::int64_t next_ns = 0;         ///< true time of the next step
   std::int64_t awake_since_ns = 0;  ///< what came before is stamped then
   bool asleep = false;
 

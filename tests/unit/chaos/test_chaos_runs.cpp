@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole runs: undisturbed ones meet every bar, and the same campaign is the same report, however many run at
+// a time.
+#include <gtest/gtest.h>
+
+#include "experiments/chaos/chaos_report.h"
+
+namespace telekerf::experiments {
+namespace {
+
+ChaosCampaign campaign(int runs, double duration_s) {
+  ChaosCampaign c;
+  c.runs = runs;
+  c.each.duration_s = duration_s;
+  c.shrinks = false;
+  return c;
+}
+
+const auto kQuiet = [](std::size_t) {};
+
+TEST(Chaos, MeetsEveryBarWithoutFaults) {
+  ChaosCampaign c = campaign(3, 14.0);
+  c.kinds.emplace();
+  const ChaosReport report = run_campaign(c, kQuiet);
+  EXPECT_TRUE(report.passed) << report.json.dump(2);
+  EXPECT_GT(report.json["energy_inside_j_mean"].get<double>(), 70.0);
+  EXPECT_EQ(report.json["recovered_fraction"].get<double>(), 1.0);
+  EXPECT_LT(report.json["beam_age_s_max"].get<double>(), 0.2);
+}
+
+TEST(Chaos, IsTheSameReportHoweverManyRunAtATime) {
+  ChaosCampaign c = campaign(8, 10.0);
+  c.jobs = 1;
+  const auto one = run_campaign(c, kQuiet).json;
+  c.jobs = 3;
+  const auto three = run_campaign(c, kQuiet).json;
+  EXPECT_EQ(one.dump(), three.dump());
+  c.seed = 2;
+  EXPECT_NE(one.dump(), run_campaign(c, kQuiet).json.dump());
+}
+
+TEST(Chaos, AFaultOfTheLinkIsSurvived) {
+  ChaosCampaign c = campaign(4, 16.0);
+  c.kinds = {FaultKind::kLoss, FaultKind::kReorder, FaultKind::kDuplicate, FaultKind::kCorrupt};
+  const auto json = run_campaign(c, kQuiet).json;
+  EXPECT_EQ(json["energy_outside_corridor_j_max"].get<double>(), 0.0);
+  EXPECT_EQ(json["jumps"].get<int>(), 0);
+  EXPECT_EQ(json["limit_violations"].get<int>(), 0);
+  EXPECT_EQ(json["recovered_fraction"].get<double>(), 1.0);
+  EXPECT_GT(json["refused"]["datagram: its checksum does not fit"].get<int>(), 0);
+}
+
+TEST(Chaos, HasEveryFieldOfItsReport) {
+  const auto json = run_campaign(campaign(1, 8.0), kQuiet).json;
+  for (const char* field : {"runs", "energy_inside_j_mean", "energy_outside_corridor_j_max", "dose_j_max",
+                            "limit_violations", "laser_off_ticks_max", "jumps", "relights", "beam_age_s_max",
+                            "recovered_fraction", "refused", "worst_seed"})
+    EXPECT_TRUE(json.contains(field)) << field;
+}
+
+}  // namespace
+}  // namespace telekerf::experiments
