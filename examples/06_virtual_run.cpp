@@ -17,9 +17,7 @@ int main() {
   settings.duration_s = 10.0;
   settings.seed = 7;
   const double stop_s = 6.0;
-  EventMessage stop;
-  stop.kind = EventMessage::Kind::kStop;
-  settings.events.push_back({stop_s, stop});
+  settings.stops.push_back({stop_s, {.number = 1, .cleared = 0}});
 
   const RunRecord record = simulation::simulate(settings);
   const auto report = reporting::make_report(record);

@@ -64,7 +64,7 @@ int run(Flags& flags) {
   StatusReporter& status = process.status();
   Reader<StateBlock> states(process.bus());
   Reader<EventMessage> events(process.bus());
-  StopLine stop(process.bus(), flags.stop.path(settings));
+  StopLine emergency(process.bus(), flags.stop.path(settings));
   Writer<CommandBlock> commands(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());
   const netem::NetemSwitch netem_switch(process.bus(), emulator);
@@ -93,8 +93,8 @@ int run(Flags& flags) {
     drain(states, arrived_states);
     drain(events, arrived_events);
     GuidedContour* const task = contour.current();
-    const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events, stop.order());
-    stop.obeyed(out.stop);
+    const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events, emergency.order());
+    emergency.obeyed(out.stop);
     if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
     (out.mode == MasterMode::kEngaged ? engaged_s : waited_s) += station.control_period_s();

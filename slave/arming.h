@@ -19,6 +19,7 @@ struct FreshnessSettings {
 struct Circumstances {
   bool stopped = false;             ///< emergency stop
   bool heard = false;               ///< commands have come
+  std::uint32_t master_epoch = 0;   ///< of whom they are
   std::uint32_t contour_id = 0;     ///< 0: none is known
   std::uint32_t newest_engage = 0;  ///< of the newest block that came
 };
@@ -45,6 +46,8 @@ class Arming {
 
   FreshnessSettings settings_;
   double dt_s_;
+  bool known_ = false;  ///< a master has been heard
+  std::uint32_t master_epoch_ = 0;
   std::uint32_t contour_id_ = 0;
   std::uint32_t spent_ = 0;
   std::uint32_t leading_ = 0;  ///< the newest that has led

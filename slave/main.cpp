@@ -49,7 +49,7 @@ int run(Flags& flags) {
 
   Process process(settings, "slave", text_of(SlaveMode::kWaiting));
   Reader<CommandBlock> commands(process.bus());
-  StopLine stop(process.bus(), flags.stop.path(settings));
+  StopLine emergency(process.bus(), flags.stop.path(settings));
   Writer<StateBlock> states(process.bus());
   const netem::NetemSwitch netem_switch(process.bus(), emulator);
   ContourSubscriber<Corridor> contour(
@@ -62,8 +62,8 @@ int run(Flags& flags) {
   arrived_commands.reserve(64);
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(commands, arrived_commands);
-    const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, stop.order());
-    stop.obeyed(out.stop);
+    const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, emergency.order());
+    emergency.obeyed(out.stop);
     if (out.state) states.write(*out.state);
     process.status().state(text_of(out.mode));
     return !contour.refused() && !station.machine().failed() && !station.beam().failed();

@@ -140,6 +140,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   const Selected selected =
       selector_.step(commands_.play(now_ns, tool), {.stopped = stop_ != 0,
                                                     .heard = heard,
+                                                    .master_epoch = heard ? commands_.header().epoch : 0,
                                                     .contour_id = contour_id.value_or(0),
                                                     .newest_engage = heard ? commands_.header().engage : 0});
 

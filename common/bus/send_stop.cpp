@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "common/bus/endpoints.h"
-#include "common/bus/stop_latch.h"
+#include "common/protocol/stop_latch.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {

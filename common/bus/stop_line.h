@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "common/bus/endpoints.h"
-#include "common/bus/stop_latch.h"
+#include "common/protocol/stop_latch.h"
 
 namespace telekerf {
 

@@ -11,8 +11,8 @@ inline constexpr std::uint32_t kDatagramBytes = 89;
 /// Of a block's anchor: position and velocity, float32, three axes.
 inline constexpr std::uint32_t kAnchorBytes = 24;
 /// Of a block's fields but its payload, the anchor included (plain CDR).
-inline constexpr std::uint32_t kCommandFieldBytes = 76;
-inline constexpr std::uint32_t kStateFieldBytes = 136;
+inline constexpr std::uint32_t kCommandFieldBytes = 96;
+inline constexpr std::uint32_t kStateFieldBytes = 168;
 
 inline std::uint32_t wire_bytes(const CommandBlock& block) noexcept {
   return kDatagramBytes + kCommandFieldBytes + block.payload.size;

@@ -64,9 +64,9 @@ void Injection::begin(std::int64_t now_ns, const FaultWindow& window, World& wor
     case FaultKind::kImpostor:
       return world.publish_impostor(now_ns);
     case FaultKind::kBeta:
-      return world.say(now_ns, scale_event(0.35 + 0.65 * window.strength));
+      return world.say(scale_event(0.35 + 0.65 * window.strength));
     case FaultKind::kStop:
-      return world.say(now_ns, stop_event());
+      return world.say_stop(now_ns, true);
     case FaultKind::kSensorDropout:
       slave.sensor.dropout = true;
       return;
@@ -104,7 +104,7 @@ void Injection::end(std::int64_t now_ns, const FaultWindow& window, World& world
     case FaultKind::kMasterAsleep:
       return world.wake(window.kind == FaultKind::kSlaveAsleep, now_ns, ns(window.from_s));
     case FaultKind::kStop:
-      return world.say(now_ns, clear_event());
+      return world.say_stop(now_ns, false);
     case FaultKind::kChatter:
       return world.bounce(false);
     case FaultKind::kSensorDropout:

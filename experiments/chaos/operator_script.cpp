@@ -43,11 +43,9 @@ bool may_engage(const OperatorView& view) {
 }  // namespace
 
 EventMessage engage_event() { return event(Kind::kEngage); }
-EventMessage stop_event() { return event(Kind::kStop); }
-EventMessage clear_event() { return event(Kind::kClearStop); }
 EventMessage scale_event(double beta) { return event(Kind::kSetBeta, beta); }
 
-void OperatorScript::step(const OperatorView& view, std::vector<EventMessage>& out) {
+void OperatorScript::step(const OperatorView& view, Said& out) {
   const double now_s = static_cast<double>(view.now_ns) * 1e-9;
   if (!healed_ && now_s >= heal_s_) {
     healed_ = true;
@@ -72,7 +70,7 @@ void OperatorScript::step(const OperatorView& view, std::vector<EventMessage>& o
   meet_trouble(now_s, view, out);
 }
 
-void OperatorScript::meet_trouble(double now_s, const OperatorView& view, std::vector<EventMessage>& out) {
+void OperatorScript::meet_trouble(double now_s, const OperatorView& view, Said& out) {
   if (!trouble_since_s_) {
     trouble_since_s_ = now_s;
     patience_s_ = healed_ ? 1.0 : engages_ == 0 ? kFirstPatience_s : draw_.factor(0.5, 4.0);
@@ -82,12 +80,12 @@ void OperatorScript::meet_trouble(double now_s, const OperatorView& view, std::v
   }
   if (now_s - *trouble_since_s_ < patience_s_) return;
   if (stopped(view)) {
-    out.push_back(clear_event());
+    out.clear = true;
     patience_s_ = now_s - *trouble_since_s_ + 0.5;
     return;
   }
   if (!may_engage(view) || (healed_ && engaged_since_heal_)) return;
-  out.push_back(engage_event());
+  out.events.push_back(engage_event());
   ++engages_;
   engaged_since_heal_ = healed_;
   release_at_s_ = now_s + kRelease_s;

@@ -14,9 +14,13 @@
 namespace telekerf::experiments {
 
 EventMessage engage_event();
-EventMessage stop_event();
-EventMessage clear_event();
 EventMessage scale_event(double beta);
+
+/// What the operator says at one step.
+struct Said {
+  std::vector<EventMessage> events;
+  bool clear = false;  ///< the emergency stop is over
+};
 
 /// What the operator's console shows, at one step of the master.
 struct OperatorView {
@@ -34,12 +38,12 @@ class OperatorScript {
   OperatorScript(std::uint64_t seed, double heal_s) : draw_(seed), heal_s_(heal_s) {}
 
   /// Every step of the master; what is said goes into `out`.
-  void step(const OperatorView& view, std::vector<EventMessage>& out);
+  void step(const OperatorView& view, Said& out);
   bool pressed() const noexcept { return pressed_; }
   int engages() const noexcept { return engages_; }
 
  private:
-  void meet_trouble(double now_s, const OperatorView& view, std::vector<EventMessage>& out);
+  void meet_trouble(double now_s, const OperatorView& view, Said& out);
 
   Draw draw_;
   double heal_s_;

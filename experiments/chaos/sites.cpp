@@ -52,7 +52,8 @@ void MasterSite::prepare(Refused& refused) {
 
 master::StationOutputs MasterSite::step(std::int64_t now_ns, std::span<const Received<StateBlock>> states,
                                         std::span<const EventMessage> events, Refused& refused) {
-  auto out = station_->step(now_ns, guided_.empty() ? nullptr : guided_.back().get(), states, events);
+  auto out = station_->step(now_ns, guided_.empty() ? nullptr : guided_.back().get(), states, events, stops_.order());
+  if (out.stop != 0) (void)stops_.quoted(out.stop);
   if (out.prepare_anew) prepare(refused);
   return out;
 }
@@ -93,9 +94,11 @@ bool SlaveSite::publish(const ContourMessage& contour, Refused& refused) {
   }
 }
 
-slave::SlaveOutputs SlaveSite::step(std::int64_t now_ns, std::span<const Received<CommandBlock>> commands,
-                                    std::span<const EventMessage> events) {
-  return station_->step(now_ns, corridors_.empty() ? nullptr : corridors_.back().get(), commands, events);
+slave::SlaveOutputs SlaveSite::step(std::int64_t now_ns, std::span<const Received<CommandBlock>> commands) {
+  auto out = station_->step(now_ns, corridors_.empty() ? nullptr : corridors_.back().get(), commands,
+                            stops_.order());
+  if (out.stop != 0) (void)stops_.quoted(out.stop);
+  return out;
 }
 
 }  // namespace telekerf::experiments

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/protocol/stop_latch.h"
 #include "experiments/chaos/faulty_devices.h"
 #include "master/station.h"
 #include "slave/station.h"
@@ -64,6 +65,8 @@ class MasterSite {
   void publish(const ContourMessage& contour, Refused& refused);
   master::StationOutputs step(std::int64_t now_ns, std::span<const Received<StateBlock>> states,
                               std::span<const EventMessage> events, Refused& refused);
+  /// The latch outlives a restart, as it does in a file.
+  void hear(const StopMessage& message) { (void)stops_.hear(message); }
   std::uint32_t epoch() const noexcept { return settings_.epoch; }
   /// Of the step that comes next.
   Tick tick() const noexcept { return station_->node().tick(); }
@@ -78,6 +81,7 @@ class MasterSite {
   robot::RobotModel model_;
   robot::RobotModel truth_;
   const bool& pressed_;
+  StopLatch stops_;
   SensorFault sound_;
   Vec3 rest_in_base_m_;
   ContourMessage contour_;
@@ -93,8 +97,8 @@ class SlaveSite {
   bool running() const noexcept { return station_ != nullptr; }
   /// False: refused, the one in work stays.
   bool publish(const ContourMessage& contour, Refused& refused);
-  slave::SlaveOutputs step(std::int64_t now_ns, std::span<const Received<CommandBlock>> commands,
-                           std::span<const EventMessage> events);
+  slave::SlaveOutputs step(std::int64_t now_ns, std::span<const Received<CommandBlock>> commands);
+  void hear(const StopMessage& message) { (void)stops_.hear(message); }
   /// Its process would end by itself: the robot or the laser has failed.
   bool failed() const noexcept { return station_->machine().failed() || station_->beam().failed(); }
   const robot::RobotModel& model() const noexcept { return model_; }
@@ -110,6 +114,7 @@ class SlaveSite {
   robot::RobotModel model_;
   robot::RobotModel truth_;
   Vec3 rest_in_base_m_;
+  StopLatch stops_;
   std::unique_ptr<slave::Station> station_;
   std::vector<std::unique_ptr<slave::Corridor>> corridors_;
 };

@@ -151,7 +151,6 @@ void World::begin_slave(std::int64_t now_ns) {
   slave_again_ns_ = kNever_ns;
   arrived_.clear();
   forward_.deliver(now_ns, arrived_);
-  std::erase_if(to_slave_, [&](const Saying& saying) { return saying.due_ns <= now_ns; });
   slave_.start(++slave_epoch_, *contour_, refused_);
   checker_.interrupted();
   checker_.needs_restart(slave_ended_ns_);
@@ -170,9 +169,21 @@ void World::end_second() {
   second_.reset();
 }
 
-void World::say(std::int64_t now_ns, const EventMessage& event) {
+void World::say(const EventMessage& event) {
   if (master_.running()) to_master_.push_back(event);
-  to_slave_.push_back({now_ns, now_ns + ns(0.5 * schedule_.rtt_s), event});
+}
+
+void World::say_stop(std::int64_t now_ns, bool set) {
+  if (set) stops_.push_back(++stop_number_);
+  for (const std::uint32_t number : stops_) {
+    StopMessage stop;
+    stop.number = number;
+    stop.source = "operator";
+    stop.set = set;
+    master_.hear(stop);
+    to_slave_.push_back({now_ns, now_ns + ns(0.5 * schedule_.rtt_s), std::move(stop)});
+  }
+  if (!set) stops_.clear();
 }
 
 void World::step_master(std::int64_t now_ns) {
@@ -189,11 +200,13 @@ void World::step_master(std::int64_t now_ns) {
   to_master_.clear();
   const auto out = master_.step(time.clock.local(now_ns), states_, events_, refused_);
   if (out.command) send(now_ns, *out.command, forward_);
-  said_.clear();
+  said_.events.clear();
+  said_.clear = false;
   script_.step({now_ns, out.mode, shown_ ? &*shown_ : nullptr, shown_ns_}, said_);
-  for (const EventMessage& event : said_) {
+  if (said_.clear) say_stop(now_ns, false);
+  for (const EventMessage& event : said_.events) {
     if (event.kind == EventMessage::Kind::kEngage) checker_.engaged(now_ns);
-    say(now_ns, event);
+    say(event);
   }
   pressed_ = script_.pressed() && !bounced_;
   checker_.button(now_ns, pressed_);
@@ -225,9 +238,9 @@ void World::step_slave(std::int64_t now_ns, const std::vector<FaultWindow>& atta
   if (second_) receive(now_ns, second_forward_);
   for (const Datagram& datagram : injected_) commands_.push_back({datagram.block, time.stamp(now_ns)});
   injected_.clear();
-  hear_events(now_ns);
+  hear_stops(now_ns);
 
-  const slave::SlaveOutputs out = slave_.step(time.clock.local(now_ns), commands_, events_);
+  const slave::SlaveOutputs out = slave_.step(time.clock.local(now_ns), commands_);
   if (out.state) {
     followed_epoch_ = out.state->master_epoch;
     backward_.push(now_ns, *out.state, wire_bytes(*out.state));
@@ -254,15 +267,13 @@ Observation World::truth(std::int64_t now_ns) const {
   return seen;
 }
 
-void World::hear_events(std::int64_t now_ns) {
-  events_.clear();
+void World::hear_stops(std::int64_t now_ns) {
   while (!to_slave_.empty() && to_slave_.front().due_ns <= now_ns && clogged_ == 0) {
     const Saying saying = to_slave_.front();
     to_slave_.erase(to_slave_.begin());
-    events_.push_back(saying.event);
-    const bool stop = saying.event.kind == EventMessage::Kind::kStop;
-    if (stop) checker_.off_is_due();
-    if (stop || saying.event.kind == EventMessage::Kind::kClearStop) checker_.needs_restart(saying.said_ns);
+    slave_.hear(saying.stop);
+    if (saying.stop.set) checker_.off_is_due();
+    checker_.needs_restart(saying.said_ns);
   }
 }
 

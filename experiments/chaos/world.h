@@ -45,8 +45,10 @@ class World {
   /// Vision publishes the other of the two contours, or a wrong one under a known id.
   void swap_contour(std::int64_t now_ns);
   void publish_impostor(std::int64_t now_ns);
-  /// Reliable: at the operator's site at once, at the slave after the way there and an outage.
-  void say(std::int64_t now_ns, const EventMessage& event);
+  /// Reliable, and heard at the operator's site alone.
+  void say(const EventMessage& event);
+  /// Somebody says stop, or that all stops are over: at the operator's site at once, at the slave later.
+  void say_stop(std::int64_t now_ns, bool set);
   /// The button's contact is open although it is pressed.
   void bounce(bool open) noexcept { bounced_ = open; }
   /// Sensors are homed, and vision's own contour stands again.
@@ -60,7 +62,7 @@ class World {
   struct Saying {
     std::int64_t said_ns;
     std::int64_t due_ns;
-    EventMessage event;
+    StopMessage stop;
   };
 
   void publish_truth(const ContourMessage& contour);
@@ -70,7 +72,7 @@ class World {
   void step_master(std::int64_t now_ns);
   void step_second(std::int64_t now_ns);
   void step_slave(std::int64_t now_ns, const std::vector<FaultWindow>& attacks);
-  void hear_events(std::int64_t now_ns);
+  void hear_stops(std::int64_t now_ns);
   Observation truth(std::int64_t now_ns) const;
   void send(std::int64_t now_ns, const CommandBlock& block, simulation::VirtualLink<Datagram>& link);
   void attack(std::int64_t now_ns, const std::vector<FaultWindow>& attacks);
@@ -106,7 +108,10 @@ class World {
   std::int64_t contour_at_master_ns_ = kNever_ns, impostor_at_master_ns_ = kNever_ns;
   std::optional<StateHeader> shown_;
   std::int64_t shown_ns_ = 0;
-  std::vector<EventMessage> to_master_, events_, said_;
+  std::vector<EventMessage> to_master_, events_;
+  Said said_;
+  std::vector<std::uint32_t> stops_;  ///< said, and not yet over
+  std::uint32_t stop_number_ = 0;
   std::vector<Saying> to_slave_;
   std::vector<Datagram> injected_;
   std::vector<Received<Datagram>> arrived_;

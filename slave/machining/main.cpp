@@ -25,6 +25,7 @@ struct Flags {
   BusFlags bus;
   netem::NetemFlags netem;
   StationSettings station;
+  StopFlags stop;
   std::string record;
   double wait_s = 20.0;  ///< for vision, then it gives up
   void validate() const { station.beam.validate(station.laser_w); }

@@ -71,14 +71,14 @@ TEST(Bus, EventsAreAllDeliveredAndOwnOnesUnseen) {
   Reader<EventMessage> reader(slave);
   ASSERT_TRUE(events.wait_for_reader(kPatience, 2));
   for (std::uint32_t i = 0; i < 100; ++i) {
-    ASSERT_TRUE(events.write({.epoch = i, .kind = EventMessage::Kind::kStop, .value = 0.5, .text = "stop"}));
+    ASSERT_TRUE(events.write({.epoch = i, .kind = EventMessage::Kind::kFinished, .value = 0.5, .text = "done"}));
   }
   for (std::uint32_t i = 0; i < 100; ++i) {
     const auto taken = take_soon(reader);
     ASSERT_TRUE(taken) << i;
     EXPECT_EQ(taken->value.epoch, i);
-    EXPECT_EQ(taken->value.kind, EventMessage::Kind::kStop);
-    EXPECT_EQ(taken->value.text, "stop");
+    EXPECT_EQ(taken->value.kind, EventMessage::Kind::kFinished);
+    EXPECT_EQ(taken->value.text, "done");
   }
   EXPECT_FALSE(own.take());
 }

@@ -39,10 +39,10 @@ class MasterStation : public testing::Test {
             static_cast<std::uint16_t>(encoder_.encode(resting, 0, {}, state.payload.room()).value_or(0));
         states.push_back({state, now_ns_});
       }
-      if (n == 0) {
+      if (n == 0 && wish_) {
         events.emplace_back().kind = engage ? EventMessage::Kind::kEngage : EventMessage::Kind::kDisengage;
       }
-      out_ = station_.step(now_ns_, task_.get(), states, events);
+      out_ = station_.step(now_ns_, task_.get(), states, events, stop_);
       events.clear();
       if (out_.command) {
         last_ = *out_.command;
@@ -52,6 +52,8 @@ class MasterStation : public testing::Test {
     }
   }
 
+  bool wish_ = true;  ///< the operator says anew at each run what is wanted
+  StopOrder stop_;
   Station station_{StationSettings{}};
   std::unique_ptr<GuidedContour> task_;
   MasterOutputs out_;
@@ -96,23 +98,28 @@ TEST_F(MasterStation, EmergencyStopHoldsUntilCleared) {
   task_ = station_.prepare(circle(0.01));
   run(4.0, true, true);
   ASSERT_EQ(out_.mode, MasterMode::kEngaged);
-  EventMessage event;
-  event.kind = EventMessage::Kind::kStop;
-  run(0.5, true, true, {event});
+  const std::uint32_t engagement = last_.engage;
+  stop_.number = 3;
+  run(0.5, true, true);
+  EXPECT_EQ(last_.stop, 3u);
   EXPECT_EQ(out_.mode, MasterMode::kStopped);
   EXPECT_FALSE(last_.engaged);
   EXPECT_LT(out_.velocity_m_per_s.norm(), 2e-3);
-  event.kind = EventMessage::Kind::kClearStop;
-  run(4.0, true, true, {event});
+  stop_ = {.number = 0, .cleared = 3};
+  wish_ = false;
+  run(4.0, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "nobody has engaged anew";
+  wish_ = true;
+  run(0.5, true, true);
   EXPECT_EQ(out_.mode, MasterMode::kEngaged);
+  EXPECT_EQ(last_.engage, engagement + 1);
 }
 
 TEST_F(MasterStation, AContourThatComesDuringAStopReplacesTheOneBefore) {
   task_ = station_.prepare(circle(0.01));
   run(4.0, true, true);
-  EventMessage event;
-  event.kind = EventMessage::Kind::kStop;
-  run(0.1, true, true, {event});
+  stop_.number = 3;
+  run(0.1, true, true);
   ContourMessage another = circle(0.01);
   another.id = 5;
   task_ = station_.prepare(another);  // nothing of the one before is left

@@ -26,13 +26,12 @@ ContourMessage square(double half_m) {
 
 class ModesTest : public testing::Test {
  protected:
-  bool step(bool engage = false, bool ready = false, const std::vector<EventMessage>& events = {}) {
-    return modes_.step({.guide = guide_, .tool_m = tool_m_, .engage = engage, .slave_ready = ready}, events);
-  }
-  static std::vector<EventMessage> event(EventMessage::Kind kind) {
-    EventMessage event;
-    event.kind = kind;
-    return {event};
+  bool step(bool engage = false, bool ready = false) {
+    return modes_.step({.guide = guide_,
+                        .tool_m = tool_m_,
+                        .stopped = stopped_,
+                        .engage = engage,
+                        .slave_ready = ready});
   }
   /// Steps until the hand is guided.
   int approach() {
@@ -48,6 +47,7 @@ class ModesTest : public testing::Test {
   GuidePath other_ = make_guide(square(0.012), 0.5, {});
   const GuidePath* guide_ = nullptr;
   Vec3 tool_m_ = Vec3(1e-3, 2e-3, 3e-3);
+  bool stopped_ = false;
   Modes modes_{0.05, kDt_s};
 };
 
@@ -110,25 +110,27 @@ TEST_F(ModesTest, EngagingNeedsTheWishAndAReadySlaveAndEndsWithEither) {
   for (const auto& [engage, ready] : {std::pair{false, false}, {true, false}, {false, true}}) {
     EXPECT_FALSE(step(engage, ready));
     EXPECT_EQ(modes_.mode(), MasterMode::kGuiding);
+    EXPECT_FALSE(modes_.engage_spent()) << "who waits for the slave goes on waiting";
     EXPECT_FALSE(step(true, true));
     EXPECT_EQ(modes_.mode(), MasterMode::kEngaged);
+    EXPECT_FALSE(modes_.engage_spent());
     EXPECT_FALSE(step(true, true));
     EXPECT_EQ(modes_.mode(), MasterMode::kEngaged);
     EXPECT_FALSE(step(engage, ready));
     EXPECT_EQ(modes_.mode(), MasterMode::kGuiding);
+    EXPECT_TRUE(modes_.engage_spent()) << "it has to be said anew";
   }
 }
 
 TEST_F(ModesTest, AStopHoldsTheToolWhereItIsUntilItIsCleared) {
-  using Kind = EventMessage::Kind;
   guide_ = &path_;
   step();
   approach();
   step(true, true);
-  EXPECT_FALSE(step(true, true, event(Kind::kClearStop)));
-  EXPECT_EQ(modes_.mode(), MasterMode::kEngaged) << "there was no stop";
   tool_m_ = Vec3(4e-3, 5e-3, 0.0);
-  EXPECT_FALSE(step(true, true, event(Kind::kStop)));
+  stopped_ = true;
+  EXPECT_FALSE(step(true, true));
+  EXPECT_TRUE(modes_.engage_spent());
   EXPECT_EQ(modes_.mode(), MasterMode::kStopped);
   EXPECT_EQ(modes_.goal().position_m, tool_m_);
   const Vec3 held_m = tool_m_;
@@ -137,7 +139,8 @@ TEST_F(ModesTest, AStopHoldsTheToolWhereItIsUntilItIsCleared) {
   EXPECT_FALSE(step(true, true));
   EXPECT_EQ(modes_.guide(), &other_) << "the one before may be gone";
   EXPECT_EQ(modes_.goal().position_m, held_m);
-  EXPECT_TRUE(step(true, true, event(Kind::kClearStop)));
+  stopped_ = false;
+  EXPECT_TRUE(step(true, true));
   EXPECT_EQ(modes_.mode(), MasterMode::kApproach) << "led to the curve anew";
 }
 
@@ -145,8 +148,10 @@ TEST_F(ModesTest, AContourThatGoesOrChangesIsAnotherBeginning) {
   guide_ = &path_;
   step();
   approach();
+  EXPECT_FALSE(modes_.engage_spent());
   guide_ = &other_;
   EXPECT_TRUE(step(true, true));
+  EXPECT_TRUE(modes_.engage_spent());
   EXPECT_EQ(modes_.mode(), MasterMode::kApproach);
   EXPECT_EQ(modes_.guide(), &other_);
   guide_ = nullptr;

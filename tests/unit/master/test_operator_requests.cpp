@@ -22,8 +22,9 @@ TEST(OperatorRequests, TheLastWordOnEngagingHolds) {
   EXPECT_FALSE(requests.engage());
   EXPECT_FALSE(hear(requests, Kind::kEngage));
   EXPECT_TRUE(requests.engage());
-  hear(requests, Kind::kStop);
-  EXPECT_TRUE(requests.engage()) << "a stop is no change of mind";
+  requests.spend_engage();
+  EXPECT_FALSE(requests.engage());
+  hear(requests, Kind::kEngage);
   hear(requests, Kind::kDisengage);
   EXPECT_FALSE(requests.engage());
 }

@@ -179,8 +179,7 @@ TEST_F(AtWork, ADrivesLossPutsTheBeamOutAtOnceAndTheCurrentsSoon) {
 }
 
 TEST(Laser, IsToldEachStepWhatTheRecordHoldsAndIsOffAtEveryEnd) {
-  EventMessage stop;
-  stop.kind = EventMessage::Kind::kStop;
+  const StopOrder stop{.number = 1, .cleared = 0};
   for (const char* end : {"release", "destruction", "stop", "loss", "no reading"}) {
     Cell cell;
     Foreign::World world;
@@ -209,7 +208,7 @@ TEST(Laser, IsToldEachStepWhatTheRecordHoldsAndIsOffAtEveryEnd) {
     const std::size_t before = told_w.size();
     if (what == "release") slave->release();
     if (what == "destruction") slave.reset();
-    if (what == "stop") (void)slave->step(cell.tick * kMs, cell.corridor.get(), {}, {&stop, 1});
+    if (what == "stop") (void)slave->step(cell.tick * kMs, cell.corridor.get(), {}, stop);
     if (what == "loss") world.plant->set_tool_force({1e6, 0, 0});
     if (what == "no reading") world.broken_line = true;
     for (int n = 0; n < 100 && what == "loss" && !slave->machine().failed(); ++n) cell.step(*slave);
@@ -220,8 +219,7 @@ TEST(Laser, IsToldEachStepWhatTheRecordHoldsAndIsOffAtEveryEnd) {
 }
 
 TEST(Drive, AStopBeforeTheFirstReadingIsHeeded) {
-  EventMessage stop;
-  stop.kind = EventMessage::Kind::kStop;
+  const StopOrder stop{.number = 1, .cleared = 0};
   Foreign::World there;
   slave::Station slave(slave_settings("foreign"), foreign(there, "slave-keops", 7));
   Foreign::World here;
@@ -229,11 +227,11 @@ TEST(Drive, AStopBeforeTheFirstReadingIsHeeded) {
   settings.machine.drive = "foreign";
   master::Station master(settings, foreign(here, settings.robot, 7));
   there.broken_line = here.broken_line = true;
-  (void)slave.step(0, nullptr, {}, {&stop, 1});
-  (void)master.step(0, nullptr, {}, {&stop, 1});
+  EXPECT_EQ(slave.step(0, nullptr, {}, stop).stop, 1u);
+  EXPECT_EQ(master.step(0, nullptr, {}, {}, stop).stop, 1u);
   there.broken_line = here.broken_line = false;
-  EXPECT_EQ(slave.step(kMs, nullptr, {}, {}).mode, slave::SlaveMode::kStopped);
-  EXPECT_EQ(master.step(kMs, nullptr, {}, {}).mode, master::MasterMode::kStopped);
+  EXPECT_EQ(slave.step(kMs, nullptr, {}, stop).mode, SlaveMode::kStopped);
+  EXPECT_EQ(master.step(kMs, nullptr, {}, {}, stop).mode, master::MasterMode::kStopped);
 }
 
 TEST_F(AtWork, AMissingReadingIsBridgedWithTheBeamOff) {

@@ -87,7 +87,9 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
   Pipe<StateBlock> backward;
   std::vector<Received<CommandBlock>> commands;
   std::vector<Received<StateBlock>> states;
-  std::vector<EventMessage> events;
+  StopOrder stop;
+  std::uint32_t stops = 0;
+  std::uint32_t engage = 0;
   bool engaged = false;
   bool stopped = false;
   double beta = 0.5;
@@ -103,7 +105,7 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
   Vec3 last_step_m = Vec3::Zero();
   for (int sequence = 0; sequence < GetParam().sequences; ++sequence) {
     const int what = static_cast<int>(uniform(0.0, 8.0));
-    events.clear();
+    if (what <= 1) engage += 1;
     if (what <= 1) engaged = true;
     if (what == 2) engaged = false;
     if (what == 3) beta = uniform(0.3, 1.0);
@@ -117,12 +119,12 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
       engaged = false;
       taken_elsewhere = tick + 20;  // not before the last block that was engaged is full
       if (uniform(0.0, 1.0) < 0.3) {
-        events.emplace_back().kind = EventMessage::Kind::kStop;
+        stop.number = ++stops;
         stopped = true;
       }
     }
     if (what == 0 && stopped) {
-      events.emplace_back().kind = EventMessage::Kind::kClearStop;
+      stop = {.number = 0, .cleared = stops};
       stopped = false;
     }
     const int length = static_cast<int>(uniform(25.0, 85.0));
@@ -131,11 +133,15 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
       backward.take(tick, states);
       for (const auto& state : states) stream.received(feedback.receive(state));
       const auto block = stream.step(tick * 1'000'000, static_cast<Tick>(tick),
-                                     {.tool = walker.next(), .beta = beta, .engaged = engaged});
+                                     {.tool = walker.next(),
+                                      .beta = beta,
+                                      .engaged = engaged,
+                                      .engage = engage,
+                                      .echo_sequence = feedback.heard() ? feedback.header().sequence : 0,
+                                      .echo_sent_ns = feedback.heard() ? feedback.header().sent_ns : 0});
       if (block && tick >= shut_until) forward.push(tick, *block);
       forward.take(tick, commands);
-      const auto out = slave.step(tick * 1'000'000, nullptr, commands, events);
-      events.clear();
+      const auto out = slave.step(tick * 1'000'000, nullptr, commands, stop);
       if (out.state) backward.push(tick, *out.state);
       followed += out.applied_tick >= 0.0 ? 1 : 0;
 

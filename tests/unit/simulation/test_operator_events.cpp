@@ -24,12 +24,14 @@ TimedEvent at(double at_s, Kind kind, double value = 0.0) {
   return timed;
 }
 
-RunRecord run(std::vector<TimedEvent> events, double duration_s, bool engage = false) {
+RunRecord run(std::vector<TimedEvent> events, double duration_s, bool engage = false,
+              std::vector<TimedStop> stops = {}) {
   SimulationSettings settings;
   settings.network = netem::simple_profile(kRtt_s, 0.0, 0.0);
   settings.duration_s = duration_s;
   settings.master.engage = engage;
   settings.events = std::move(events);
+  settings.stops = std::move(stops);
   return simulate(settings);
 }
 
@@ -77,7 +79,8 @@ TEST(OperatorEvents, TheSlaveFollowsFromEngagingToDisengaging) {
 }
 
 TEST(OperatorEvents, AStopHoldsBothUntilItIsCleared) {
-  const RunRecord record = run({at(5.0, Kind::kStop), at(7.0, Kind::kClearStop)}, 14.0, true);
+  const RunRecord record =
+      run({at(10.0, Kind::kEngage)}, 14.0, true, {{5.0, {1, 0}}, {7.0, {0, 1}}});
   const auto stopped = [](const SlaveRow& row) {
     return row.interlock == static_cast<int>(Interlock::kStopped);
   };
@@ -88,17 +91,22 @@ TEST(OperatorEvents, AStopHoldsBothUntilItIsCleared) {
   EXPECT_EQ(share(record.slave, 5.001, 7.0, kBeam), 0.0);
   EXPECT_LT(motion_m(record.slave, 5.5, 7.0), 50e-6);
   EXPECT_EQ(share(record.slave, 7.001, 14.0, stopped), 0.0);
-  EXPECT_EQ(share(record.master, 13.0, 14.0, kEngaged), 1.0) << "the wish to engage outlasts a stop";
+  EXPECT_EQ(share(record.master, 5.001, 10.0, kEngaged), 0.0) << "nothing comes back by itself";
+  EXPECT_EQ(share(record.slave, 5.001, 10.0, kFollows), 0.0);
+  EXPECT_EQ(share(record.master, 10.01, 14.0, kEngaged), 1.0);
+  EXPECT_GT(share(record.slave, 12.0, 14.0, kBeam), 0.1);
   EXPECT_EQ(share(record.slave, 13.0, 14.0, kFollows), 1.0);
 }
 
 TEST(OperatorEvents, AnotherScaleIsTakenUpAndOneThatDoesNotFitIsNot) {
   // 0.02 would lead the master far out of its workspace; 100 is out of bounds.
   const RunRecord record =
-      run({at(5.0, Kind::kSetBeta, 0.8), at(9.0, Kind::kSetBeta, 0.02), at(10.0, Kind::kSetBeta, 100.0)},
+      run({at(4.5, Kind::kSetBeta, 0.6), at(4.6, Kind::kDisengage), at(5.0, Kind::kSetBeta, 0.8), at(8.0, Kind::kEngage), at(9.0, Kind::kSetBeta, 0.02),
+           at(10.0, Kind::kSetBeta, 100.0)},
           12.0, true);
   const auto scaled = [](double beta) { return [beta](const MasterRow& row) { return row.beta == beta; }; };
-  EXPECT_EQ(share(record.master, 0.0, 5.0, scaled(0.5)), 1.0);
+  EXPECT_GT(share(record.slave, 4.3, 4.5, kBeam), 0.5);
+  EXPECT_EQ(share(record.master, 0.0, 5.0, scaled(0.5)), 1.0) << "not while the beam is on";
   EXPECT_EQ(share(record.master, 5.002, 12.0, scaled(0.8)), 1.0);
   EXPECT_EQ(share(record.master, 8.5, 12.0, kEngaged), 1.0) << "led to the new curve, and engaged there";
   EXPECT_EQ(share(record.slave, 9.0, 12.0, kFollows), 1.0) << "a refusal disturbs nobody";
@@ -113,10 +121,10 @@ TEST(OperatorEvents, AnotherScaleIsTakenUpAndOneThatDoesNotFitIsNot) {
 }
 
 TEST(OperatorEvents, ARunWithEventsIsRepeatedBitForBit) {
-  const std::vector<TimedEvent> events{at(3.0, Kind::kEngage), at(4.0, Kind::kSetBeta, 0.7),
-                                       at(6.0, Kind::kStop), at(6.5, Kind::kClearStop)};
-  const RunRecord once = run(events, 8.0);
-  const RunRecord again = run(events, 8.0);
+  const std::vector<TimedEvent> events{at(3.0, Kind::kEngage), at(4.0, Kind::kSetBeta, 0.7)};
+  const std::vector<TimedStop> stops{{6.0, {1, 0}}, {6.5, {0, 1}}};
+  const RunRecord once = run(events, 8.0, false, stops);
+  const RunRecord again = run(events, 8.0, false, stops);
   ASSERT_EQ(once.slave.size(), again.slave.size());
   for (std::size_t i = 0; i < once.slave.size(); ++i) ASSERT_EQ(once.slave[i].tool_m, again.slave[i].tool_m);
 }

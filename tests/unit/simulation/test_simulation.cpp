@@ -65,6 +65,7 @@ TEST(Lap, JitterAndLossCostDelayButNoLaserOutsideTheCorridor) {
   SimulationSettings settings;
   settings.network = netem::simple_profile(0.2, 0.02, 0.05);
   settings.duration_s = 20.0;
+  settings.slave.node.interlock.beam_age_s = 1.0;
   const auto report = reporting::make_report(simulate(settings));
   EXPECT_GT(report["link"]["lost"].get<int>(), 20);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
@@ -88,6 +89,7 @@ TEST_P(LapOverBursts, CopiesFollowTheLossesAndTheBeamIsNeverOnFarFromTheMaster) 
   SimulationSettings settings = demo(profile);
   settings.image = image;
   settings.seed = seed;
+  settings.slave.node.interlock.beam_age_s = 2.0;  // hostile's commands are older than the default allows
   const auto report = reporting::make_report(simulate(settings));
   const double reached_um = report["tracking"]["rms_um"].get<double>();
   const auto& copies = report["codec"]["copies"];

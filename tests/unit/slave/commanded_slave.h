@@ -48,6 +48,11 @@ class SlaveNodeTest : public testing::Test {
     block.ticks_per_sample = ticks_per_sample_;
     block.contour_id = contour_id_;
     block.engaged = engaged_;
+    // What led before the slave began to listen counts for nothing.
+    block.engage = block.epoch == known_epoch_ ? engage_ : engage_ - 1;
+    known_epoch_ = block.epoch;
+    block.echo_sequence = echo_.sequence;
+    block.echo_sent_ns = echo_.sent_ns;
     block.engaged_before = engaged_ ? 0x7F : 0;
     const double t0 = static_cast<double>(tick_) * 1e-3;
     const double h = 1e-6;
@@ -57,6 +62,8 @@ class SlaveNodeTest : public testing::Test {
     for (int n = 0; n < 16; ++n) samples.push_back(place(t0 + n * period_s));
     std::uint64_t buttons = 0;
     for (Tick n = 0; n < 16; ++n) buttons |= std::uint64_t{pressed_(tick_ + n * ticks_per_sample_)} << n;
+    if (released_blocks_ > 0) buttons = 0;
+    released_blocks_ = std::max(released_blocks_ - 1, 0);
     const auto bytes =
         encoder_.encode(samples, buttons, {block.anchor.position_m, block.anchor.velocity_m_per_s * period_s},
                         block.payload.room());
@@ -67,12 +74,12 @@ class SlaveNodeTest : public testing::Test {
   }
 
   /// 16 ms of the slave; the block (if any) arrives at their beginning.
-  void run(const std::optional<CommandBlock>& block, std::vector<EventMessage> events = {}) {
+  void run(const std::optional<CommandBlock>& block) {
     for (int n = 0; n < 16; ++n) {
       std::vector<Received<CommandBlock>> arrived;
       if (n == 0 && block) arrived.push_back({*block, now_ns_});
-      out_ = station_.step(now_ns_, corridor_.get(), arrived, events);
-      events.clear();
+      out_ = station_.step(now_ns_, corridor_.get(), arrived, stop_);
+      if (out_.state) echo_ = *out_.state;
       judge();
       now_ns_ += kMs;
       const Vec3 v = out_.reference.velocity_m_per_s;
@@ -94,11 +101,22 @@ class SlaveNodeTest : public testing::Test {
     for (int b = 0; b < static_cast<int>(seconds / 0.016); ++b) run(next_block());
   }
 
+  /// The operator lets the button go, engages anew and presses again.
+  void engage_anew() {
+    ++engage_;
+    released_blocks_ = 8;
+  }
+
   Station station_{StationSettings{}};
   std::unique_ptr<Corridor> corridor_;
   codec::BlockEncoder encoder_{codec::StreamSettings{}};
   std::uint32_t number_ = 0;
   std::uint32_t epoch_ = 7;
+  std::uint32_t known_epoch_ = 0;
+  std::uint32_t engage_ = 1;
+  int released_blocks_ = 8;
+  StopOrder stop_;
+  StateHeader echo_;
   Tick tick_ = 0;
   std::uint16_t ticks_per_sample_ = 1;
   bool engaged_ = true;

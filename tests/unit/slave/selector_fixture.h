@@ -28,6 +28,7 @@ class Selector : public testing::Test {
     sample.generation = 1;
     sample.block = 1;
     sample.law = law;
+    sample.engage = 1;
     return sample;
   }
   /// The stream goes on by one sample.
@@ -41,19 +42,15 @@ class Selector : public testing::Test {
     played.sample = &sample;
     played.state = state;
     played.discontinuity = discontinuity;
-    return out_ = selector_.step(played);
+    played.age_s = age_s_;
+    return out_ = selector_.step(played, now_);
   }
   Selected miss(bool fresh = true) {
     streaming::Played played;
     played.fresh = fresh;
     played.index = ++index_;
     if (fresh) played.cursor = static_cast<double>(index_);
-    return out_ = selector_.step(played);
-  }
-  void tell(EventMessage::Kind kind) {
-    EventMessage event;
-    event.kind = kind;
-    selector_.handle_events({&event, 1});
+    return out_ = selector_.step(played, now_);
   }
   static KinematicState at(double x_m, double m_per_s = 0.0, double m_per_s2 = 0.0) {
     return {.position_m = Vec3(x_m, 0, 0),
@@ -63,6 +60,8 @@ class Selector : public testing::Test {
 
   ReferenceSelector selector_{model(), {}, kDt_s};
   Selected out_;
+  Circumstances now_{.heard = true};
+  std::optional<double> age_s_ = 0.1;
   std::int64_t index_ = 0;
 };
 

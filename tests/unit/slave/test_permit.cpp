@@ -26,6 +26,9 @@ TEST_F(Permit, AnotherContourPutsTheBeamOutUntilTheMasterWorksOnItToo) {
   each_tick_ = {};
   contour_id_ = 2;
   follow(1.0);
+  EXPECT_EQ(laser_ticks_, 0) << "nor by itself then";
+  engage_anew();
+  follow(1.0);
   EXPECT_GT(out_.laser_w, 0.0);
 }
 
@@ -36,7 +39,7 @@ TEST_F(Permit, WithoutAContourNothingBurns) {
   each_tick_ = [&] { ASSERT_EQ(out_.interlock, Interlock::kNoContour); };
   follow(0.2);
   EXPECT_EQ(laser_ticks_, 0);
-  EXPECT_EQ(out_.mode, SlaveMode::kFollowing) << "it follows all the same";
+  EXPECT_EQ(out_.reason, HoldReason::kNeedsEngage);
 }
 
 TEST_F(Permit, ContourNumberZeroIsNotKnownBeforeTheMasterIsHeard) {
@@ -177,6 +180,7 @@ class PermitOfANode : public SlaveNodeTest {
       inputs.commands = arrived;
       inputs.corridor = corridor_.get();
       out_ = node_.step(now_ns_, inputs);
+      if (out_.state) echo_ = *out_.state;
       now_ns_ += kMs;
       judge();
       plant_.write(out_.currents_a);
@@ -245,6 +249,7 @@ TEST_F(PermitOfANode, HoweverLittleTheBeamHasTheStateSaysThatItIsOn) {
       out = faint.step(now_ns_, inputs);
       ASSERT_LE(out.laser_w, 0.0751);
       if (out.state) {
+        echo_ = *out.state;
         ASSERT_EQ(out.state->laser_on, out.laser_w > 0.0);
       }
       lit += out.laser_w > 0.0 ? 1 : 0;

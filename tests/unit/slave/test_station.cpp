@@ -160,8 +160,8 @@ class StationOfADrive : public testing::Test {
     station_.emplace(StationSettings{}, robot::Drive{std::move(robot), nullptr},
                      std::make_unique<ToldLaser>(told_w_));
   }
-  SlaveOutputs step(std::span<const EventMessage> events = {}) {
-    return station_->step(now_ns_ += kMs, nullptr, {}, events);
+  SlaveOutputs step(const StopOrder& stop = {}) {
+    return station_->step(now_ns_ += kMs, nullptr, {}, stop);
   }
 
   std::vector<double> told_w_;
@@ -173,11 +173,11 @@ class StationOfADrive : public testing::Test {
 TEST_F(StationOfADrive, BeforeTheLoopsFirstReadingBeamAndCurrentsAreOffAndAStopIsHeard) {
   robot_->writes = 0;
   told_w_.clear();
-  EventMessage stop;
-  stop.kind = EventMessage::Kind::kStop;
+  StopOrder stop;
   for (int n = 1; n <= 3; ++n) {
-    const SlaveOutputs out =
-        step(n == 2 ? std::span<const EventMessage>(&stop, 1) : std::span<const EventMessage>());
+    if (n == 2) stop.number = 5;
+    const SlaveOutputs out = step(stop);
+    EXPECT_EQ(out.stop, stop.number);
     EXPECT_EQ(out.laser_w, 0.0);
     EXPECT_EQ(out.currents_a, Vec3(Vec3::Zero()));
     EXPECT_FALSE(out.settled || out.state);
@@ -187,7 +187,7 @@ TEST_F(StationOfADrive, BeforeTheLoopsFirstReadingBeamAndCurrentsAreOffAndAStopI
     EXPECT_EQ(told_w_, std::vector<double>(static_cast<std::size_t>(n), 0.0));
   }
   robot_->readings = 1;
-  EXPECT_EQ(step().mode, SlaveMode::kStopped);
+  EXPECT_EQ(step(stop).mode, SlaveMode::kStopped);
 }
 
 TEST_F(StationOfADrive, ReleasedItHasNeitherBeamNorCurrent) {

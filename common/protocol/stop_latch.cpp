@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/bus/stop_latch.h"
+#include "common/protocol/stop_latch.h"
 
 #include <fmt/format.h>
 
