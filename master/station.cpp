@@ -18,7 +18,8 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                    ? std::move(drive)
                    : robot::open_drive(
                          settings_.machine.drive,
-                         {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}})),
+                         {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}}),
+               robot::Pushed::kYes),
       requests_(settings_.engage, settings_.beta),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
       node_(model_, settings_.node, settings_.epoch),
@@ -80,6 +81,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   }
   static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
+  if (inputs.joints.valid) machine_.watch(out.tool_m);
   machine_.write(out.currents_a);
   if (robot::SimulatedRobot* const plant = machine_.plant()) {
     plant->set_tool_force(hand.force_n);
