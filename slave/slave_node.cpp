@@ -145,6 +145,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   out.laser_w = judgement.permits() && selected.button ? now.power_w : 0.0;
   lit_ = {now_ns, tool.position_m.head<2>(), out.laser_w};
   out.mode = selector_.mode();
+  out.button = selected.button;
   out.settled = selected.following && selector_.offset_m() < kSettled_m;
   out.applied_tick = selected.applied_tick;
   out.reference = selected.reference;

@@ -67,6 +67,7 @@ struct SlaveOutputs {
   SlaveMode mode = SlaveMode::kWaiting;
   Interlock interlock = Interlock::kNoContour;
   double applied_tick = -1.0;  ///< master tick applied at this step; negative: none
+  bool button = false;         ///< of the sample that is applied
   bool settled = false;        ///< following without a rest of an approach
   KinematicState reference;
   Vec3 tool_m = Vec3::Zero();   ///< measured
