@@ -18,7 +18,8 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                    ? std::move(drive)
                    : robot::open_drive(
                          settings_.machine.drive,
-                         {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}})),
+                         {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}}),
+               robot::Pushed::kYes),
       requests_(settings_.engage, settings_.beta),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
       simulated_button_(!operator_ || settings_.button == "pressed"),
@@ -95,6 +96,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   engaged_ = out.mode == MasterMode::kEngaged;
   if (out.engage_spent) requests_.spend_engage();
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
+  if (inputs.joints.valid) machine_.watch(out.tool_m);
   machine_.write(out.currents_a);
   if (robot::SimulatedRobot* const plant = machine_.plant()) {
     plant->set_tool_force(hand.force_n);

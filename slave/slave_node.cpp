@@ -159,6 +159,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   out.reason = selector_.reason();
   out.stop = stop_;
   out.command_age_s = selected.age_s;
+  out.button = selected.button;
   out.settled = selected.following && selector_.offset_m() < kSettled_m;
   out.applied_tick = selected.applied_tick;
   out.reference = selected.reference;

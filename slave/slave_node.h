@@ -71,6 +71,7 @@ struct SlaveOutputs {
   double command_age_s = -1.0;  ///< of the command applied, by this side's clock; negative: none
   Interlock interlock = Interlock::kNoContour;
   double applied_tick = -1.0;  ///< master tick applied at this step; negative: none
+  bool button = false;         ///< of the sample that is applied
   bool settled = false;        ///< following without a rest of an approach
   KinematicState reference;
   Vec3 tool_m = Vec3::Zero();   ///< measured

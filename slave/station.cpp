@@ -142,6 +142,11 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.corridor = corridor;
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
+  if (inputs.joints.valid) machine_.watch(out.tool_m);
+  if (machine_.failed()) {
+    out.laser_w = 0.0;
+    out.permit = {};
+  }
   out.laser_w = beam_.emit(std::move(out.permit), now_ns, out.laser_w, false);
   machine_.write(out.currents_a);
   recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick, out.reference.position_m,

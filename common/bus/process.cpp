@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "common/runtime/real_time.h"
+
 namespace telekerf {
 namespace {
 
@@ -23,6 +25,7 @@ std::string Process::place() const {
 void Process::ready() { status_.say(fmt::format("ready in {}", bus_.settings().cell)); }
 
 LoopStatistics Process::run(double rate_hz, const std::function<bool(std::int64_t)>& step) {
+  if (const std::string refusal = real_time_refusal(); !refusal.empty()) status_.say(refusal);
   return run_loop(rate_hz, [&step](std::int64_t now_ns) { return step(now_ns) && !stop_requested(); });
 }
 

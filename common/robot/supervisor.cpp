@@ -27,12 +27,13 @@ void RobotSupervisorSettings::add_parameters(Settings& settings) {
 }
 
 RobotSupervisor::RobotSupervisor(const RobotModel& nominal, const RobotSupervisorSettings& settings,
-                                 double control_hz, Drive drive)
+                                 double control_hz, Drive drive, Pushed pushed)
     : settings_(settings),
       nominal_(nominal),
       period_s_(1.0 / control_hz),
       patience_(static_cast<std::uint64_t>(std::ceil(settings.drive_stale_s * control_hz - 1e-6))),
-      drive_(std::move(drive)) {
+      drive_(std::move(drive)),
+      runaway_(nominal, period_s_, pushed) {
   if (drive_.plant != nullptr) return;  // it is there, and its readings are counted
   const double most_hz = drive_.robot->capabilities().max_rate_hz;
   if (control_hz > most_hz) {
@@ -79,7 +80,9 @@ JointReading RobotSupervisor::read() noexcept {
   reading.valid = reading.valid && !failed();
   if (reading.valid) {
     started_ = true;
+    runaway_.read(reading, missing_ + 1);
     missing_ = 0;
+    reading.valid = !failed();
   } else if (!failed()) {
     ++missing_;
     ++missed_;
@@ -88,6 +91,7 @@ JointReading RobotSupervisor::read() noexcept {
 }
 
 void RobotSupervisor::write(const Vec3& currents_a) noexcept {
+  if (started_ && !failed()) runaway_.written(currents_a);
   drive_.robot->write(started_ && !failed() ? currents_a : Vec3(Vec3::Zero()));
 }
 
@@ -96,6 +100,10 @@ void RobotSupervisor::advance() noexcept {
 }
 
 std::string RobotSupervisor::failure() const {
+  if (runaway_.tripped()) {
+    return fmt::format("drive = {}: the laser is off and the currents are zero, because {}", settings_.drive,
+                       runaway_.sentence());
+  }
   if (drive_.plant != nullptr) {
     return fmt::format(
         "drive = {}: the robot left the poses that it can take, so the laser is off and the currents "

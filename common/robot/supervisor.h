@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/robot/drivers/drives.h"
+#include "common/robot/runaway.h"
 
 namespace telekerf {
 class Settings;
@@ -28,9 +29,9 @@ struct RobotSupervisorSettings {
 class RobotSupervisor {
  public:
   /// A robot that is not simulated must tell where it stands, see wait_until_ready(), and keep up with the
-  /// rate. Throws StartupError.
+  /// rate. `pushed`: by an operator's hand. Throws StartupError.
   RobotSupervisor(const RobotModel& nominal, const RobotSupervisorSettings& settings, double control_hz,
-                  Drive drive);
+                  Drive drive, Pushed pushed = Pushed::kNo);
   ~RobotSupervisor() { release(); }
   RobotSupervisor(const RobotSupervisor&) = delete;
   RobotSupervisor& operator=(const RobotSupervisor&) = delete;
@@ -47,6 +48,9 @@ class RobotSupervisor {
   JointReading read() noexcept;
   /// Nothing but zero reaches the motors before the first reading and after the failure.
   void write(const Vec3& currents_a) noexcept;
+  /// Between read() and write(), with a valid reading: where the tool is, workpiece frame. A tool that runs
+  /// away is a failure.
+  void watch(const Vec3& tool_m) noexcept { runaway_.at(tool_m); }
   /// A plant moves on by one control period; a real machine does so by itself.
   void advance() noexcept;
   /// After the last step: leaves the robot without current.
@@ -54,8 +58,8 @@ class RobotSupervisor {
 
   /// The loop has had a reading.
   bool started() const noexcept { return started_; }
-  /// For good: no reading has come for `drive_stale_s`.
-  bool failed() const noexcept { return missing_ >= patience_; }
+  /// For good: no reading has come for `drive_stale_s`, or the robot ran away.
+  bool failed() const noexcept { return missing_ >= patience_ || runaway_.tripped(); }
   /// What has failed and what to do, one sentence.
   std::string failure() const;
 
@@ -80,6 +84,7 @@ class RobotSupervisor {
   std::uint64_t missing_ = 0;  ///< steps in a row without a reading
   std::uint64_t missed_ = 0;
   bool started_ = false;
+  RunawayWatch runaway_;
 };
 
 }  // namespace telekerf::robot

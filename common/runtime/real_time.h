@@ -2,6 +2,8 @@
 // Real-time priority: asked for, never required.
 #pragma once
 
+#include <string>
+
 namespace telekerf {
 
 /// Of the control loop, and of the threads that hand it what arrives: they wait for it and for nobody else.
@@ -22,5 +24,9 @@ class RealTimePriority {
  private:
   bool granted_;
 };
+
+/// What the system refuses a control loop of this process, and the remedy, in one sentence; empty: nothing. It
+/// asks for both: not from a control loop.
+std::string real_time_refusal();
 
 }  // namespace telekerf

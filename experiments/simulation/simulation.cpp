@@ -95,6 +95,9 @@ RunRecord simulate(const SimulationSettings& settings, const ContourMessage& con
     }
   }
 
+  if (master.machine().failed()) throw hardware_error("master: " + master.machine().failure());
+  if (slave.machine().failed()) throw hardware_error("slave: " + slave.machine().failure());
+
   RunRecord record;
   for (const auto& point : contour.points_m) record.contour_m.push_back({point.x(), point.y()});
   record.contour_closed = contour.closed;

@@ -13,6 +13,7 @@
 #include "common/bus/stop_line.h"
 #include "common/reporting/tables.h"
 #include "common/runtime/program.h"
+#include "common/runtime/real_time.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
@@ -88,6 +89,7 @@ int run(const Flags& flags) {
   status.say(fmt::format("{} {} to cut, {:.1f} mm, about {:.1f} s in all", job->plans.size(),
                          job->plans.size() == 1 ? "contour" : "contours", job->cut_length_m * 1e3,
                          job->time_s()));
+  if (const std::string refusal = real_time_refusal(); !refusal.empty()) status.say(refusal);
   station.begin(*job);
 
   bool stop = false;

@@ -118,7 +118,13 @@ void Station::begin(const Job& job) {
 JobExecutorOutputs Station::step(bool stop) noexcept {
   const auto true_tool_m = machine_.true_tool_m();
   const auto true_velocity = machine_.true_tool_velocity_m_per_s();
-  JobExecutorOutputs out = executor_->step(machine_.read(), stop);
+  const robot::JointReading reading = machine_.read();
+  JobExecutorOutputs out = executor_->step(reading, stop);
+  if (reading.valid) machine_.watch(out.tool_m);
+  if (machine_.failed()) {
+    out.laser_w = 0.0;
+    out.pilot = false;
+  }
   const double laser_w = beam_.emit(std::move(out.permit), out.time_ns, out.laser_w, out.pilot);
   machine_.write(out.currents_a);
   machine_.advance();

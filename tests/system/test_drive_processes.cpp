@@ -159,6 +159,19 @@ TEST(DriveProcesses, ItsDelayIsMeasuredAndOnceStatedTheSlaveCutsWithItToTheEnd) 
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
 }
 
+TEST(DriveProcesses, ADelayThatNobodyHasStatedEndsTheSlaveWithASentence) {
+  RobotProcess robot(keops_with("drive_delay_s = 0.001", "late-unsaid.toml"));
+  ASSERT_NE(robot.drive(), "") << robot.output();
+  Program vision("telekerf-vision", cell({"--image", "heart"}));
+  Program slave("telekerf-slave", cell({"--drive", robot.drive(), "--drive-stale-s", "0.5"}));
+  Program master("telekerf-master", cell({"--engage"}));
+  EXPECT_EQ(slave.wait(seconds(40)), 2) << slave.output();
+  EXPECT_TRUE(slave.says("the laser is off and the currents are zero", seconds(1))) << slave.output();
+  EXPECT_TRUE(slave.says("drive_delay_s", seconds(1))) << slave.output();
+  master.interrupt();
+  EXPECT_EQ(master.wait(seconds(10)), 0) << master.output();
+}
+
 TEST(DriveProcesses, ItIsNotMovedWithoutAWordAndNotMeasuredWhereThereIsNone) {
   RobotProcess robot("slave-keops");
   ASSERT_NE(robot.drive(), "") << robot.output();

@@ -8,6 +8,7 @@
 
 #include "common/reporting/run_report.h"
 #include "common/robot/robot_model.h"
+#include "common/runtime/startup_error.h"
 #include "experiments/robots/random_site.h"
 
 namespace telekerf::experiments {
@@ -41,16 +42,25 @@ TEST_F(RandomSites, AreTheSameForTheSameSeedAndOthersForAnother) {
 
 TEST_F(RandomSites, NoneBurnsOutsideItsCorridorOrFarFromTheMasterAndNearlyAllCut) {
   int cut = 0;
+  int thrown = 0;
   double farthest_um = 0.0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const RandomSite site = random_site(seed, 6.0, folder_);
-    const auto report = reporting::make_report(simulation::simulate(site.settings));
+    nlohmann::ordered_json report;
+    try {
+      report = reporting::make_report(simulation::simulate(site.settings));
+    } catch (const StartupError& failure) {
+      EXPECT_EQ(failure.kind(), ErrorKind::kHardware) << failure.what();
+      ++thrown;
+      continue;
+    }
     EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0) << site.drawn.dump();
     if (report["cut"]["energy_inside_j"].get<double>() == 0.0) continue;
     ++cut;
     farthest_um = std::max(farthest_um, report["tracking"]["laser_on"]["max_um"].get<double>());
   }
-  EXPECT_EQ(cut, 11) << "one is thrown off all the time by a hand stronger than its motors";
+  EXPECT_EQ(thrown, 2) << "centimetres off the contour by hands stronger than their motors";
+  EXPECT_EQ(cut, 10);
   EXPECT_LE(farthest_um, 95.0) << "50 um of the master's guard, and what it predicted wrongly";
 }
 
