@@ -86,6 +86,23 @@ Json per_fault(const std::vector<Row>& rows) {
   return table;
 }
 
+/// Each run that missed a bar, and when it first did.
+Json failures_of(const std::vector<Row>& rows) {
+  Json failures = Json::array();
+  for (const Row& row : rows) {
+    if (!row.outcome.findings.failed()) continue;
+    Json missed = Json::object();
+    for (const auto& bar : kBarRows) {
+      const auto& first_s = row.outcome.findings.first_s[static_cast<std::size_t>(bar.value)];
+      if (first_s) missed[std::string(bar.word)] = *first_s;
+    }
+    Json faults = Json::array();
+    for (const FaultKind kind : row.settings.kinds) faults.push_back(kFaults.word(kind));
+    failures.push_back({{"seed", row.settings.seed}, {"missed_at_s", missed}, {"faults", faults}});
+  }
+  return failures;
+}
+
 void run_all(std::vector<Row>& rows, const ChaosContours& contours, int jobs,
              const std::function<void(std::size_t)>& progress) {
   std::atomic<std::size_t> done{0};
@@ -191,6 +208,7 @@ ChaosReport run_campaign(const ChaosCampaign& campaign, const std::function<void
         fmt::format("energy: {:.1f} J inside in the mean, {:.1f} J undisturbed; at least half is asked for",
                     inside_j, nominal_j));
   }
+  json["failures"] = failures_of(rows);
   report.passed = report.sentences.empty();
   return report;
 }
