@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <tuple>
 
 #include "common/runtime/startup_error.h"
 #include "experiments/chaos/shrink.h"
