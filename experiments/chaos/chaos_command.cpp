@@ -30,7 +30,9 @@ int run(Options& options) {
     if (done % 50 == 0) fmt::print(stderr, "{} of {}\n", done, all);
   });
   write_json(std::filesystem::path(options.out) / "chaos.json", report.json);
-  fmt::print("{}\n", json_text(report.json));
+  nlohmann::ordered_json summary = report.json;
+  summary.erase("failures");
+  fmt::print("{}\n", json_text(summary));
   for (const std::string& sentence : report.sentences) fmt::print("{}\n", sentence);
   return report.passed ? 0 : 1;
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -78,7 +79,7 @@ std::vector<FaultKind> parse_faults(const std::string& words) {
     if (!kind) {
       std::string all;
       for (const auto& row : kFaultRows) all += fmt::format("{}{}", all.empty() ? "" : ", ", row.word);
-      throw usage_error(fmt::format("--faults: there is no fault '{}'; there are {}", word, all));
+      throw usage_error(fmt::format("there is no fault '{}'; there are {}", word, all));
     }
     kinds.push_back(*kind);
     from = to + 1;

@@ -2,10 +2,12 @@
 // The virtual-time driver of the network emulator: messages in, messages out when they are due.
 #pragma once
 
+#include <cstdint>
 #include <unordered_map>
 #include <vector>
 
 #include "common/protocol/overhead.h"
+#include "common/protocol/received.h"
 #include "netem/core/emulator.h"
 
 namespace telekerf::simulation {

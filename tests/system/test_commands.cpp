@@ -67,6 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
         Call{"SpaceTooLarge",
              "telekerf-experiment",
              {"space-contour", "--curvature-mm", "21", "--radius-mm", "19.5"}},
+        Call{"ChaosFault", "telekerf-experiment", {"chaos", "--faults", "gremlin"}},
         Call{"LapBeta", "telekerf-experiment", {"lap", "--beta", "0.01", "--width-mm", "40"}},
         Call{"KinematicsRobot", "telekerf-experiment", {"kinematics", "--robot", "nowhere.toml"}},
         Call{"CodecTrace", "telekerf-experiment", {"codec", "--seconds", "5", "--trace", "nowhere.csv"}},

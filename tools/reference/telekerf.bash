@@ -7,7 +7,7 @@ _telekerf_commands() {
   case $1 in
     telekerf-ctl) echo 'stop clear-stop engage disengage beta ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
-    telekerf-experiment) echo 'closed-contour codec constraint contours delay kinematics lap open-contour robots space-contour ' ;;
+    telekerf-experiment) echo 'chaos closed-contour codec constraint contours delay kinematics lap open-contour robots space-contour ' ;;
     telekerf-inspect) echo 'codec contour drive efd robot run ' ;;
   esac
 }
@@ -31,6 +31,7 @@ _telekerf_flags() {
     'telekerf-netem list') echo '--config --print-config --help --version' ;;
     'telekerf-netem switch') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-robot ') echo '--robot --mismatch --seed --port --config --print-config --help --version' ;;
+    'telekerf-experiment chaos') echo '--runs --seed --duration-s --mode --faults --beam-age-s --no-shrink --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --page --out --config --print-config --help --version' ;;
@@ -243,6 +244,14 @@ _telekerf_values() {
     'telekerf-robot  --mismatch') echo "" ;;
     'telekerf-robot  --seed') echo "" ;;
     'telekerf-robot  --port') echo "" ;;
+    'telekerf-experiment chaos --runs') echo "" ;;
+    'telekerf-experiment chaos --seed') echo "" ;;
+    'telekerf-experiment chaos --duration-s') echo "" ;;
+    'telekerf-experiment chaos --mode') echo "-W 'liveness safety'" ;;
+    'telekerf-experiment chaos --faults') echo "-W 'none'" ;;
+    'telekerf-experiment chaos --beam-age-s') echo "" ;;
+    'telekerf-experiment chaos --jobs') echo "" ;;
+    'telekerf-experiment chaos --out') echo "-d" ;;
     'telekerf-experiment closed-contour --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;
     'telekerf-experiment closed-contour --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-experiment closed-contour --width-mm') echo "" ;;
