@@ -181,7 +181,7 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
   if (bgr.empty()) return drawing;
   const Scene scene = scene_of(bgr, kThings_px);
   const auto mask = things_in(scene);
-  if (sure && (!mask || !is_even(scene, *mask))) return drawing;
+  if (sure && (!mask || !are_solid(scene, *mask))) return drawing;
   if (mask) {
     auto out =
         extraction_of(image, scene, *mask, bgr, request, "a thing that stands out from its background");
