@@ -134,7 +134,7 @@ class Search {
     if (box.area() < 64) return {};
     cv::Mat labels(scene_.lab.size(), CV_8U, cv::Scalar(cv::GC_BGD));
     labels(box).setTo(cv::GC_PR_FGD);
-    return grab_cut(labels, 4);
+    return grab_cut(labels, 3);
   }
 
   /// A known region, its rim free to move.
@@ -179,6 +179,15 @@ class Search {
 }  // namespace
 
 tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing& pointing) {
+  constexpr double kMinScore = 3.0;
+  constexpr double kBackground = 0.4;  // of the outline lies along the border
+  constexpr double kRagged = 0.1;      // see Rating::round
+  const auto refused = [](const char* why) {
+    return tl::unexpected(
+        fmt::format("{}; give --box X,Y,WIDTH,HEIGHT around the thing, more points of it (--at), or points "
+                    "beside it (--not)",
+                    why));
+  };
   Search search(scene, in_scene(scene, pointing.at), in_scene(scene, pointing.away));
   Candidate found;
   if (pointing.box) {
@@ -196,9 +205,16 @@ tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing
   } else {
     found = search.best();
   }
-  if (found.score <= 0.0)
-    return tl::unexpected<std::string>(
-        "no region with an outline of its own is found where --at or --box points");
+  if (found.score < kMinScore)
+    return refused("no region with an outline of its own is found where --at or --box points");
+  const auto outlines = outlines_of_mask(found.mask, 12.0);
+  for (const auto& outline : outlines) {
+    const Rating rating = rating_of(scene, outline);
+    if (rating.touching > kBackground)
+      return refused("what is pointed at runs along the picture's border: it looks like the background");
+    if (rating.round < kRagged)
+      return refused("what is pointed at has no outline that can be told from its surroundings");
+  }
   return found.mask;
 }
 

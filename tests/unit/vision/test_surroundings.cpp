@@ -6,7 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "common/vision/picture_contours.h"
+#include "common/vision/load.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {
@@ -79,6 +79,35 @@ TEST(Surroundings, ASheetOnADeskIsBackground) {
       EXPECT_NE(found->why.find("sheet"), std::string::npos) << found->why;
     }
   }
+}
+
+TEST(Surroundings, ThePaperSaysSizeAndPerspective) {
+  // An A4 sheet drawn straight on, 4 px a millimetre, with a circle of 30 mm radius; then seen askew.
+  cv::Mat flat(840, 1188, CV_8U, cv::Scalar(228));
+  cv::circle(flat, {500, 400}, 120, cv::Scalar(40), 5, cv::LINE_AA);
+  for (const bool askew : {false, true}) {
+    const std::vector<cv::Point2f> from{{-0.5F, -0.5F}, {1187.5F, -0.5F}, {1187.5F, 839.5F}, {-0.5F, 839.5F}};
+    std::vector<cv::Point2f> to{{110, 70}, {880, 70}, {880, 614.4F}, {110, 614.4F}};
+    if (askew) to = {{180, 90}, {850, 110}, {930, 640}, {90, 600}};
+    cv::Mat picture(700, 1000, CV_8U, cv::Scalar(70));
+    cv::warpPerspective(flat, picture, cv::getPerspectiveTransform(from, to), picture.size(), cv::INTER_AREA,
+                        cv::BORDER_TRANSPARENT);
+    photograph(picture, 0.8);
+    LoadRequest request;
+    request.paper = Paper::kA4;
+    const auto found = contours_of(picture, request);
+    ASSERT_TRUE(found) << found.error();
+    ASSERT_EQ(found->contours.size(), 1u);
+    EXPECT_NEAR(geometry::length_m(found->contours.front()), 2 * M_PI * 30e-3, 1e-3) << askew;
+    const Vec2 size = geometry::bounding_box(found->contours.front().points_m).size();
+    EXPECT_NEAR(size.x(), 60e-3, 0.4e-3);
+    EXPECT_NEAR(size.y(), 60e-3, 0.4e-3);
+  }
+  LoadRequest request;
+  request.paper = Paper::kA5;
+  const auto none = contours_of(cv::Mat(300, 400, CV_8U, cv::Scalar(200)), request);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().find("--width-mm"), std::string::npos) << none.error();
 }
 
 TEST(Surroundings, ALightPlateWithHolesOnAnEvenGroundStaysAPlate) {
