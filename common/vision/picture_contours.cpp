@@ -19,7 +19,7 @@ namespace telekerf::vision {
 namespace {
 
 constexpr int kThings_px = 480;   ///< longer side of the scene that things are looked for in
-constexpr int kPointed_px = 320;  ///< cutting out costs more
+constexpr int kPointed_px = 360;  ///< cutting out costs more
 constexpr const char* kRemedy =
     "point at the thing to be cut: --at X,Y (a pixel inside), or --box X,Y,WIDTH,HEIGHT around it";
 
