@@ -63,9 +63,34 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
   return out;
 }
 
+tl::expected<LoadedContours, std::string> contours_on_paper(const cv::Mat& image,
+                                                            const LoadRequest& request) {
+  if (request.scale.picture_width_m || request.scale.picture_height_m)
+    return tl::unexpected<std::string>("--paper says how large the picture is; leave out --width-mm");
+  const auto flat = flat_sheet(image, request.paper);
+  if (!flat) return tl::unexpected(flat.error());
+  LoadRequest on_sheet = request;
+  on_sheet.paper = Paper::kNone;
+  on_sheet.scale.metres_per_pixel = flat->metres_per_pixel;
+  for (Vec2& p : on_sheet.pointing.at) p = flat->to_sheet(p);
+  for (Vec2& p : on_sheet.pointing.away) p = flat->to_sheet(p);
+  for (auto* p : {&on_sheet.extraction.start_px, &on_sheet.extraction.end_px})
+    if (*p) *p = flat->to_sheet(**p);
+  if (auto& box = on_sheet.pointing.box) {
+    const Vec2 first = flat->to_sheet(box->head<2>());
+    const Vec2 last = flat->to_sheet(box->head<2>() + box->tail<2>());
+    *box << first.cwiseMin(last), (last - first).cwiseAbs();
+  }
+  auto out = contours_of(flat->picture, on_sheet);
+  if (out)
+    out->why += fmt::format("; size and perspective are those of the {} sheet", kPapers.word(request.paper));
+  return out;
+}
+
 }  // namespace
 
 tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, const LoadRequest& request) {
+  if (request.paper != Paper::kNone) return contours_on_paper(image, request);
   PictureRequest wanted{request.extraction, request.pointing};
   auto found = contours_in(image, wanted);
   if (found && request.smallest_m) {

@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "common/vision/paper.h"
 #include "common/vision/picture_contours.h"
 #include "common/vision/scaling.h"
 
@@ -16,6 +17,7 @@ namespace telekerf::vision {
 struct LoadRequest {
   ExtractionSettings extraction;
   Pointing pointing;
+  Paper paper = Paper::kNone;  ///< of a picture: the sheet that it shows says its size and perspective
   std::optional<double> smallest_m = std::nullopt;  ///< size of the smallest contour of a picture that counts
   ScaleRequest scale;
   std::size_t select = 0;  ///< which contour is anchored and fitted; 0 is the largest

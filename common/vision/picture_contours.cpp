@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "common/vision/extraction/ends.h"
@@ -152,6 +153,78 @@ Extraction extraction_of(const cv::Mat& image, const Scene& scene, const cv::Mat
   return out;
 }
 
+bool encloses(const PixelContour& contour, const Vec2& p) {
+  if (!contour.closed) return false;
+  bool inside = false;
+  const auto& points = contour.points_px;
+  for (std::size_t i = 0, j = points.size() - 1; i < points.size(); j = i++) {
+    const Vec2& a = points[i];
+    const Vec2& b = points[j];
+    if ((a.y() > p.y()) != (b.y() > p.y()) &&
+        p.x() < a.x() + (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()))
+      inside = !inside;
+  }
+  return inside;
+}
+
+/// Of a drawing only what the points lie on, or within, with the holes of a region. False: a point lies on
+/// nothing, and all is kept.
+bool keep_pointed_at(Extraction& drawing, const Pointing& pointing) {
+  if (pointing.at.empty() || pointing.box) return false;
+  std::vector<bool> keep(drawing.contours.size(), false);
+  for (const Vec2& p : pointing.at) {
+    std::optional<std::size_t> best;
+    double least = 0.0;
+    for (std::size_t i = 0; i < drawing.contours.size(); ++i) {
+      const PixelContour& c = drawing.contours[i];
+      double nearest = 1e9;
+      for (const Vec2& q : c.points_px) nearest = std::min(nearest, (q - p).norm());
+      const bool on_line = c.width_px > 0.0 && nearest < c.width_px + 3.0;
+      if (!on_line && (c.hole || !encloses(c, p))) continue;
+      const double rank =
+          on_line ? nearest - 1e6 : size_px(c);  // a line that is hit, else the smallest shape
+      if (best && rank >= least) continue;
+      best = i;
+      least = rank;
+    }
+    if (!best) return false;
+    keep[*best] = true;
+  }
+  for (const Vec2& p : pointing.away) {
+    for (std::size_t i = 0; i < keep.size(); ++i) {
+      if (keep[i] && encloses(drawing.contours[i], p)) return false;
+    }
+  }
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    const PixelContour& hole = drawing.contours[i];
+    if (!hole.hole) continue;
+    for (std::size_t k = 0; k < keep.size() && !keep[i]; ++k)
+      keep[i] = keep[k] && !drawing.contours[k].hole && encloses(drawing.contours[k], hole.points_px.front());
+  }
+  Contours kept;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i]) kept.push_back(std::move(drawing.contours[i]));
+  }
+  drawing.contours = std::move(kept);
+  drawing.why += "; the contour that is pointed at";
+  return true;
+}
+
+/// The drawing's outlines enclose what was cut out of the scene, nearly.
+bool is_like(const Extraction& drawing, const Scene& scene, const cv::Mat& mask) {
+  cv::Mat drawn(mask.size(), CV_8U, cv::Scalar(0));
+  for (const PixelContour& c : drawing.contours) {
+    if (c.hole) continue;
+    std::vector<cv::Point> polygon;
+    for (const Vec2& p : c.points_px) {
+      const Vec2 q = scene.to_scene(p);
+      polygon.emplace_back(static_cast<int>(std::lround(q.x())), static_cast<int>(std::lround(q.y())));
+    }
+    cv::fillPoly(drawn, std::vector<std::vector<cv::Point>>{polygon}, cv::Scalar(255));
+  }
+  return cv::countNonZero(drawn & mask) > 0.85 * cv::countNonZero(drawn | mask);
+}
+
 }  // namespace
 
 tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const PictureRequest& request) {
@@ -164,8 +237,15 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
     if (bgr.empty()) return tl::unexpected<std::string>("the picture is empty");
     if (const auto misfit = beyond(request.pointing, bgr)) return tl::unexpected(*misfit);
     const Scene scene = scene_of(bgr, kPointed_px);
+    auto drawing = extract(image, request.extraction);
+    if (drawing && !is_sure(*drawing)) drawing = tl::unexpected<std::string>("");
+    if (drawing && drawing->mode == ExtractionMode::kStroke && keep_pointed_at(*drawing, request.pointing))
+      return drawing;
     const auto mask = pointed_at(scene, request.pointing);
     if (!mask) return tl::unexpected(mask.error());
+    // A drawing's own outline is finer.
+    if (drawing && keep_pointed_at(*drawing, request.pointing) && is_like(*drawing, scene, *mask))
+      return drawing;
     auto out = extraction_of(image, scene, *mask, bgr, request, "what is pointed at");
     if (out.contours.empty()) return tl::unexpected<std::string>("what is pointed at is too small to be cut");
     return out;
@@ -181,7 +261,7 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
   if (bgr.empty()) return drawing;
   const Scene scene = scene_of(bgr, kThings_px);
   const auto mask = things_in(scene);
-  if (sure && (!mask || !is_even(scene, *mask))) return drawing;
+  if (sure && (!mask || !are_solid(scene, *mask))) return drawing;
   if (mask) {
     auto out =
         extraction_of(image, scene, *mask, bgr, request, "a thing that stands out from its background");

@@ -36,6 +36,7 @@ void PictureFlags::apply_to(LoadRequest& request) const {
   request.pointing.at = points_of("at", at);
   request.pointing.away = points_of("not", away);
   if (!box.empty()) request.pointing.box = Eigen::Vector4d(box[0], box[1], box[2], box[3]);
+  request.paper = paper;
   if (smallest_mm) request.smallest_m = 1e-3 * *smallest_mm;
   if (!away.empty() && !request.pointing.any())
     throw usage_error(

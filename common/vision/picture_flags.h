@@ -15,6 +15,7 @@ struct PictureFlags {
   std::vector<double> away;  ///< likewise
   std::vector<double> box;   ///< x, y, width, height
   std::optional<double> smallest_mm;
+  Paper paper = Paper::kNone;
 
   void add_parameters(Settings& settings);
   /// Throws StartupError: half a point, or --not without anything that is pointed at.

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <vector>
 
 namespace telekerf::vision {
 namespace {
 
 constexpr double kBand = 0.125;       ///< a band of even width is a stroke up to this fraction of its size
+constexpr double kEven = 1.35;        ///< the middle line lies equally far from both sides all along
+constexpr double kUneven = 2.1;       ///< no pen draws like this
 constexpr double kNearlyThin = 0.05;  ///< from here on a shape may have a body
 constexpr double kFat = 0.2;          ///< a region for certain: its width over its size
 constexpr double kOfPen = 1.8;        ///< and over that of the pen
@@ -36,27 +39,13 @@ cv::Point seed_of(const PixelContour& c) {
   return {static_cast<int>(std::floor(p.x())) + 1, static_cast<int>(std::lround(p.y()))};
 }
 
-/// Distance from the rim, of one shape.
-cv::Mat depth_of(const Shape& shape, const cv::Mat& labels) {
+/// How much the distance of the middle line from the rim varies along a shape: its largest values over its
+/// smallest, 1 for a pen's line. Nothing if there is too little of it.
+std::optional<double> variation_of(const Field& field, const Shape& shape, const cv::Mat& labels) {
   cv::Mat own;
   cv::copyMakeBorder(labels(shape.box) == shape.label, own, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   cv::Mat distance;
   cv::distanceTransform(own, distance, cv::DIST_L2, 5);
-  return distance;
-}
-
-/// A good part of the shape lies deeper than any stroke of its mean width, crossings and all.
-bool has_body(const Shape& shape, const cv::Mat& labels) {
-  constexpr double kDeep = 0.85;  // of the mean width: a stroke's middle lies at half
-  constexpr double kPart = 0.08;  // of the area
-  const cv::Mat distance = depth_of(shape, labels);
-  return cv::countNonZero(distance > kDeep * shape.width()) > kPart * shape.area;
-}
-
-/// The middle line lies equally far from both sides all along.
-bool is_even(const Field& field, const Shape& shape, const cv::Mat& labels) {
-  constexpr double kEven = 1.35;
-  const cv::Mat distance = depth_of(shape, labels);
   std::vector<float> ridge;
   for (int y = 1; y + 1 < distance.rows; ++y) {
     for (int x = 1; x + 1 < distance.cols; ++x) {
@@ -67,12 +56,16 @@ bool is_even(const Field& field, const Shape& shape, const cv::Mat& labels) {
       if (along_x && along_y) ridge.push_back(here);
     }
   }
-  if (ridge.size() < 16) return false;
+  if (ridge.size() < 16) return std::nullopt;
   std::sort(ridge.begin(), ridge.end());
   const auto at = [&](double f) {
     return ridge[static_cast<std::size_t>(f * static_cast<double>(ridge.size() - 1))];
   };
-  return at(0.9) < kEven * at(0.15);
+  return at(0.9) / at(0.15);
+}
+
+bool is_even(const Field& field, const Shape& shape, const cv::Mat& labels) {
+  return variation_of(field, shape, labels).value_or(9.0) < kEven;
 }
 
 void finish(Outlines& part) {
@@ -125,10 +118,10 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
     const double ratio = shape.width() / shape.size;
     shape.stroke = ratio < Outlines::kThin;
     if (shape.stroke && ratio > kNearlyThin && shape.size > kSmall * largest) {
-      shape.bulky = has_body(shape, labels);
+      shape.bulky = variation_of(field, shape, labels).value_or(1.0) > kUneven;
       shape.stroke = !shape.bulky;
     }
-    if (!shape.stroke && ratio < kBand && shape.holes > 0 && shape.size > kSmall * largest) {
+    if (!shape.stroke && !shape.bulky && ratio < kBand && shape.holes > 0 && shape.size > kSmall * largest) {
       shape.stroke = is_even(field, shape, labels);
       bands = bands || (shape.stroke && shape.size == largest);
     }

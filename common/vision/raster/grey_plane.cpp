@@ -162,7 +162,9 @@ cv::Mat colour_plane(const cv::Mat& image) {
       cv::cvtColor(bits, out, cv::COLOR_BGRA2BGR);
       cv::cvtColor(alpha, alpha, cv::COLOR_GRAY2BGR);
       cv::multiply(out, alpha, out, 1.0 / 255.0);
-      return out + (cv::Scalar::all(255) - alpha);
+      cv::subtract(cv::Scalar::all(255), alpha, alpha);
+      cv::add(out, alpha, out);
+      return out;
     }
     default:
       return {};

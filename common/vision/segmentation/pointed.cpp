@@ -41,6 +41,7 @@ class Search {
     const Candidate first = best_;
     if (first.score > 0.0) consider(refined(first.mask));
     for (const double share : {0.22, 0.4, 0.65, 0.95}) consider(cut_out(around_points(share)));
+    if (best_.score > 0.0) consider(grown(best_.mask));
     if (best_.score > 0.0) consider(refined(best_.mask));
     return best_;
   }
@@ -137,6 +138,22 @@ class Search {
     return grab_cut(labels, 4);
   }
 
+  /// What belongs to a known region's colours round it: a tail, a handle.
+  cv::Mat grown(const cv::Mat& mask) {
+    const cv::Rect held = cv::boundingRect(mask);
+    const cv::Rect box =
+        cv::Rect(held.x - held.width / 2, held.y - held.height / 2, 2 * held.width, 2 * held.height) &
+        cv::Rect({}, mask.size());
+    const int rim = std::max(2, std::min(held.width, held.height) / 15);
+    cv::Mat inner;
+    cv::erode(mask, inner, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * rim + 1, 2 * rim + 1}));
+    cv::Mat labels(mask.size(), CV_8U, cv::Scalar(cv::GC_BGD));
+    labels(box).setTo(cv::GC_PR_BGD);
+    labels.setTo(cv::GC_PR_FGD, mask);
+    labels.setTo(cv::GC_FGD, inner);
+    return grab_cut(labels, 3);
+  }
+
   /// A known region, its rim free to move.
   cv::Mat refined(const cv::Mat& mask) {
     const int reach = std::max(3, static_cast<int>(0.12 * std::sqrt(cv::countNonZero(mask))));
@@ -179,6 +196,16 @@ class Search {
 }  // namespace
 
 tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing& pointing) {
+  constexpr double kMinScore = 2.4;
+  constexpr double kBackground = 0.46;  // of the outline lies along the border
+  constexpr double kAround = 0.25;      // likewise, where it touches three sides or more
+  constexpr double kRagged = 0.1;       // see Rating::round
+  const auto refused = [](const char* why) {
+    return tl::unexpected(
+        fmt::format("{}; give --box X,Y,WIDTH,HEIGHT around the thing, more points of it (--at), or points "
+                    "beside it (--not)",
+                    why));
+  };
   Search search(scene, in_scene(scene, pointing.at), in_scene(scene, pointing.away));
   Candidate found;
   if (pointing.box) {
@@ -196,9 +223,16 @@ tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing
   } else {
     found = search.best();
   }
-  if (found.score <= 0.0)
-    return tl::unexpected<std::string>(
-        "no region with an outline of its own is found where --at or --box points");
+  if (found.score < kMinScore)
+    return refused("no region with an outline of its own is found where --at or --box points");
+  const auto outlines = outlines_of_mask(found.mask, 12.0);
+  for (const auto& outline : outlines) {
+    const Rating rating = rating_of(scene, outline);
+    if (rating.touching > (rating.sides >= 3 ? kAround : kBackground))
+      return refused("what is pointed at runs along the picture's border: it looks like the background");
+    if (rating.round < kRagged)
+      return refused("what is pointed at has no outline that can be told from its surroundings");
+  }
   return found.mask;
 }
 

@@ -2,6 +2,7 @@
 #include "common/vision/segmentation/rating.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -26,8 +27,8 @@ cv::Vec3f colour_at(const cv::Mat& lab, const Vec2& p) {
 
 double Rating::score() const {
   const double step = 0.5 * std::min(median, 50.0) + std::min(weak, 40.0) - 0.5 * texture;
-  return std::max(0.0, step) * std::pow(area, 0.15) * std::pow(std::max(0.02, round), 0.15) *
-         std::max(0.0, 1.0 - 1.5 * touching);
+  return std::max(0.0, step) * std::pow(area, 0.2) * std::pow(std::max(0.02, round), 0.15) *
+         std::max(0.0, 1.0 - 1.5 * std::max(0.0, touching - 0.04));
 }
 
 Rating rating_of(const Scene& scene, const std::vector<cv::Point>& outline) {
@@ -40,6 +41,7 @@ Rating rating_of(const Scene& scene, const std::vector<cv::Point>& outline) {
   std::vector<double> across;
   std::vector<double> beside;
   std::size_t touching = 0;
+  std::array<bool, 4> seen{};
   const std::size_t step = n / 600 + 1;
   std::size_t looked = 0;
   for (std::size_t i = 0; i < n; i += step) {
@@ -47,6 +49,10 @@ Rating rating_of(const Scene& scene, const std::vector<cv::Point>& outline) {
     ++looked;
     if (here.x <= 1 || here.y <= 1 || here.x >= lab.cols - 2 || here.y >= lab.rows - 2) {
       ++touching;
+      seen[0] = seen[0] || here.x <= 1;
+      seen[1] = seen[1] || here.y <= 1;
+      seen[2] = seen[2] || here.x >= lab.cols - 2;
+      seen[3] = seen[3] || here.y >= lab.rows - 2;
       continue;
     }
     const cv::Point along = outline[(i + 4) % n] - outline[(i + n - 4) % n];
@@ -63,6 +69,7 @@ Rating rating_of(const Scene& scene, const std::vector<cv::Point>& outline) {
     beside.push_back(contrast(-kParallel));
   }
   out.touching = static_cast<double>(touching) / static_cast<double>(looked);
+  out.sides = static_cast<int>(std::count(seen.begin(), seen.end(), true));
   out.median = percentile(across, 0.5);
   out.weak = percentile(across, 0.25);
   out.texture = percentile(beside, 0.5);

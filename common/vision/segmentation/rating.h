@@ -14,6 +14,7 @@ struct Rating {
   double weak = 0.0;      ///< and what three quarters of the outline surpass
   double texture = 0.0;   ///< the same contrast along the outline's parallels to either side
   double touching = 0.0;  ///< fraction of the outline along the picture's border
+  int sides = 0;          ///< of the picture that the outline touches
   double area = 0.0;      ///< fraction of the picture
   double round = 0.0;     ///< area over that of a disc with the outline's length, 0 to 1
 

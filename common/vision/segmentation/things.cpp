@@ -20,6 +20,21 @@ struct Candidate {
   double level = 0.0;
 };
 
+/// Takes out what touches the picture's border: a frame round it would hide all that lies within.
+void clear_border(cv::Mat& mask) {
+  const auto clear = [&](int x, int y) {
+    if (mask.at<unsigned char>(y, x) != 0) cv::floodFill(mask, {x, y}, cv::Scalar(0));
+  };
+  for (int x = 0; x < mask.cols; ++x) {
+    clear(x, 0);
+    clear(x, mask.rows - 1);
+  }
+  for (int y = 0; y < mask.rows; ++y) {
+    clear(0, y);
+    clear(mask.cols - 1, y);
+  }
+}
+
 /// The regions that lie further off the background than each of several levels.
 std::vector<Candidate> candidates_in(const Scene& scene, const Backdrop& backdrop) {
   constexpr double kMinArea = 6e-4;  // of the picture
@@ -34,6 +49,7 @@ std::vector<Candidate> candidates_in(const Scene& scene, const Backdrop& backdro
     cv::Mat mask = backdrop.distance > level;
     cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, five);
     cv::morphologyEx(mask, mask, cv::MORPH_OPEN, three);
+    clear_border(mask);
     for (auto& outline : outlines_of_mask(mask, min_area)) {
       Candidate next{std::move(outline), {}, 0.0, level};
       next.rating = rating_of(scene, next.outline);
@@ -194,10 +210,13 @@ tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
   return mask;
 }
 
-bool is_even(const Scene& scene, const cv::Mat& things) {
+bool are_solid(const Scene& scene, const cv::Mat& things) {
+  constexpr double kSolid = 0.6;  // of what an outline encloses: a drawn loop encloses background
   const Backdrop backdrop = backdrop_of(scene);
   const Rest rest = rest_of(backdrop, things);
-  return backdrop.spread < 1.5 && backdrop.uniform > 0.97 && rest.whole + rest.cut_off < 0.15;
+  const cv::Mat off = backdrop.distance > backdrop.tolerance;
+  return backdrop.spread < 1.5 && backdrop.uniform > 0.85 && rest.whole + rest.cut_off < 0.15 &&
+         cv::countNonZero(off & things) > kSolid * cv::countNonZero(things);
 }
 
 }  // namespace telekerf::vision

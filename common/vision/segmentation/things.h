@@ -14,7 +14,7 @@ namespace telekerf::vision {
 /// sure.
 tl::expected<cv::Mat, std::string> things_in(const Scene& scene);
 
-/// The background is of one colour and one light, without a shadow, and nothing but things lies on it.
-bool is_even(const Scene& scene, const cv::Mat& things);
+/// Nothing but solid things lies on a background of one colour and one light, without a shadow.
+bool are_solid(const Scene& scene, const cv::Mat& things);
 
 }  // namespace telekerf::vision

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "common/vision/picture_contours.h"
+#include "common/vision/load.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {
@@ -79,6 +79,35 @@ TEST(Surroundings, ASheetOnADeskIsBackground) {
       EXPECT_NE(found->why.find("sheet"), std::string::npos) << found->why;
     }
   }
+}
+
+TEST(Surroundings, ThePaperSaysSizeAndPerspective) {
+  // An A4 sheet drawn straight on, 4 px a millimetre, with a circle of 30 mm radius; then seen askew.
+  cv::Mat flat(840, 1188, CV_8U, cv::Scalar(228));
+  cv::circle(flat, {500, 400}, 120, cv::Scalar(40), 5, cv::LINE_AA);
+  for (const bool askew : {false, true}) {
+    const std::vector<cv::Point2f> from{{-0.5F, -0.5F}, {1187.5F, -0.5F}, {1187.5F, 839.5F}, {-0.5F, 839.5F}};
+    std::vector<cv::Point2f> to{{110, 70}, {880, 70}, {880, 614.4F}, {110, 614.4F}};
+    if (askew) to = {{180, 90}, {850, 110}, {930, 640}, {90, 600}};
+    cv::Mat picture(700, 1000, CV_8U, cv::Scalar(70));
+    cv::warpPerspective(flat, picture, cv::getPerspectiveTransform(from, to), picture.size(), cv::INTER_AREA,
+                        cv::BORDER_TRANSPARENT);
+    photograph(picture, 0.8);
+    LoadRequest request;
+    request.paper = Paper::kA4;
+    const auto found = contours_of(picture, request);
+    ASSERT_TRUE(found) << found.error();
+    ASSERT_EQ(found->contours.size(), 1u);
+    EXPECT_NEAR(geometry::length_m(found->contours.front()), 2 * M_PI * 30e-3, 1e-3) << askew;
+    const Vec2 size = geometry::bounding_box(found->contours.front().points_m).size();
+    EXPECT_NEAR(size.x(), 60e-3, 0.4e-3);
+    EXPECT_NEAR(size.y(), 60e-3, 0.4e-3);
+  }
+  LoadRequest request;
+  request.paper = Paper::kA5;
+  const auto none = contours_of(cv::Mat(300, 400, CV_8U, cv::Scalar(200)), request);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().find("--width-mm"), std::string::npos) << none.error();
 }
 
 TEST(Surroundings, ALightPlateWithHolesOnAnEvenGroundStaysAPlate) {
@@ -158,6 +187,48 @@ TEST(Surroundings, DotsBesideStrokesKeepTheirOutlines) {
   EXPECT_TRUE(found->contours[0].closed && found->contours[1].closed);
   EXPECT_LT(compare(found->contours[0], line).rms_px, 0.4);
   EXPECT_LT(compare(found->contours[1], dot).rms_px, 0.8);
+}
+
+TEST(Surroundings, WhatIsTrimmedToItsSizeGetsRoom) {
+  // A ring that reaches all four sides, on white and on nothing.
+  cv::Mat white(401, 401, CV_8U, cv::Scalar(255));
+  cv::circle(white, {200, 200}, 200, cv::Scalar(20), cv::FILLED);
+  cv::circle(white, {200, 200}, 120, cv::Scalar(255), cv::FILLED);
+  cv::Mat nothing(401, 401, CV_8UC4, cv::Scalar(0, 0, 0, 0));
+  cv::circle(nothing, {200, 200}, 200, cv::Scalar(40, 90, 200, 255), cv::FILLED);
+  cv::circle(nothing, {200, 200}, 120, cv::Scalar(0, 0, 0, 0), cv::FILLED);
+  for (const cv::Mat& picture : {white, nothing}) {
+    const auto found = contours_in(picture, {});
+    ASSERT_TRUE(found) << found.error();
+    ASSERT_EQ(found->contours.size(), 2u);
+    const geometry::Box box = geometry::bounding_box(found->contours.front().points_px);
+    EXPECT_NEAR(box.centre().x(), 200.0, 0.3);
+    EXPECT_NEAR(box.size().x(), 401.0, 2.0);
+    EXPECT_EQ(found->picture_width_px, 401);
+  }
+}
+
+TEST(Surroundings, WhatIsLeftOutIsNamedWithTheOptionThatKeepsIt) {
+  cv::Mat picture(600, 800, CV_8U, cv::Scalar(235));
+  fill(picture, blob(150, {330, 300}), 35);
+  fill(picture, blob(150, {800, 300}), 35);  // runs over the border
+  cv::circle(picture, {560, 540}, 7, cv::Scalar(35), cv::FILLED, cv::LINE_AA);
+  photograph(picture);
+  LoadRequest request;
+  request.scale.picture_width_m = 0.08;
+  const auto found = contours_of(picture, request);
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_EQ(found->contours.size(), 1u);
+  EXPECT_NE(found->why.find("touches the picture's border"), std::string::npos) << found->why;
+  EXPECT_NE(found->why.find("--at"), std::string::npos) << found->why;
+  EXPECT_NE(found->why.find("1 small contour"), std::string::npos) << found->why;
+  EXPECT_NE(found->why.find("--smallest-mm"), std::string::npos) << found->why;
+  request.smallest_m = 1e-3;
+  const auto more = contours_of(picture, request);
+  ASSERT_TRUE(more) << more.error();
+  ASSERT_EQ(more->contours.size(), 2u);
+  EXPECT_NEAR(geometry::length_m(more->contours.back()), 2 * M_PI * 0.7e-3, 0.2e-3);
+  EXPECT_EQ(more->why.find("small contour"), std::string::npos) << more->why;
 }
 
 }  // namespace
