@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/geometry/cutting_order.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace telekerf::geometry {
@@ -18,16 +19,57 @@ bool encloses(const Polyline& outer, const Polyline& inner) {
   return inside;
 }
 
+namespace {
+
+/// The contours around each: only those whose boxes hold its first point are looked at, found from left to
+/// right.
+std::vector<std::vector<std::size_t>> contours_around(const std::vector<Polyline>& contours) {
+  const std::size_t n = contours.size();
+  std::vector<std::vector<std::size_t>> out(n);
+  std::vector<Box> boxes;
+  std::vector<std::size_t> by_left;
+  std::vector<std::size_t> by_point;
+  for (std::size_t i = 0; i < n; ++i) {
+    boxes.push_back(bounding_box(contours[i].points_m));
+    if (contours[i].points_m.empty()) continue;
+    by_point.push_back(i);
+    if (contours[i].closed) by_left.push_back(i);
+  }
+  std::sort(by_left.begin(), by_left.end(),
+            [&](std::size_t a, std::size_t b) { return boxes[a].min.x() < boxes[b].min.x(); });
+  std::sort(by_point.begin(), by_point.end(), [&](std::size_t a, std::size_t b) {
+    return contours[a].points_m.front().x() < contours[b].points_m.front().x();
+  });
+  std::vector<std::size_t> reaching;  // boxes that the point may lie in
+  std::size_t next = 0;
+  for (const std::size_t i : by_point) {
+    const Vec2& q = contours[i].points_m.front();
+    while (next < by_left.size() && boxes[by_left[next]].min.x() <= q.x()) reaching.push_back(by_left[next++]);
+    std::erase_if(reaching, [&](std::size_t j) { return boxes[j].max.x() < q.x(); });
+    for (const std::size_t j : reaching) {
+      if (j == i || boxes[j].min.y() > q.y() || boxes[j].max.y() < q.y()) continue;
+      if (encloses(contours[j], contours[i])) out[i].push_back(j);
+    }
+    std::sort(out[i].begin(), out[i].end());
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<bool> holes(const std::vector<Polyline>& contours) {
+  std::vector<bool> out;
+  for (const auto& around : contours_around(contours)) out.push_back(around.size() % 2 == 1);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = out[i] && contours[i].closed;
+  return out;
+}
+
 CuttingOrder cutting_order(const std::vector<Polyline>& contours, const Vec2& start_m) {
   const std::size_t n = contours.size();
-  std::vector<std::vector<std::size_t>> around(n);  // the contours that enclose i
-  std::vector<std::size_t> waiting_for(n, 0);       // how many inside i are still to be cut
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) {
-      if (i == j || !encloses(contours[j], contours[i])) continue;
-      around[i].push_back(j);
-      ++waiting_for[j];
-    }
+  const std::vector<std::vector<std::size_t>> around = contours_around(contours);
+  std::vector<std::size_t> waiting_for(n, 0);  // how many inside i are still to be cut
+  for (const auto& outer : around) {
+    for (const std::size_t j : outer) ++waiting_for[j];
   }
   CuttingOrder out;
   std::vector<bool> done(n, false);

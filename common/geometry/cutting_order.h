@@ -12,6 +12,9 @@ namespace telekerf::geometry {
 /// True when `inner` lies within the closed `outer` (their borders do not cross, so one point decides).
 bool encloses(const Polyline& outer, const Polyline& inner);
 
+/// For each contour: an odd number of the others lies around it.
+std::vector<bool> holes(const std::vector<Polyline>& contours);
+
 struct CuttingOrder {
   std::vector<std::size_t> order;  ///< indices into the given contours
   double travel_m = 0.0;           ///< beam off, from `start` on

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "common/vision/raster/picture_file.h"
@@ -23,16 +24,28 @@ double size_of(const geometry::Polyline& line) { return geometry::bounding_box(l
 
 tl::expected<LoadedContours, std::string> vector_contours(const std::string& path,
                                                           const LoadRequest& request) {
-  auto drawing = read_vector_file(path);
+  auto drawing = read_vector_file(path, request.drawing);
   if (!drawing) return tl::unexpected(drawing.error());
   LoadedContours out;
   out.mode = "vector";
   out.why = "a vector drawing is its own path";
   out.unsupported = drawing->unsupported.sentence();
+  for (const std::string& note : drawing->notes) out.why += "; " + note;
   if (!out.unsupported.empty()) out.why += fmt::format("; not followed: {}", out.unsupported);
-  out.contours = std::move(drawing->contours);
-  std::stable_sort(out.contours.begin(), out.contours.end(),
-                   [](const auto& a, const auto& b) { return size_of(a) > size_of(b); });
+  out.size_from = drawing->size_from;
+  std::vector<std::size_t> order(drawing->contours.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<double> sizes;
+  for (const auto& contour : drawing->contours) sizes.push_back(size_of(contour));
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sizes[a] > sizes[b]; });
+  for (const std::size_t i : order) {
+    out.contours.push_back(std::move(drawing->contours[i]));
+    out.labels.push_back({drawing->pens[i].layer, drawing->pens[i].colour, {}});
+  }
+  for (LeftOut& left : drawing->left_out) {
+    out.left_out.push_back(std::move(left.line));
+    out.left_out_labels.push_back({left.pen.layer, left.pen.colour, left.why});
+  }
   out.selected = request.select;
   if (out.selected >= out.contours.size()) {
     return tl::unexpected(
@@ -49,6 +62,7 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
                             ? drawing->page_width_m
                             : geometry::bounding_box(all_points(out.contours)).size().x();
     if (page > 0.0) gain = *request.scale.picture_width_m / page;
+    out.size_from = fmt::format("the width of {:g} mm that was asked for", 1e3 * *request.scale.picture_width_m);
   }
   const std::vector<Vec2> fitted = request.fit_all ? all_points(out.contours) : chosen.points_m;
   const bool first_point = request.scale.anchor == AnchorMode::kFirstPoint;
@@ -56,8 +70,11 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
   if (request.scale.anchor == AnchorMode::kImageCentre) {
     anchor = 0.5 * Vec2(drawing->page_width_m, -drawing->page_height_m);  // SVG's page hangs below its origin
   }
-  for (geometry::Polyline& line : out.contours) {
-    for (Vec2& p : line.points_m) p = gain * (p - anchor);
+  if (request.scale.anchor == AnchorMode::kLowerLeft) anchor = geometry::bounding_box(all_points(out.contours)).min;
+  for (auto* lines : {&out.contours, &out.left_out}) {
+    for (geometry::Polyline& line : *lines) {
+      for (Vec2& p : line.points_m) p = gain * (p - anchor);
+    }
   }
   out.noise_m.assign(out.contours.size(), 0.0);
   return out;
@@ -135,6 +152,9 @@ tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, cons
     out.noise_m.push_back(contour.noise_px * out.metres_per_pixel);
   }
   out.picture = image;
+  out.size_from = request.scale.metres_per_pixel  ? "the size of a pixel"
+                  : request.scale.picture_width_m ? "the width that was asked for"
+                                                  : "fitted to the workspace: the picture does not say how large it is";
   return out;
 }
 
@@ -149,7 +169,14 @@ tl::expected<LoadedContours, std::string> load_contours(const std::string& path,
   for (Vec2& p : reduced.pointing.away) p /= picture->reduction;
   if (reduced.pointing.box) *reduced.pointing.box /= picture->reduction;
   if (reduced.scale.metres_per_pixel) *reduced.scale.metres_per_pixel *= picture->reduction;
+  const bool sized = reduced.scale.metres_per_pixel || reduced.scale.picture_width_m;
+  const std::optional<double> dpi = request.drawing.dpi ? request.drawing.dpi : picture->dpi;
+  if (!sized && dpi) reduced.scale.metres_per_pixel = 25.4e-3 / *dpi * picture->reduction;
   auto out = contours_of(picture->image, reduced);
+  if (out && !sized && dpi) {
+    out->size_from = request.drawing.dpi ? fmt::format("{:g} pixels an inch, as asked for", *dpi)
+                                         : fmt::format("{:g} pixels an inch, as the file says", *dpi);
+  }
   if (!out) return tl::unexpected(fmt::format("{}: {}", path, out.error()));
   return out;
 }

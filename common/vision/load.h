@@ -11,6 +11,7 @@
 #include "common/vision/paper.h"
 #include "common/vision/picture_contours.h"
 #include "common/vision/scaling.h"
+#include "common/vision/vector/vector_drawing.h"
 
 namespace telekerf::vision {
 
@@ -22,6 +23,14 @@ struct LoadRequest {
   ScaleRequest scale;
   std::size_t select = 0;  ///< which contour is anchored and fitted; 0 is the largest
   bool fit_all = false;    ///< all contours together are anchored and fitted
+  VectorRequest drawing;   ///< of a vector drawing
+};
+
+/// What is said of one contour; those that are left out have a reason.
+struct ContourLabel {
+  std::string layer;         ///< of a vector drawing
+  std::string colour;
+  std::string left_out_why;  ///< empty: it is to be cut
 };
 
 /// All contours share one frame: that of the selected one's anchor.
@@ -31,6 +40,10 @@ struct LoadedContours {
   std::string unsupported;                   ///< what of a vector drawing is left out, "2 text, 1 image"
   std::vector<geometry::Polyline> contours;  ///< metres, largest first
   std::vector<double> noise_m;               ///< quality of each contour's points
+  std::vector<ContourLabel> labels;          ///< one a contour; none: nothing is said
+  std::vector<geometry::Polyline> left_out;  ///< found and not to be cut, in the same frame
+  std::vector<ContourLabel> left_out_labels;
+  std::string size_from;  ///< what says how large it is
   std::size_t selected = 0;
   double metres_per_pixel = 0.0;  ///< 0 for vector drawings
   double contrast = 0.0;          ///< grey levels; 0 for vector drawings

@@ -24,6 +24,11 @@ Scale scale_for(const PixelContour& contour, int picture_width_px, int picture_h
     case AnchorMode::kFirstPoint:
       if (!contour.points_px.empty()) scale.anchor_px = contour.points_px.front();
       break;
+    case AnchorMode::kLowerLeft: {
+      const geometry::Box box = geometry::bounding_box(contour.points_px);
+      scale.anchor_px = Vec2(box.min.x(), box.max.y());
+      break;
+    }
     case AnchorMode::kImageCentre:
       scale.anchor_px = 0.5 * Vec2(picture_width_px - 1, picture_height_px - 1);
       break;

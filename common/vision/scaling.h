@@ -11,11 +11,12 @@
 namespace telekerf::vision {
 
 /// Which point of the picture is put on the workpiece's origin.
-enum class AnchorMode { kBoundingBox, kFirstPoint, kImageCentre };
+enum class AnchorMode { kBoundingBox, kFirstPoint, kImageCentre, kLowerLeft };
 inline constexpr EnumRow<AnchorMode> kAnchorModeRows[] = {
     {"box", AnchorMode::kBoundingBox, "the middle of the contour's bounding box"},
     {"first", AnchorMode::kFirstPoint, "the contour's first point"},
     {"image", AnchorMode::kImageCentre, "the middle of the picture or page"},
+    {"lower-left", AnchorMode::kLowerLeft, "the lower left corner of all contours' bounding box"},
 };
 inline constexpr EnumTable<AnchorMode> kAnchorModes(kAnchorModeRows);
 

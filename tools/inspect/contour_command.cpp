@@ -36,6 +36,11 @@ struct ContourOptions {
   std::string harmonics = "auto";
   double tolerance_mm = 0.05;
   std::size_t select = 0;
+  double join_mm = 0.01;
+  std::optional<double> dpi;
+  vision::LengthUnit units = vision::LengthUnit::kFile;
+  std::vector<std::string> layers;
+  std::vector<std::string> colours;
   std::string out;
 };
 
@@ -67,6 +72,11 @@ vision::LoadRequest request_of(const ContourOptions& o) {
   request.scale.anchor = o.anchor;
   request.select = o.select;
   o.picture.apply_to(request);
+  request.drawing.join_m = 1e-3 * o.join_mm;
+  request.drawing.dpi = o.dpi;
+  request.drawing.unit_m = vision::metres_of(o.units);
+  request.drawing.layers = o.layers;
+  request.drawing.colours = o.colours;
   return request;
 }
 
@@ -86,6 +96,32 @@ nlohmann::json descriptors_of(const geometry::Polyline& line, const ContourOptio
   json["harmonics"] = chosen->curve.harmonics.size();
   json["efd_max_deviation_m"] = chosen->largest_deviation_m;
   return json;
+}
+
+/// All contours by their numbers; those that are left out have none, and the reason.
+nlohmann::json list_of(const vision::LoadedContours& loaded) {
+  nlohmann::json out = nlohmann::json::array();
+  const std::vector<bool> holes = geometry::holes(loaded.contours);
+  for (std::size_t i = 0; i < loaded.contours.size(); ++i) {
+    const geometry::Polyline& line = loaded.contours[i];
+    out.push_back({{"number", i}, {"length_m", geometry::length_m(line)}, {"closed", line.closed}, {"hole", holes[i]}});
+    const bool labelled = i < loaded.labels.size();
+    out.back()["layer"] = labelled ? loaded.labels[i].layer : "";
+    out.back()["colour"] = labelled ? loaded.labels[i].colour : "";
+    out.back()["left_out_why"] = nullptr;
+  }
+  for (std::size_t i = 0; i < loaded.left_out.size(); ++i) {
+    const geometry::Polyline& line = loaded.left_out[i];
+    const vision::ContourLabel& label = loaded.left_out_labels[i];
+    out.push_back({{"number", nullptr},
+                   {"length_m", geometry::length_m(line)},
+                   {"closed", line.closed},
+                   {"hole", false},
+                   {"layer", label.layer},
+                   {"colour", label.colour},
+                   {"left_out_why", label.left_out_why}});
+  }
+  return out;
 }
 
 int inspect(const ContourOptions& o) {
@@ -113,6 +149,8 @@ int inspect(const ContourOptions& o) {
   json["noise_m"] = loaded->noise_m[loaded->selected];
   json["metres_per_pixel"] =
       loaded->metres_per_pixel > 0.0 ? nlohmann::json(loaded->metres_per_pixel) : nlohmann::json();
+  json["size_from"] = loaded->size_from;
+  json["list"] = list_of(*loaded);
   json["cutting_time_s"] = gcode.cutting_time_s;
   json["travel_m"] = gcode.travel_m;
 
@@ -144,6 +182,12 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
   s.add("tolerance_mm", o.tolerance_mm, {.min = 1e-6, .max = 1e3, .unit = "mm"},
         "largest deviation that harmonics = auto allows");
   s.add("select", o.select, {.min = 0, .max = 1e9}, "which contour, 0 is the largest");
+  s.add("join_mm", o.join_mm, {.min = 0, .max = 10, .unit = "mm"}, "ends of a drawing's lines as near as this are joined");
+  s.add("dpi", o.dpi, {.min = 1, .max = 100000, .unit = "pixels an inch"},
+        "of a scan, or of an SVG file in pixels; without it: what the file says");
+  s.add("units", o.units, vision::kLengthUnits, "a unit of an SVG or DXF file");
+  s.add("layers", o.layers, TextForm{"NAME"}, "these layers of a drawing alone");
+  s.add("colours", o.colours, TextForm{"COLOUR"}, "these colours of a drawing alone: #rrggbb, or a DXF number");
   s.add("out", o.out, kFolder, "for contour.csv, contour.svg, contour.ngc and overlay.png").must_be_given();
 }
 

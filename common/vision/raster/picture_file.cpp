@@ -9,9 +9,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include "common/vision/raster/picture_tags.h"
 
 namespace telekerf::vision {
 namespace {
@@ -153,6 +158,51 @@ double pixels_promised(std::ifstream& file) {
   return 0.0;  // WebP holds 268 Mpx at most; the others are rare
 }
 
+bool is_jpeg(std::ifstream& file) {
+  const auto head = bytes_at<2>(file, 0);
+  return head[0] == 0xff && head[1] == 0xd8;
+}
+
+/// Why a file is no picture.
+std::string what_it_is(std::ifstream& file) {
+  const auto head = bytes_at<64>(file, 0);
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  if (text.starts_with("GIF8")) return "a GIF picture, which is not read; save it as PNG";
+  if (text.starts_with("%PDF")) return "a PDF document, which is not read; export it as SVG, or as PNG";
+  if (text.starts_with("%!PS") || text.starts_with("\xC5\xD0\xD3\xC6"))
+    return "a PostScript file (EPS, AI), which is not read; export it as SVG";
+  if (text.substr(4, 4) == "ftyp") {
+    const std::string_view brand = text.substr(8, 4);
+    if (brand == "avif" || brand == "avis") return "an AVIF picture, which is not read; save it as JPEG or PNG";
+    if (brand.starts_with("he") || brand.starts_with("mif1") || brand.starts_with("msf1"))
+      return "a HEIC picture, which is not read; save it as JPEG or PNG";
+    return "a video; give telekerf-vision the video, or save one frame as PNG";
+  }
+  if (text.starts_with("AC10")) return "a DWG drawing, which is not read; save it as DXF";
+  if (text.starts_with("8BPS")) return "a Photoshop file, which is not read; save it as PNG";
+  if (text.starts_with("gimp xcf")) return "a GIMP file, which is not read; export it as PNG";
+  if (text.starts_with("PK\x03\x04")) return "a ZIP archive or a document; take the picture out of it first";
+  if (text.starts_with("\x1F\x8B")) return "compressed with gzip; unpack it, or name it .svgz if it is a drawing";
+  if (text.find("<svg") != std::string_view::npos || text.starts_with("<?xml"))
+    return "an XML file; name it .svg if it is a drawing";
+  return "not a picture that can be read, or damaged";
+}
+
+/// As EXIF counts: 1 is upright, 6 is to be turned right.
+cv::Mat turned(const cv::Mat& image, int orientation) {
+  cv::Mat out = image;
+  if (orientation >= 5) cv::transpose(image, out);
+  const bool mirrored_x = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
+  const bool mirrored_y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
+  cv::Mat upright = out;
+  if (mirrored_x && mirrored_y) {
+    cv::flip(out, upright, -1);
+  } else if (mirrored_x || mirrored_y) {
+    cv::flip(out, upright, mirrored_x ? 1 : 0);
+  }
+  return upright;
+}
+
 }  // namespace
 
 tl::expected<Picture, std::string> read_picture(const std::string& path) {
@@ -169,18 +219,26 @@ tl::expected<Picture, std::string> read_picture(const std::string& path) {
   int flags = cv::IMREAD_UNCHANGED;
   if (pixels > kReducedFrom_px) {
     out.reduction = pixels > 4.0 * kReducedFrom_px ? 4.0 : 2.0;
-    flags = out.reduction == 4.0 ? cv::IMREAD_REDUCED_GRAYSCALE_4 : cv::IMREAD_REDUCED_GRAYSCALE_2;
+    // Only JPEG is decoded in a smaller size; what has transparency or 16 bits keeps them.
+    if (is_jpeg(file)) flags = out.reduction == 4.0 ? cv::IMREAD_REDUCED_COLOR_4 : cv::IMREAD_REDUCED_COLOR_2;
   }
   if (is_cut_jpeg(file)) return tl::unexpected(fmt::format("{}: the picture's end is missing", path));
   try {
     const Silence silence;
-    out.image = cv::imread(path, flags);
+    out.image = cv::imread(path, flags == cv::IMREAD_UNCHANGED ? flags : flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const std::exception&) {
     out.image.release();
   }
   if (out.image.empty()) {
-    return tl::unexpected(fmt::format("{}: not a picture that can be read, or damaged", path));
+    return tl::unexpected(fmt::format("{}: {}", path, what_it_is(file)));
   }
+  if (out.reduction > 1.0 && !is_jpeg(file)) {
+    const double share = 1.0 / out.reduction;
+    cv::resize(out.image, out.image, {}, share, share, cv::INTER_AREA);
+  }
+  const PictureTags tags = tags_of(file);
+  out.image = turned(out.image, tags.orientation);
+  out.dpi = tags.dpi;
   if (static_cast<double>(out.image.total()) > kMax_px) {
     return tl::unexpected(
         fmt::format("{}: {:.0f} Mpx is too large (at most {:.0f} Mpx); reduce the picture first", path,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,11 +19,16 @@ namespace telekerf::vision {
 class DrawnLines {
  public:
   /// `metres`: a unit of the file along x and y, negative where its axis points the other way.
-  DrawnLines(const VectorLimits& limits, const Vec2& metres) : limits_(limits), metres_(metres) {}
+  DrawnLines(const VectorLimits& limits, const VectorRequest& request, const Vec2& metres)
+      : limits_(limits), request_(request), metres_(metres) {}
 
   UnsupportedElements unsupported;
+  Pen pen;                          ///< of what is drawn from now on
+  std::string left_out_why;         ///< what is drawn from now on is not to be cut; empty: it is
+  bool fills = false;               ///< what is drawn from now on is an area: it is closed where it has one
+  std::vector<std::string> notes;
 
-  /// The file cannot be drawn; the first reason counts.
+  /// The file cannot be drawn; the first reason counts. What is not to be cut may be damaged: it is counted.
   void fail(std::string sentence);
   bool failed() const { return !complaint_.empty(); }
 
@@ -33,14 +39,26 @@ class DrawnLines {
   /// Takes the writer's line; a closed one that comes back to its start does not repeat it.
   void add(CurveWriter& writer, const Eigen::Affine2d& here, bool closed);
 
+  /// What has been drawn since `count()` was `first`, for a reader that decides afterwards.
+  std::size_t count() const { return lines_.size(); }
+  const geometry::Polyline& line(std::size_t k) const { return lines_[k]; }
+  void leave_out(std::size_t k, const std::string& why) { why_[k] = why; }
+  bool is_kept(std::size_t k) const { return why_[k].empty(); }
+
   /// All lines, those joined that meet; the error names the `format` where it is that there are none.
   tl::expected<VectorDrawing, std::string> drawing(std::string_view format);
 
  private:
-  const VectorLimits& limits_;
+  void choose();
+  std::string none(std::string_view format, const VectorDrawing& drawing) const;
+
+  VectorLimits limits_;
+  VectorRequest request_;
   Vec2 metres_;
   std::size_t points_ = 0;
   std::vector<geometry::Polyline> lines_;
+  std::vector<Pen> pens_;
+  std::vector<std::string> why_;  ///< not to be cut
   std::string complaint_;
 };
 

@@ -7,9 +7,11 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "common/vision/vector/dxf/document.h"
 #include "common/vision/vector/svg/document.h"
+#include "common/vision/vector/text_encoding.h"
 
 namespace telekerf::vision {
 namespace {
@@ -22,11 +24,35 @@ std::string extension_of(const std::string& path) {
 
 }  // namespace
 
+std::optional<double> metres_of(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::kMillimetre:
+      return 1e-3;
+    case LengthUnit::kCentimetre:
+      return 1e-2;
+    case LengthUnit::kMetre:
+      return 1.0;
+    case LengthUnit::kInch:
+      return 25.4e-3;
+    case LengthUnit::kFoot:
+      return 0.3048;
+    case LengthUnit::kPoint:
+      return 25.4e-3 / 72.0;
+    case LengthUnit::kMicrometre:
+      return 1e-6;
+    case LengthUnit::kFile:
+      break;
+  }
+  return std::nullopt;
+}
+
 bool is_vector_file(const std::string& path) {
-  return extension_of(path) == ".svg" || extension_of(path) == ".dxf";
+  const std::string extension = extension_of(path);
+  return extension == ".svg" || extension == ".svgz" || extension == ".dxf";
 }
 
 tl::expected<VectorDrawing, std::string> read_vector_file(const std::string& path,
+                                                          const VectorRequest& request,
                                                           const VectorLimits& limits) {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
@@ -38,7 +64,9 @@ tl::expected<VectorDrawing, std::string> read_vector_file(const std::string& pat
   std::string text(bytes, '\0');
   file.read(text.data(), static_cast<std::streamsize>(bytes));
   text.resize(static_cast<std::size_t>(file.gcount()));
-  auto out = extension_of(path) == ".svg" ? read_svg(text, limits) : read_dxf(text, limits);
+  auto plain = unzipped(std::move(text), limits.max_bytes);
+  if (!plain) return tl::unexpected(fmt::format("{}: {}", path, plain.error()));
+  auto out = extension_of(path) == ".dxf" ? read_dxf(*plain, limits, request) : read_svg(*plain, limits, request);
   if (!out) return tl::unexpected(fmt::format("{}: {}", path, out.error()));
   return out;
 }

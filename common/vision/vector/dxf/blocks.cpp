@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -14,44 +16,68 @@
 namespace telekerf::vision {
 namespace {
 
-/// $INSUNITS -> metres; unitless drawings are taken as millimetres.
+/// $INSUNITS -> metres; 0: the file does not say.
 std::optional<double> metres_of_unit(std::string_view text) {
+  constexpr std::array<double, 25> kUnits{0.0,  25.4e-3,        0.3048, 1609.344, 1e-3,    1e-2,     1.0,
+                                          1e3,  25.4e-9,        25.4e-6, 0.9144,  1e-10,   1e-9,     1e-6,
+                                          0.1,  10.0,           100.0,  1e9,      1.495978707e11, 9.4607e15, 3.0857e16,
+                                          1200.0 / 3937.0, 100.0 / 3937.0, 3600.0 / 3937.0, 1609.347};
   const auto unit = take_number(text);
-  if (!unit) return std::nullopt;
-  switch (static_cast<int>(std::clamp(*unit, -1.0, 100.0))) {
-    case 0:
-      return 1e-3;
-    case 1:
-      return 25.4e-3;
-    case 2:
-      return 0.3048;
-    case 4:
-      return 1e-3;
-    case 5:
-      return 1e-2;
-    case 6:
-      return 1.0;
-    case 8:
-      return 25.4e-9;
-    case 9:
-      return 25.4e-6;
-    case 10:
-      return 0.9144;
-    case 12:
-      return 1e-9;
-    case 13:
-      return 1e-6;
-    case 14:
-      return 0.1;
-    default:
-      return std::nullopt;
-  }
+  if (!unit || *unit < 0.0 || *unit >= static_cast<double>(kUnits.size())) return std::nullopt;
+  return kUnits[static_cast<std::size_t>(*unit)];
 }
 
 /// Ends a part where the `rest` of the file begins.
 void end(DxfPart& part, const DxfPart& rest) {
   part.entities.remove_suffix(std::min(part.entities.size(), rest.entities.size()));
 }
+
+/// The layers of the tables, group by group.
+class Layers {
+ public:
+  explicit Layers(std::map<std::string, DxfLayer>& found) : found_(found) {}
+
+  void take(const DxfGroup& group) {
+    if (group.code == 0) {
+      end();
+      in_layer_ = group.value == "LAYER";
+      return;
+    }
+    if (!in_layer_) return;
+    std::string_view digits = group.value;
+    if (group.code == 2) name_ = in_capitals(group.value);
+    if (group.code == 70) flags_ = std::lround(std::clamp(take_number(digits).value_or(0.0), 0.0, 1e6));
+    if (group.code == 62) colour_ = static_cast<int>(std::clamp(take_number(digits).value_or(7.0), -256.0, 256.0));
+    if (group.code == 290) plotted_ = take_number(digits).value_or(1.0) != 0.0;
+  }
+
+  void end() {
+    if (!std::exchange(in_layer_, false) || name_.empty()) return;
+    DxfLayer layer;
+    layer.frozen = (flags_ & 1) != 0;
+    layer.colour = std::abs(colour_);
+    if (layer.frozen) {
+      layer.why_hidden = "on the frozen layer " + name_;
+    } else if (colour_ < 0) {
+      layer.why_hidden = "on the layer " + name_ + ", which is off";
+    } else if (!plotted_ || name_ == "DEFPOINTS") {
+      layer.why_hidden = "on the layer " + name_ + ", which is not plotted";
+    }
+    found_[name_] = layer;
+    name_.clear();
+    flags_ = 0;
+    colour_ = 7;
+    plotted_ = true;
+  }
+
+ private:
+  std::map<std::string, DxfLayer>& found_;
+  bool in_layer_ = false;
+  std::string name_;
+  long flags_ = 0;
+  int colour_ = 7;
+  bool plotted_ = true;
+};
 
 /// The blocks of a section, group by group.
 class Blocks {
@@ -92,10 +118,20 @@ class Blocks {
 
 }  // namespace
 
-tl::expected<DxfContents, std::string> contents_of(std::string_view text) {
+std::string in_capitals(std::string_view name) {
+  std::string out(name);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::toupper(c); });
+  return out;
+}
+
+tl::expected<DxfContents, std::string> contents_of(std::string_view text, std::optional<double> unit_m) {
   DxfGroups groups(text);
   DxfContents out;
   Blocks blocks(out.blocks);
+  Layers layers(out.layers);
+  double unit = 0.0;
+  bool imperial = false;
+  out.layers["DEFPOINTS"].why_hidden = "on the layer DEFPOINTS, which is not plotted";
   std::string_view section;
   bool any_section = false;
   std::string_view variable;
@@ -104,6 +140,7 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text) {
     const bool section_ends = group->value == "SECTION" || group->value == "ENDSEC" || group->value == "EOF";
     if (group->code == 0 && section_ends) {
       if (section == "ENTITIES") end(out.drawn.back(), here);
+      if (section == "TABLES") layers.end();
       section = {};
       any_section = true;
       if (group->value == "EOF") break;
@@ -112,18 +149,36 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text) {
       if (section == "ENTITIES") out.drawn.push_back({groups.rest(), groups.line_number()});
     } else if (section == "BLOCKS") {
       blocks.take(*group, here);
+    } else if (section == "TABLES") {
+      layers.take(*group);
     } else if (section == "HEADER") {
       if (group->code == 9) variable = group->value;
-      if (variable != "$INSUNITS" || group->code != 70) continue;
+      if (variable == "$MEASUREMENT" && group->code == 70) {
+        std::string_view digits = group->value;
+        imperial = take_number(digits).value_or(1.0) == 0.0;
+      }
+      if (variable != "$INSUNITS" || group->code != 70 || unit_m) continue;
       const auto metres = metres_of_unit(group->value);
       if (!metres)
         return tl::unexpected(fmt::format("$INSUNITS {:.20} is not a unit that is understood", group->value));
-      out.metres = *metres;
+      unit = *metres;
     }
   }
   if (groups.damaged())
     return tl::unexpected(fmt::format("not a DXF file, or damaged, near line {}", groups.line_number()));
   if (!any_section && out.drawn.empty()) return tl::unexpected<std::string>("not a DXF file");
+  if (unit_m) {
+    out.metres = *unit_m;
+    out.size_from = fmt::format("a unit is {:g} mm, as asked for", 1e3 * *unit_m);
+  } else if (unit > 0.0) {
+    out.metres = unit;
+    out.size_from = fmt::format("$INSUNITS: a unit is {:g} mm", 1e3 * unit);
+  } else if (imperial) {
+    out.metres = 25.4e-3;
+    out.size_from = "no $INSUNITS, and $MEASUREMENT 0: a unit is an inch (--units mm if it is not so)";
+  } else {
+    out.size_from = "the file has no unit: millimetres are taken (--units inch if it is not so)";
+  }
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -26,14 +27,27 @@ struct DxfBlock {
   bool elsewhere = false;    ///< an external reference
 };
 
-struct DxfContents {
-  double metres = 1e-3;        ///< a unit, $INSUNITS
-  std::vector<DxfPart> drawn;  ///< sections of entities
-  std::map<std::string_view, DxfBlock> blocks;
+struct DxfLayer {
+  std::string why_hidden;  ///< empty: it is shown and plotted
+  bool frozen = false;     ///< blocks inserted on it are hidden too
+  int colour = 7;
 };
 
-/// The first reading of a file, which `text` must outlive; the error is one sentence.
-tl::expected<DxfContents, std::string> contents_of(std::string_view text);
+struct DxfContents {
+  double metres = 1e-3;   ///< a unit, $INSUNITS
+  std::string size_from;  ///< what says so
+  std::vector<DxfPart> drawn;  ///< sections of entities
+  std::map<std::string_view, DxfBlock> blocks;
+  std::map<std::string, DxfLayer> layers;  ///< by name in capitals
+};
+
+/// A layer's name, which is the same in capitals.
+std::string in_capitals(std::string_view name);
+
+/// The first reading of a file, which `text` must outlive; `unit_m`: whatever the file says. The error is one
+/// sentence.
+tl::expected<DxfContents, std::string> contents_of(std::string_view text,
+                                                   std::optional<double> unit_m = std::nullopt);
 
 /// How often and where a block is drawn, in units of the drawing.
 struct DxfInsert {

@@ -41,14 +41,17 @@ void absorb(DxfInsert& insert, int code, double value) {
 
 bool absorb(DxfEntity& e, const DxfGroup& g) {
   if (g.code == 2 && e.kind == "INSERT") e.insert.block = g.value;
-  const bool wanted = (g.code >= 10 && g.code <= 60) || g.code == 67 || g.code == 70 || g.code == 71 ||
-                      (g.code >= 210 && g.code <= 230);
+  if (g.code == 8) e.layer = g.value;
+  const bool wanted = (g.code >= 10 && g.code <= 60) || g.code == 62 || g.code == 67 || g.code == 70 || g.code == 71 ||
+                      (g.code >= 210 && g.code <= 230) || g.code == 420;
   if (!wanted) return true;
   std::string_view text = g.value;
   const auto value = take_number(text);
   if (!value) return false;
   if (g.code < 60) e.number[g.code] = *value;
   if (g.code == 60) e.invisible = *value != 0.0;
+  if (g.code == 62) e.colour = static_cast<int>(std::clamp(*value, -256.0, 257.0));
+  if (g.code == 420) e.true_colour = std::lround(std::clamp(*value, 0.0, 16777215.0));
   if (g.code == 67) e.on_sheet = *value != 0.0;
   if (g.code == 70) e.flags = static_cast<int>(std::clamp(*value, -32768.0, 65535.0));
   if (g.code == 210 || g.code == 220) e.tilted = e.tilted || std::abs(*value) > 1e-9;
@@ -62,7 +65,7 @@ bool absorb(DxfEntity& e, const DxfGroup& g) {
 }
 
 bool draws_nothing(const DxfEntity& e) {
-  return e.invisible || e.kind == "VIEWPORT" || e.kind == "SEQEND" || e.kind == "ATTDEF";
+  return e.kind == "VIEWPORT" || e.kind == "SEQEND" || e.kind == "ATTDEF";
 }
 
 }  // namespace telekerf::vision

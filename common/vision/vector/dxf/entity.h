@@ -17,11 +17,16 @@ namespace telekerf::vision {
 struct DxfVertex {
   Vec2 at = Vec2::Zero();
   double bulge = 0.0;
+  double z = 0.0;
+  int flags = 0;
 };
 
 /// What an entity's groups say; only what some kind of line needs.
 struct DxfEntity {
   std::string kind;
+  std::string_view layer;           ///< 8
+  int colour = 256;                 ///< 62; 256: the layer's, 0: the block's
+  long true_colour = -1;            ///< 420
   std::array<double, 60> number{};  ///< the last value of codes 10 .. 59
   int flags = 0;                    ///< 70
   bool invisible = false;           ///< 60 = 1

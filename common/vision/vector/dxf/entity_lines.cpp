@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/vision/vector/dxf/entity_lines.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "common/vision/vector/curve_writer.h"
+#include "common/vision/vector/fit_points.h"
 #include "common/vision/vector/spline.h"
 
 namespace telekerf::vision {
@@ -20,17 +23,41 @@ double turn_between(double from, double to) {
   return sweep;
 }
 
-void draw_polyline(const DxfEntity& e, CurveWriter& w, bool closed) {
-  for (std::size_t i = 0; i < e.vertices.size() && !w.full() && !w.bad(); ++i) {
-    i == 0 ? w.move_to(e.vertices[0].at) : w.bulge_to(e.vertices[i - 1].bulge, e.vertices[i].at);
+/// The vertices that the line runs through: those of a control frame are none of them.
+std::vector<DxfVertex> vertices_of(const DxfEntity& e) {
+  constexpr int kControl = 16;
+  std::vector<DxfVertex> out;
+  for (const DxfVertex& v : e.vertices) {
+    if ((v.flags & kControl) == 0) out.push_back(v);
   }
-  if (closed && e.vertices.size() > 1) w.bulge_to(e.vertices.back().bulge, e.vertices.front().at);
+  return out;
+}
+
+bool is_flat(const std::vector<DxfVertex>& vertices) {
+  double low = INFINITY;
+  double high = -INFINITY;
+  double size = 0.0;
+  for (const DxfVertex& v : vertices) {
+    low = std::min(low, v.z);
+    high = std::max(high, v.z);
+    size = std::max(size, (v.at - vertices.front().at).norm());
+  }
+  return !(high - low > 1e-6 * size);
+}
+
+void draw_polyline(const std::vector<DxfVertex>& v, CurveWriter& w, bool closed) {
+  for (std::size_t i = 0; i < v.size() && !w.full() && !w.bad(); ++i) {
+    i == 0 ? w.move_to(v[0].at) : w.bulge_to(v[i - 1].bulge, v[i].at);
+  }
+  if (closed && v.size() > 1) w.bulge_to(v.back().bulge, v.front().at);
 }
 
 /// False where there is nothing to draw.
 bool draw_spline(const DxfEntity& e, CurveWriter& w, DrawnLines& out) {
   if (e.spline.control.empty() && e.fit_points.size() > 1) {  // only the points it runs through
-    for (const Vec2& p : e.fit_points) w.points().empty() ? w.move_to(p) : w.line_to(p);
+    const FitPoints fit{e.fit_points, Vec2(e.number[12], e.number[22]), Vec2(e.number[13], e.number[23]),
+                        (e.flags & 1) != 0};
+    draw(fit, w);
     return true;
   }
   if (const auto wrong = complaint_of(e.spline)) {
@@ -69,10 +96,12 @@ void draw_entity(const DxfEntity& e, const Eigen::Affine2d& here, DrawnLines& ou
     w.ellipse(at(10), major, ratio * Vec2(-major.y(), major.x()), from, from + sweep);
     closed = sweep > 2.0 * M_PI - kSameAngle_rad;
   } else if (e.kind == "LWPOLYLINE" || e.kind == "POLYLINE") {
-    if (e.kind == "POLYLINE" && (e.flags & ~(1 | 128)) != 0)
-      return out.unsupported.add("fitted or 3D POLYLINE");
+    constexpr int kMesh = 16 | 64;
+    if (e.kind == "POLYLINE" && (e.flags & kMesh) != 0) return out.unsupported.add("POLYLINE mesh");
+    const std::vector<DxfVertex> vertices = vertices_of(e);
+    if (e.kind == "POLYLINE" && !is_flat(vertices)) return out.unsupported.add("POLYLINE that is not flat");
     closed = (e.flags & 1) != 0;
-    draw_polyline(e, w, closed);
+    draw_polyline(vertices, w, closed);
   } else if (e.kind == "SPLINE") {
     if (!draw_spline(e, w, out)) return;
     closed = (e.flags & 1) != 0;

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -21,22 +23,26 @@ std::optional<double> svg_length_m(const char* text) {
   const auto value = take_number(rest);
   if (!value) return std::nullopt;
   while (!rest.empty() && std::isspace(static_cast<unsigned char>(rest.back())) != 0) rest.remove_suffix(1);
-  constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"", kCssPixel_m},
+  constexpr std::array<std::pair<std::string_view, double>, 9> kUnits{{{"", kCssPixel_m},
                                                                        {"px", kCssPixel_m},
                                                                        {"mm", 1e-3},
                                                                        {"cm", 1e-2},
                                                                        {"m", 1.0},
                                                                        {"in", 25.4e-3},
                                                                        {"pt", 25.4e-3 / 72.0},
-                                                                       {"pc", 25.4e-3 / 6.0}}};
+                                                                       {"pc", 25.4e-3 / 6.0},
+{"q", 0.25e-3}}};
+  std::string unit(rest);
+  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return std::tolower(c); });
   for (const auto& [name, metres] : kUnits) {
-    if (rest == name) return *value * metres;
+    if (unit == name) return *value * metres;
   }
   return std::nullopt;
 }
 
 double SvgCoordinates::operator()(const char* name, double fallback) const {
-  const char* text = element_.Attribute(name);
+  const auto styled = own_.find(name);
+  const char* text = styled != own_.end() ? styled->second.c_str() : element_.Attribute(name);
   if (text == nullptr || std::strcmp(text, "auto") == 0) return fallback;
   if (const auto metres = svg_length_m(text)) return *metres / kCssPixel_m;
   std::string_view rest(text);

@@ -7,6 +7,7 @@
 
 #include "common/runtime/vectors.h"
 #include "common/vision/vector/drawn_lines.h"
+#include "common/vision/vector/svg/cascade.h"
 
 namespace tinyxml2 {
 class XMLElement;
@@ -24,14 +25,16 @@ std::optional<double> svg_length_m(const char* text);
 class SvgCoordinates {
  public:
   /// `viewport`: its size, user units.
-  SvgCoordinates(const tinyxml2::XMLElement& element, const Vec2& viewport, DrawnLines& out)
-      : element_(element), viewport_(viewport), out_(out) {}
+  SvgCoordinates(const tinyxml2::XMLElement& element, const Properties& own, const Vec2& viewport,
+                 DrawnLines& out)
+      : element_(element), own_(own), viewport_(viewport), out_(out) {}
 
-  /// An attribute, or the fallback where it is not given or left to the viewer.
+  /// What the style says, or the attribute, or the fallback where it is not given or left to the viewer.
   double operator()(const char* attribute, double fallback = 0.0) const;
 
  private:
   const tinyxml2::XMLElement& element_;
+  const Properties& own_;
   Vec2 viewport_;
   DrawnLines& out_;
 };

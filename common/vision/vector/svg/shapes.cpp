@@ -5,6 +5,7 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/vision/vector/curve_writer.h"
@@ -53,6 +54,16 @@ void draw_rectangle(const SvgCoordinates& at, CurveWriter& w, const Eigen::Affin
   out.add(w, here, true);
 }
 
+/// What stands before and behind the place, in letters that can be printed.
+std::string damage(std::string_view d, const PathData& data) {
+  const std::size_t at = d.size() - data.rest().size();
+  const std::size_t from = at < 20 ? 0 : at - 20;
+  std::string near(d.substr(from, at - from + 20));
+  std::replace_if(
+      near.begin(), near.end(), [](char c) { return c < ' ' || c > '~'; }, ' ');
+  return fmt::format("a path's data cannot be read near \"{}\" (character {} of {})", near, at + 1, d.size());
+}
+
 void draw_path(std::string_view d, CurveWriter& w, const Eigen::Affine2d& here, DrawnLines& out) {
   const auto end_subpath = [&](bool closed) {
     if (w.points().size() > 1) {
@@ -73,20 +84,35 @@ void draw_path(std::string_view d, CurveWriter& w, const Eigen::Affine2d& here, 
     draw(*segment, w);
     if (w.full() || w.bad()) return out.add(w, here, false);
   }
-  if (data.damaged())
-    return out.fail(fmt::format("a path's data cannot be read near \"{:.30}\"", data.rest()));
+  if (data.damaged()) return out.fail(damage(d, data));
   end_subpath(false);
+}
+
+/// The path of a style: path("M ..."), or the attribute.
+std::string_view path_of(const tinyxml2::XMLElement& e, const Properties& own) {
+  const char* attribute = e.Attribute("d");
+  std::string_view text = attribute != nullptr ? attribute : "";
+  if (const auto styled = own.find("d"); styled != own.end()) {
+    text = styled->second;
+    if (text == "none") return {};
+    const auto open = text.find_first_of("\"'");
+    const auto close = text.find_last_of("\"'");
+    if (text.starts_with("path(") && close > open) text = text.substr(open + 1, close - open - 1);
+  }
+  return text;
 }
 
 }  // namespace
 
-void draw_shape(std::string_view name, const tinyxml2::XMLElement& e, const SvgCoordinates& at,
-                const Eigen::Affine2d& here, DrawnLines& out) {
+bool draw_shape(std::string_view name, const tinyxml2::XMLElement& e, const Properties& own,
+                const SvgCoordinates& at, const Eigen::Affine2d& here, DrawnLines& out) {
+  constexpr std::array<std::string_view, 7> kShapes{"path", "line", "polyline", "polygon", "rect", "circle", "ellipse"};
+  if (std::find(kShapes.begin(), kShapes.end(), name) == kShapes.end()) return false;
   auto writer = out.writer(here);
-  if (!writer) return;
+  if (!writer) return true;
   CurveWriter& w = *writer;
   if (name == "path") {
-    if (const char* d = e.Attribute("d")) draw_path(d, w, here, out);
+    draw_path(path_of(e, own), w, here, out);
   } else if (name == "line") {
     w.move_to({at("x1"), at("y1")});
     w.line_to({at("x2"), at("y2")});
@@ -95,15 +121,14 @@ void draw_shape(std::string_view name, const tinyxml2::XMLElement& e, const SvgC
     draw_points(e.Attribute("points"), name == "polygon", w, here, out);
   } else if (name == "rect") {
     draw_rectangle(at, w, here, out);
-  } else if (name == "circle" || name == "ellipse") {
+  } else {
     const double r = at("r");
-    const Vec2 radii = name == "circle" ? Vec2(r, r) : Vec2(at("rx"), at("ry"));
-    if (!(radii.minCoeff() > 0.0)) return;
+    Vec2 radii = name == "circle" ? Vec2(r, r) : Vec2(at("rx", at("ry")), at("ry", at("rx")));
+    if (!(radii.minCoeff() > 0.0)) return true;
     w.ellipse({at("cx"), at("cy")}, {radii.x(), 0}, {0, radii.y()}, 0.0, 2.0 * M_PI);
     out.add(w, here, true);
-  } else {
-    out.unsupported.add(name);
   }
+  return true;
 }
 
 }  // namespace telekerf::vision

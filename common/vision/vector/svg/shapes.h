@@ -10,9 +10,9 @@
 
 namespace telekerf::vision {
 
-/// Draws path, line, polyline, polygon, rect, circle or ellipse; another `name` is noted as unsupported.
+/// Draws path, line, polyline, polygon, rect, circle or ellipse; false: `name` is none of these.
 /// `here` places the element's coordinates in the drawing.
-void draw_shape(std::string_view name, const tinyxml2::XMLElement& e, const SvgCoordinates& at,
-                const Eigen::Affine2d& here, DrawnLines& out);
+bool draw_shape(std::string_view name, const tinyxml2::XMLElement& e, const Properties& own,
+                const SvgCoordinates& at, const Eigen::Affine2d& here, DrawnLines& out);
 
 }  // namespace telekerf::vision

@@ -2,20 +2,46 @@
 // What an SVG element looks like, as far as it decides what is cut.
 #pragma once
 
-#include "common/vision/vector/drawn_lines.h"
+#include <functional>
+#include <string>
+#include <string_view>
 
-namespace tinyxml2 {
-class XMLElement;
-}
+#include "common/vision/vector/svg/cascade.h"
 
 namespace telekerf::vision {
 
-/// By its own attributes; what hides it hides its children.
-bool is_hidden(const tinyxml2::XMLElement& e);
-/// Notes what changes the picture of an element that is followed all the same; what would move it fails the
-/// drawing.
-void note_effects(const tinyxml2::XMLElement& e, DrawnLines& out);
-/// Notes the rules of a <style> element that would decide where and whether something is drawn.
-void note_style_sheet(const tinyxml2::XMLElement& e, DrawnLines& out);
+/// What an element has of its own and from those around it.
+struct Look {
+  std::string fill = "black";
+  std::string stroke = "none";
+  std::string color = "black";
+  std::string stroke_width = "1";
+  std::string dashes = "none";
+  double fill_opacity = 1.0;
+  double stroke_opacity = 1.0;
+  bool visible = true;
+  bool displayed = true;  ///< it and all around it
+  bool opaque = true;     ///< likewise, even if only a little
+  bool markers = false;
+};
+
+/// The look of an element within another.
+Look look_of(const Properties& own, const Look& around);
+
+/// Whether `id` is defined in the file: a paint that is not is none.
+using IsDefined = std::function<bool(std::string_view id)>;
+
+struct Painted {
+  bool fill = false;
+  bool stroke = false;
+  bool white = false;      ///< what fills it
+  std::string colour;      ///< of the stroke, or else of the area: #rrggbb, or the word that the file has
+  std::string why_hidden;  ///< empty: it is shown
+};
+/// How an element with this look is painted; `area`: it can be filled.
+Painted painted(const Look& look, bool area, const IsDefined& is_defined);
+
+/// What cannot be followed and would move the element; empty: nothing.
+std::string trouble_of(const Properties& own);
 
 }  // namespace telekerf::vision

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// What SVG asks of XML beyond its elements: entities and namespaces.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+namespace tinyxml2 {
+class XMLElement;
+}
+
+namespace telekerf::vision {
+
+/// The text with the entities that its DOCTYPE declares put in their places; the error is one sentence: they
+/// make it larger than `max_bytes`, or are in another file.
+tl::expected<std::string, std::string> with_entities(std::string text, std::size_t max_bytes);
+
+/// A name without its prefix.
+std::string_view local_name(std::string_view name);
+/// The local name of an element of SVG, whatever its prefix; empty: of another namespace. Without any
+/// declaration an element without a prefix is SVG.
+std::string_view svg_name(const tinyxml2::XMLElement& e);
+
+}  // namespace telekerf::vision
