@@ -32,7 +32,7 @@ constexpr double kMinAskedLength_px = 8.0;  ///< where the smallest size is aske
 constexpr double kNoise_px = 5.0;           ///< smaller ones are not worth a word
 
 /// Largest first; specks go.
-void keep_large(Contours& contours, const ExtractionSettings& settings, LeftOut& left_out) {
+void keep_large(Contours& contours, const ExtractionSettings& settings, SmallParts& left_out) {
   std::vector<std::pair<double, std::size_t>> order;
   const double min_length = settings.min_size_px ? kMinAskedLength_px : kMinLength_px;
   std::vector<double> small;
@@ -64,7 +64,7 @@ void keep_large(Contours& contours, const ExtractionSettings& settings, LeftOut&
 }
 
 tl::expected<Contours, std::string> finished(Contours contours, const ExtractionSettings& settings,
-                                             LeftOut& left_out, const char* complaint) {
+                                             SmallParts& left_out, const char* complaint) {
   keep_large(contours, settings, left_out);
   if (contours.empty()) return tl::unexpected<std::string>(complaint);
   for (PixelContour& contour : contours) smooth_and_resample(contour, 1.0);
@@ -95,7 +95,7 @@ double blur_of(const Field& field, const Contours& contours) {
 }
 
 tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines found,
-                                                 const ExtractionSettings& settings, LeftOut& left_out) {
+                                                 const ExtractionSettings& settings, SmallParts& left_out) {
   const double blur_px = blur_of(field, found.contours);
   for (std::size_t i = 0; i < found.contours.size(); ++i) found.contours[i].hole = found.areas_px[i] < 0.0;
   auto contours =
@@ -111,13 +111,13 @@ tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines fo
 }
 
 tl::expected<Contours, std::string> stroke_mode(const Field& field, const Outlines& found,
-                                                const ExtractionSettings& settings, LeftOut& left_out) {
+                                                const ExtractionSettings& settings, SmallParts& left_out) {
   return finished(strokes_of(field, found), settings, left_out,
                   found.cut_off > 0 ? kAllCutOff : "the picture holds specks only, no stroke");
 }
 
 tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlines& found,
-                                                const ExtractionSettings& settings, LeftOut& left_out) {
+                                                const ExtractionSettings& settings, SmallParts& left_out) {
   const double width = found.width_px;
   const bool is_stroke = found.thin();
   const cv::Mat band = edge_band(field, width, is_stroke);
@@ -147,7 +147,7 @@ tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlin
 
 /// Strokes by their centre lines, regions by their outlines; largest first.
 tl::expected<Contours, std::string> both_modes(const Field& field, ShapeKinds kinds,
-                                               const ExtractionSettings& settings, LeftOut& left_out) {
+                                               const ExtractionSettings& settings, SmallParts& left_out) {
   Field ink = field;
   ink.drawn = kinds.stroke_ink;
   auto strokes = stroke_mode(ink, kinds.strokes, settings, left_out);

@@ -51,7 +51,7 @@ struct DrawingEvidence {
 };
 
 /// Contours that are too small to count.
-struct LeftOut {
+struct SmallParts {
   int small = 0;
   double largest_px = 0.0;  ///< diagonal of the box of the largest
 };
@@ -64,7 +64,7 @@ struct Extraction {
   double contrast = 0.0;  ///< of drawing and background, grey levels
   double noise = 0.0;     ///< of the picture, standard deviation in grey levels
   DrawingEvidence evidence;
-  LeftOut left_out;
+  SmallParts left_out;
   Contours contours;  ///< largest first, never empty
 };
 
