@@ -159,7 +159,15 @@ tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, cons
 }
 
 tl::expected<LoadedContours, std::string> load_contours(const std::string& path, const LoadRequest& request) {
-  if (is_vector_file(path)) return vector_contours(path, request);
+  if (is_vector_file(path)) {
+    if (request.pointing.any() || request.paper != Paper::kNone || request.smallest_m) {
+      return tl::unexpected(
+          fmt::format("{}: a drawing says its lines itself; --at, --box, --not, --paper and --smallest-mm "
+                      "are for pictures",
+                      path));
+    }
+    return vector_contours(path, request);
+  }
   const auto picture = read_picture(path);
   if (!picture) return tl::unexpected(picture.error());
   LoadRequest reduced = request;

@@ -29,6 +29,8 @@ bool is_sure(const Extraction& drawing) {
   // Edges of what was cleared away are still explained by nothing.
   if (e.cleared && e.unevenness < 0.15 && e.ink_range < 0.5) return e.explained > 0.5;
   if (!e.one_pen || (e.cut_off >= 3 && e.cut_off_share > 0.35)) return false;
+  // Even ink under a faint shadow, whose own edge is explained by nothing.
+  if (e.cut_off == 0 && e.ink_range < 0.12 && e.unevenness < 0.45 && e.explained > 0.75) return true;
   if (e.explained >= 0.99) return e.unevenness < 0.36;
   if (e.explained < 0.97 && e.ink_range > 1.0) return false;
   return e.explained >= 0.9 && e.unevenness < 0.2;

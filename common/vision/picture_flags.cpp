@@ -27,6 +27,7 @@ void PictureFlags::add_parameters(Settings& settings) {
                "X,Y: a pixel of the thing to be cut; more points X,Y,X,Y for more of it, or more things");
   settings.add("not", away, 0, pixels, "X,Y: a pixel that is none of it; more points likewise");
   settings.add("box", box, 4, pixels, "X,Y,WIDTH,HEIGHT: the thing to be cut lies within");
+  settings.add("paper", paper, kPapers, "the sheet in the picture that says how large it is and how it lies");
   settings.add(
       "smallest_mm", smallest_mm, {.min = 1e-3, .max = 1e4, .unit = "mm"},
       "size of the smallest contour of a picture that counts; without it a twentieth of the largest");

@@ -17,7 +17,7 @@ _telekerf_flags() {
     'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --record --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-vision ') echo '--image --camera --mode --at --not --box --smallest-mm --anchor --select --width-mm --fit-all --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-vision ') echo '--image --camera --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl engage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -43,7 +43,7 @@ _telekerf_flags() {
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
-    'telekerf-inspect contour') echo '--mode --start --end --at --not --box --smallest-mm --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --out --config --print-config --help --version' ;;
+    'telekerf-inspect contour') echo '--mode --start --end --at --not --box --paper --smallest-mm --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --out --config --print-config --help --version' ;;
     'telekerf-inspect drive') echo '--robot --drive --drive-stale-s --mismatch --seed --control-hz --force-n --travel-mm --duration-s --move --json --out --config --print-config --help --version' ;;
     'telekerf-inspect efd') echo '--harmonics --config --print-config --help --version' ;;
     'telekerf-inspect robot') echo '--ik --fk --jacobian --workspace --hall --picture --config --print-config --help --version' ;;
@@ -156,6 +156,7 @@ _telekerf_values() {
     'telekerf-vision  --at') echo "" ;;
     'telekerf-vision  --not') echo "" ;;
     'telekerf-vision  --box') echo "" ;;
+    'telekerf-vision  --paper') echo "-W 'none a4 a5 letter'" ;;
     'telekerf-vision  --smallest-mm') echo "" ;;
     'telekerf-vision  --anchor') echo "-W 'box first image'" ;;
     'telekerf-vision  --select') echo "" ;;
@@ -415,6 +416,7 @@ _telekerf_values() {
     'telekerf-inspect contour --at') echo "" ;;
     'telekerf-inspect contour --not') echo "" ;;
     'telekerf-inspect contour --box') echo "" ;;
+    'telekerf-inspect contour --paper') echo "-W 'none a4 a5 letter'" ;;
     'telekerf-inspect contour --smallest-mm') echo "" ;;
     'telekerf-inspect contour --width-mm') echo "" ;;
     'telekerf-inspect contour --height-mm') echo "" ;;

@@ -68,6 +68,28 @@ bool is_even(const Field& field, const Shape& shape, const cv::Mat& labels) {
   return variation_of(field, shape, labels).value_or(9.0) < kEven;
 }
 
+/// All of one pen, straight or nearly, much longer than wide: a dashed line. Letters are not.
+bool are_dashes(const std::vector<Shape>& shapes, const cv::Size& picture) {
+  constexpr int kFewest = 4;
+  constexpr double kWidest = 0.015;  // of the picture's diagonal
+  constexpr double kSame = 0.12;     // of the mean width
+  double sum = 0.0;
+  double squares = 0.0;
+  int count = 0;
+  for (const Shape& s : shapes) {
+    if (s.size <= 0.0) continue;
+    const double length = 0.5 * s.perimeter - s.width();
+    if (s.holes > 0 || s.size < 3.0 * s.width() || s.size < 0.85 * length) return false;
+    sum += s.width();
+    squares += s.width() * s.width();
+    ++count;
+  }
+  if (count < kFewest) return false;
+  const double mean = sum / count;
+  return mean < kWidest * std::hypot(picture.width, picture.height) &&
+         squares / count - mean * mean < kSame * kSame * mean * mean;
+}
+
 void finish(Outlines& part) {
   double area = 0.0;
   double perimeter = 0.0;
@@ -109,6 +131,7 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
                 cv::Rect({}, field.drawn.size());
     largest = std::max(largest, shape.size);
   }
+  if (!all_strokes && are_dashes(shapes, field.drawn.size())) return {outlines, {}, {}};
   // The pen: of all that is clearly drawn with one, by length.
   double pen = 0.0;
   double drawn_length = 0.0;

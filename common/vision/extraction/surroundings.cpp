@@ -68,7 +68,7 @@ std::optional<Cleared> on_sheet(const cv::Mat& grey, const tl::expected<Separati
   const bool even_ground = sheet->desk_range < 0.08 * contrast;
   const bool like_ink =
       std::abs(sheet->desk_level - median_inside(grey, found->field.drawn)) < kOtherLevel * contrast;
-  if (even_ground && like_ink && !found->outlines.thin()) return std::nullopt;
+  if (even_ground && like_ink && !sheet->askew && !found->outlines.thin()) return std::nullopt;
   return Cleared{std::move(*found), "on a sheet, what lies round it is left out", {}};
 }
 

@@ -94,6 +94,7 @@ std::optional<Sheet> sheet_in(const cv::Mat& grey) {
   constexpr double kMinArea = 0.12;  // of the picture
   constexpr double kMaxArea = 0.96;
   constexpr double kConvex = 0.93;
+  constexpr double kAskew = 0.012;  // of a side
   constexpr std::size_t kMostSides = 6;
   constexpr double kOnBorder = 0.4;  // of the picture's border
   constexpr double kPaper = 0.6;     // of the sheet is paper
@@ -149,6 +150,11 @@ std::optional<Sheet> sheet_in(const cv::Mat& grey) {
     out.outline.emplace_back(static_cast<int>((p.x + 0.5) / scale), static_cast<int>((p.y + 0.5) / scale));
   }
   out.corners = corners_of(grey, out.outline, 3.0 / scale);
+  out.askew = out.corners.empty();
+  for (std::size_t i = 0; i < out.corners.size(); ++i) {
+    const Vec2 side = out.corners[(i + 1) % 4] - out.corners[i];
+    out.askew = out.askew || side.cwiseAbs().minCoeff() > kAskew * side.norm();
+  }
   return out;
 }
 

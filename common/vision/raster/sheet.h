@@ -13,6 +13,7 @@ namespace telekerf::vision {
 struct Sheet {
   std::vector<cv::Point> outline;  ///< convex, pixels of the picture
   std::vector<Vec2> corners;  ///< four, clockwise as seen from the top left one; empty if one is not seen
+  bool askew = false;         ///< no rectangle along the picture's sides, as a drawn plate would be
   double desk_level = 0.0;    ///< median grey level of the desk
   double desk_range = 0.0;    ///< range of four fifths of its levels
   double paper_level = 0.0;   ///< median of the sheet

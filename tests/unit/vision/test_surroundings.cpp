@@ -174,6 +174,53 @@ TEST(Surroundings, ARingWithAnUnevenRimIsARegion) {
   EXPECT_EQ(found->mode, ExtractionMode::kOutline);
 }
 
+TEST(Surroundings, DashesAreCutAlongTheirMiddle) {
+  const geometry::Polyline line = blob(200, {400, 300});
+  cv::Mat picture(600, 800, CV_8U, cv::Scalar(235));
+  int dashes = 0;
+  for (std::size_t i = 0; i + 18 < line.size(); i += 30, ++dashes) {
+    geometry::Polyline dash;
+    dash.points_m.assign(line.points_m.begin() + static_cast<std::ptrdiff_t>(i),
+                         line.points_m.begin() + static_cast<std::ptrdiff_t>(i + 18));
+    stroke(picture, dash, 5, 35);
+  }
+  photograph(picture);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_EQ(found->mode, ExtractionMode::kStroke);
+  ASSERT_EQ(found->contours.size(), static_cast<std::size_t>(dashes));
+  for (const PixelContour& dash : found->contours) EXPECT_FALSE(dash.closed);
+}
+
+TEST(Surroundings, ASheetAskewOnEvenGroundIsPaperEvenUnderAFilledShape) {
+  const geometry::Polyline truth = blob(110, {400, 300});
+  cv::Mat picture(600, 800, CV_8U, cv::Scalar(38));
+  cv::fillConvexPoly(picture, std::vector<cv::Point>{{100, 60}, {730, 90}, {700, 550}, {70, 500}},
+                     cv::Scalar(228), cv::LINE_AA);
+  fill(picture, truth, 45);
+  photograph(picture);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 1u);
+  EXPECT_LT(compare(found->contours.front(), truth).rms_px, 0.8);
+}
+
+TEST(Surroundings, AFaintShadowOverARegionChangesNothing) {
+  const geometry::Polyline truth = blob(180, {400, 300});
+  cv::Mat picture(600, 800, CV_8U, cv::Scalar(235));
+  fill(picture, truth, 50);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < 430 - y / 5; ++x)
+      picture.at<unsigned char>(y, x) =
+          cv::saturate_cast<unsigned char>(0.7 * picture.at<unsigned char>(y, x));
+  }
+  photograph(picture, 1.5);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 1u);
+  EXPECT_LT(compare(found->contours.front(), truth).rms_px, 0.8);
+}
+
 TEST(Surroundings, DotsBesideStrokesKeepTheirOutlines) {
   const geometry::Polyline line = blob(200, {400, 300});
   const geometry::Polyline dot = blob(45, {410, 290});

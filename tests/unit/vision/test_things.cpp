@@ -7,7 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "common/vision/picture_contours.h"
+#include "common/vision/load.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {
@@ -214,6 +214,44 @@ TEST(Things, PointingAtNothingSaysSo) {
   const auto found = contours_in(picture, request);
   ASSERT_FALSE(found);
   EXPECT_NE(found.error().find("--box"), std::string::npos) << found.error();
+}
+
+TEST(Things, WhatLiesBeyondThePictureAndWhatIsNoPictureIsRefused) {
+  const cv::Mat picture(240, 320, CV_8UC3, cv::Scalar(200, 205, 210));
+  PictureRequest request;
+  request.pointing.at = {{400, 20}};
+  const auto beyond = contours_in(picture, request);
+  ASSERT_FALSE(beyond);
+  EXPECT_NE(beyond.error().find("--at 400,20 lies beyond the picture, which has 320 x 240 pixels"),
+            std::string::npos)
+      << beyond.error();
+  LoadRequest load;
+  load.pointing = {{{3, 3}}, {}, {}};
+  const auto drawing = load_contours("any.svg", load);
+  ASSERT_FALSE(drawing);
+  EXPECT_NE(drawing.error().find("are for pictures"), std::string::npos) << drawing.error();
+}
+
+TEST(Things, AnyPictureOfAnySizeIsFoundOrRefused) {
+  cv::RNG rng(3);
+  for (int round = 0; round < 60; ++round) {
+    const cv::Size size(rng.uniform(8, 90), rng.uniform(8, 90));
+    const int types[] = {CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_32FC3};
+    cv::Mat picture(size, types[round % 5]);
+    rng.fill(picture, cv::RNG::UNIFORM, 0, round % 3 == 0 ? 2 : 255);
+    if (round % 4 == 0) cv::GaussianBlur(picture, picture, {}, 4.0);
+    PictureRequest request;
+    if (round % 2 == 0) request.pointing.at = {{rng.uniform(0, size.width), rng.uniform(0, size.height)}};
+    if (round % 7 == 0) request.pointing.box = Eigen::Vector4d(1, 1, size.width, size.height);
+    if (round % 5 == 0) request.pointing.away = {{0, 0}};
+    const auto found = contours_in(picture, request);
+    if (!found) {
+      EXPECT_GT(found.error().size(), 20u) << round;
+      continue;
+    }
+    ASSERT_FALSE(found->contours.empty()) << round;
+    EXPECT_TRUE(geometry::all_finite(found->contours.front().points_px)) << round;
+  }
 }
 
 }  // namespace
