@@ -13,6 +13,7 @@
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "common/vision/export/csv.h"
+#include "common/vision/export/dxf.h"
 #include "common/vision/export/gcode.h"
 #include "common/vision/export/overlay.h"
 #include "common/vision/export/svg.h"
@@ -36,6 +37,10 @@ struct ContourOptions {
   std::string harmonics = "auto";
   double tolerance_mm = 0.05;
   std::size_t select = 0;
+  vision::GCodeSettings gcode;
+  double speed_mm_s = 8.0;
+  double travel_mm_s = 50.0;
+  double overlap_mm = 0.2;
   double join_mm = 0.01;
   std::optional<double> dpi;
   vision::LengthUnit units = vision::LengthUnit::kFile;
@@ -130,7 +135,11 @@ int inspect(const ContourOptions& o) {
   if (!loaded) throw input_error(loaded.error());
   const geometry::Polyline& line = loaded->contours[loaded->selected];
   const geometry::Box box = geometry::bounding_box(line.points_m);
-  const vision::GCode gcode = vision::to_gcode(loaded->contours);
+  vision::GCodeSettings settings = o.gcode;
+  settings.cutting_speed_m_per_s = 1e-3 * o.speed_mm_s;
+  settings.travel_speed_m_per_s = 1e-3 * o.travel_mm_s;
+  settings.overlap_m = 1e-3 * o.overlap_mm;
+  const vision::GCode gcode = vision::to_gcode(loaded->contours, settings);
 
   nlohmann::json json = descriptors_of(line, o);
   json["input"] = std::filesystem::path(file).filename().string();
@@ -156,7 +165,8 @@ int inspect(const ContourOptions& o) {
 
   const std::filesystem::path out(o.out);
   make_folder("--out", out);
-  write_atomically(out / "contour.csv", vision::to_csv(line));
+  write_atomically(out / "contour.csv", vision::to_csv(loaded->contours, loaded->selected));
+  write_atomically(out / "contour.dxf", vision::to_dxf(loaded->contours));
   write_atomically(out / "contour.svg", vision::to_svg(loaded->contours));
   write_atomically(out / "contour.ngc", gcode.text);
   reporting::write_picture(out / "overlay.png", vision::overlay_of(*loaded));
@@ -182,13 +192,18 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
   s.add("tolerance_mm", o.tolerance_mm, {.min = 1e-6, .max = 1e3, .unit = "mm"},
         "largest deviation that harmonics = auto allows");
   s.add("select", o.select, {.min = 0, .max = 1e9}, "which contour, 0 is the largest");
+  s.add("speed_mm_s", o.speed_mm_s, {.min = 0.01, .max = 1000, .unit = "mm/s"}, "of cutting, for contour.ngc");
+  s.add("travel_mm_s", o.travel_mm_s, {.min = 0.01, .max = 10000, .unit = "mm/s"}, "between contours, for contour.ngc");
+  s.add("power", o.gcode.full_power, {.min = 0, .max = 100000}, "the S word of contour.ngc");
+  s.add("passes", o.gcode.passes, {.min = 1, .max = 100}, "how often contour.ngc cuts each contour");
+  s.add("overlap_mm", o.overlap_mm, {.min = 0, .max = 100, .unit = "mm"}, "how far a closed cut of contour.ngc runs on beyond its start");
   s.add("join_mm", o.join_mm, {.min = 0, .max = 10, .unit = "mm"}, "ends of a drawing's lines as near as this are joined");
   s.add("dpi", o.dpi, {.min = 1, .max = 100000, .unit = "pixels an inch"},
         "of a scan, or of an SVG file in pixels; without it: what the file says");
   s.add("units", o.units, vision::kLengthUnits, "a unit of an SVG or DXF file");
   s.add("layers", o.layers, TextForm{"NAME"}, "these layers of a drawing alone");
   s.add("colours", o.colours, TextForm{"COLOUR"}, "these colours of a drawing alone: #rrggbb, or a DXF number");
-  s.add("out", o.out, kFolder, "for contour.csv, contour.svg, contour.ngc and overlay.png").must_be_given();
+  s.add("out", o.out, kFolder, "for contour.csv, contour.svg, contour.dxf, contour.ngc and overlay.png").must_be_given();
 }
 
 }  // namespace

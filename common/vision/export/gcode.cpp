@@ -20,7 +20,7 @@ GCode to_gcode(std::span<const geometry::Polyline> contours, const GCodeSettings
   double length = 0.0;
   std::vector<Vec2> points;
   for (const auto& line : all) {
-    length += geometry::length_m(line) + (line.closed ? settings.overlap_m : 0.0);
+    length += geometry::length_m(line) * settings.passes + (line.closed ? settings.overlap_m : 0.0);
     points.insert(points.end(), line.points_m.begin(), line.points_m.end());
   }
   out.cutting_time_s = length / settings.cutting_speed_m_per_s + cut.travel_m / settings.travel_speed_m_per_s;
@@ -36,26 +36,29 @@ GCode to_gcode(std::span<const geometry::Polyline> contours, const GCodeSettings
     const geometry::Polyline line = geometry::simplified(
         geometry::without_duplicates(all[index], settings.min_segment_m), settings.tolerance_m);
     if (line.points_m.empty()) continue;
+    Vec2 at = line.points_m.front();
     const auto go = [&](const char* word, const Vec2& p) {
       fmt::format_to(to, "{} X{:.4f} Y{:.4f}", word, 1e3 * p.x(), 1e3 * p.y());
+      at = p;
+    };
+    const auto burn = [&](const Vec2& p) {
+      if ((p - at).norm() < settings.min_segment_m) return;
+      go("G1", p);
+      out.text += '\n';
     };
     go("G0", line.points_m.front());
     fmt::format_to(to, "\nM4 S{}\nF{:.1f}\n", settings.full_power, 6e4 * settings.cutting_speed_m_per_s);
-    for (std::size_t i = 1; i < line.size(); ++i) {
-      go("G1", line.points_m[i]);
-      out.text += '\n';
+    for (int pass = 0; pass < settings.passes; ++pass) {
+      // An open line is cut there and back.
+      const bool back = !line.closed && pass % 2 == 1;
+      for (std::size_t i = 1; i < line.size(); ++i) burn(line.points_m[back ? line.size() - 1 - i : i]);
+      if (line.closed) burn(line.points_m.front());
     }
-    if (line.closed) {
-      double left = settings.overlap_m;
-      go("G1", line.points_m.front());
-      out.text += '\n';
-      for (std::size_t i = 0; i < line.segments() && left > 0.0; ++i) {
-        const Vec2 step = line.end_of(i) - line.start_of(i);
-        const double fraction = std::min(1.0, left / step.norm());
-        go("G1", line.start_of(i) + fraction * step);
-        out.text += '\n';
-        left -= step.norm();
-      }
+    double left = line.closed ? settings.overlap_m : 0.0;
+    for (std::size_t i = 0; i < line.segments() && left > 0.0; ++i) {
+      const Vec2 step = line.end_of(i) - line.start_of(i);
+      burn(line.start_of(i) + std::min(1.0, left / step.norm()) * step);
+      left -= step.norm();
     }
     out.text += "M5\n";
   }

@@ -14,6 +14,7 @@ struct GCodeSettings {
   double travel_speed_m_per_s = 0.05;
   double overlap_m = 0.2e-3;  ///< a closed cut runs on this far beyond its start, so that it is really closed
   int full_power = 1000;      ///< S word
+  int passes = 1;             ///< over each contour, one after the other
   double min_segment_m = 5e-6;  ///< controllers choke on shorter ones
   double tolerance_m = 2e-6;    ///< of leaving points out
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <opencv2/imgproc.hpp>
+#include <string>
 #include <vector>
 
 #include "common/vision/raster/grey_plane.h"
@@ -42,7 +43,11 @@ cv::Mat overlay_of(const LoadedContours& loaded) {
     const bool chosen = k == loaded.selected;
     const cv::Scalar colour = chosen ? cv::Scalar(0, 0, 220) : cv::Scalar(200, 120, 0);
     cv::polylines(out, points, loaded.contours[k].closed, colour, thickness, cv::LINE_AA, kShift);
-    if (!chosen || points.empty()) continue;
+    if (points.empty()) continue;
+    // Its number beside its first point.
+    const cv::Point place(points.front().x / (1 << kShift) + 4 * thickness, points.front().y / (1 << kShift) - 4 * thickness);
+    cv::putText(out, std::to_string(k), place, cv::FONT_HERSHEY_SIMPLEX, 0.45 * thickness, colour, thickness, cv::LINE_AA);
+    if (!chosen) continue;
     const int radius = (3 + thickness) << kShift;
     cv::circle(out, points[points.size() / 16], radius / 2, cv::Scalar(180, 0, 180), -1, cv::LINE_AA, kShift);
     cv::circle(out, points.front(), radius, cv::Scalar(0, 160, 0), -1, cv::LINE_AA, kShift);

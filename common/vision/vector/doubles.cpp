@@ -127,9 +127,10 @@ class Doubles {
   WithoutDoubles result() {
     WithoutDoubles out;
     out.gave_up = !find_runs();
+    std::vector<std::vector<Stretch>> all(lines_.size());
+    for (std::size_t k = 0; k < lines_.size() && !out.gave_up; ++k) all[k] = covered_of(k);
     for (std::size_t k = 0; k < lines_.size(); ++k) {
-      std::vector<Stretch> covered;
-      if (!out.gave_up) covered = covered_of(k);
+      const std::vector<Stretch>& covered = all[k];
       if (covered.empty()) {
         out.lines.push_back(std::move(lines_[k]));
         out.from.push_back(from_[k]);

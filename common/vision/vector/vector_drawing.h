@@ -35,10 +35,10 @@ std::optional<double> metres_of(LengthUnit unit);
 /// How a drawing is to be understood where the file leaves it open, and what of it is wanted.
 struct VectorRequest {
   double join_m = 10e-6;             ///< ends that are as near as this are one point
-  std::optional<double> dpi;         ///< pixels an inch of SVG; else 96, or what the program used that wrote it
-  std::optional<double> unit_m;      ///< a unit of the file, whatever it says
-  std::vector<std::string> layers;   ///< these alone; none: all that are shown
-  std::vector<std::string> colours;  ///< these alone, as the file names them or as #rrggbb; none: all
+  std::optional<double> dpi = std::nullopt;         ///< pixels an inch of SVG; else 96, or what the program used that wrote it
+  std::optional<double> unit_m = std::nullopt;      ///< a unit of the file, whatever it says
+  std::vector<std::string> layers = {};   ///< these alone; none: all that are shown
+  std::vector<std::string> colours = {};  ///< these alone, as the file names them or as #rrggbb; none: all
 };
 
 /// What a contour was drawn with.

@@ -250,7 +250,7 @@ TEST(SvgLengths, UnitsAreTheirMetres) {
   EXPECT_FALSE(svg_length_m(nullptr));
   // Per cents are of the width, of the height, or of the diagonal over sqrt 2.
   const auto d = read_svg(
-      "<svg width='80mm' height='60mm' viewBox='0 0 80 60'><line x1='50%' y1='50%' x2='60%' y2='60%'/>"
+      "<svg stroke='black' fill='none' width='80mm' height='60mm' viewBox='0 0 80 60'><line x1='50%' y1='50%' x2='60%' y2='60%'/>"
       "<circle cx='25%' cy='25%' r='10%'/></svg>");
   ASSERT_TRUE(d) << d.error();
   EXPECT_NEAR((d->contours[0].points_m[0] - 1e-3 * Vec2(40, -30)).norm(), 0.0, 1e-15);
@@ -264,19 +264,19 @@ TEST(Joining, EndsMeetWithinTheToleranceAndNotBeyond) {
     return std::vector<geometry::Polyline>{
         {{{0, 0}, {1, 0}}, false}, {{{1, 1}, {1, gap}}, false}, {{{1, 1}, {0, last_gap}}, false}};
   };
-  const auto ring = joined(lines(0.99e-8, 0.99e-8), 1e-8);
+  const auto ring = joined(lines(0.99e-8, 0.99e-8), 1e-8).lines;
   ASSERT_EQ(ring.size(), 1u);
   EXPECT_TRUE(ring[0].closed);
   EXPECT_EQ(ring[0].size(), 3u);
-  const auto open = joined(lines(0.99e-8, 1.01e-8), 1e-8);
+  const auto open = joined(lines(0.99e-8, 1.01e-8), 1e-8).lines;
   ASSERT_EQ(open.size(), 1u);
   EXPECT_FALSE(open[0].closed);
   EXPECT_EQ(open[0].size(), 4u);
-  EXPECT_EQ(joined(lines(1.01e-8, 1.01e-8), 1e-8).size(), 2u);
+  EXPECT_EQ(joined(lines(1.01e-8, 1.01e-8), 1e-8).lines.size(), 2u);
   // There and back is no ring, and what is closed stays by itself.
   const std::vector<geometry::Polyline> two{
       {{{0, 0}, {1, 0}}, false}, {{{1, 0}, {0, 0}}, false}, {{{0, 0}, {1, 0}, {1, 1}}, true}};
-  const auto apart = joined(two, 1e-8);
+  const auto apart = joined(two, 1e-8).lines;
   ASSERT_EQ(apart.size(), 2u);
   EXPECT_FALSE(apart[0].closed);
   EXPECT_TRUE(apart[1].closed);
@@ -286,8 +286,8 @@ TEST(DrawnLines, TakeAsManyPointsAsTheirLimit) {
   VectorLimits limits;
   limits.max_points = 4;
   const std::string two = "<line x2='1'/><line y1='5' x2='1' y2='5'/>";
-  EXPECT_TRUE(read_svg("<svg>" + two + "</svg>", limits));
-  const auto more = read_svg("<svg>" + two + "<line y1='9' x2='1' y2='9'/></svg>", limits);
+  EXPECT_TRUE(read_svg("<svg stroke='black'>" + two + "</svg>", limits));
+  const auto more = read_svg("<svg stroke='black'>" + two + "<line y1='9' x2='1' y2='9'/></svg>", limits);
   ASSERT_FALSE(more);
   EXPECT_EQ(more.error(), "the drawing has more than 4 points");
   limits.max_bytes = 20;

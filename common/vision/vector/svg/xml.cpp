@@ -88,12 +88,15 @@ std::string_view svg_name(const tinyxml2::XMLElement& e) {
   const std::string_view prefix = whole.substr(0, whole.size() - name.size());
   const std::string declaration =
       prefix.empty() ? "xmlns" : fmt::format("xmlns:{}", prefix.substr(0, prefix.size() - 1));
+  const tinyxml2::XMLElement* root = &e;
   for (const tinyxml2::XMLElement* around = &e; around != nullptr;
        around = around->Parent() != nullptr ? around->Parent()->ToElement() : nullptr) {
+    root = around;
     const char* space = around->Attribute(declaration.c_str());
     if (space != nullptr) return std::string_view(space) == "http://www.w3.org/2000/svg" ? name : std::string_view();
   }
-  return prefix.empty() || prefix == "svg:" ? name : std::string_view();
+  const bool all_prefixed = std::string_view(root->Name()).find(':') != std::string_view::npos;
+  return prefix == "svg:" || (prefix.empty() && !all_prefixed) ? name : std::string_view();
 }
 
 }  // namespace telekerf::vision
