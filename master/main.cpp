@@ -2,6 +2,7 @@
 // telekerf-master: the operator's robot, confined to the contour; streams its motion to the slave.
 #include <fmt/format.h>
 
+#include <atomic>
 #include <chrono>
 #include <string>
 #include <thread>
@@ -12,6 +13,7 @@
 #include "common/bus/endpoints.h"
 #include "common/bus/process.h"
 #include "common/bus/stop_line.h"
+#include "common/protocol/sentences.h"
 #include "common/runtime/program.h"
 #include "common/runtime/startup_error.h"
 #include "master/station.h"
@@ -36,7 +38,32 @@ struct Flags {
   void validate() const { (void)station.validated(); }
 };
 
-const char* text_of(MasterMode mode) {
+const char* not_following(HoldReason reason) {
+  switch (reason) {
+    case HoldReason::kNotEngaged:
+    case HoldReason::kNone:
+      return "engaged: the slave is being taken hold of";
+    case HoldReason::kNeedsEngage:
+      return "engaged, but the slave holds until it is engaged anew";
+    case HoldReason::kTooOld:
+      return "engaged, but the slave holds: the commands reach it too late";
+    case HoldReason::kClockWrong:
+      return "engaged, but the slave holds: it cannot tell how old the commands are";
+    case HoldReason::kLimits:
+      return "engaged, but the slave holds: it is led out of its bounds";
+    case HoldReason::kStopped:
+      return "engaged, but the slave is stopped";
+    case HoldReason::kSilent:
+    case HoldReason::kNoCommands:
+      return "engaged, but no commands reach the slave";
+  }
+  return "engaged, but the slave does not follow";
+}
+
+/// What the slave makes of being led is said by the slave.
+const char* text_of(MasterMode mode, const StateHeader* slave, bool ours) {
+  if (mode == MasterMode::kEngaged && slave != nullptr && (!ours || slave->mode != SlaveMode::kFollowing))
+    return !ours ? "engaged, but the slave does not answer to this master" : not_following(slave->reason);
   switch (mode) {
     case MasterMode::kIdle:
       return "waiting for a contour";
@@ -60,7 +87,7 @@ int run(Flags& flags) {
   flags.station.epoch = settings.epoch;
   Station station(flags.station);
 
-  Process process(settings, "master", text_of(MasterMode::kIdle));
+  Process process(settings, "master", text_of(MasterMode::kIdle, nullptr, false));
   StatusReporter& status = process.status();
   Reader<StateBlock> states(process.bus());
   Reader<EventMessage> events(process.bus());
@@ -82,9 +109,11 @@ int run(Flags& flags) {
   arrived_states.reserve(64);
   arrived_events.reserve(64);
   Snapshot values;
+  std::atomic<const char*> refusal{nullptr};
   std::jthread publisher([&](const std::stop_token& stop) {
     for (; !stop.stop_requested(); std::this_thread::sleep_for(kTelemetryPeriod)) {
       if (const auto newest = values.load()) telemetry.write(*newest);
+      if (const char* said = refusal.exchange(nullptr)) status.say(said);
     }
   });
   double engaged_s = 0.0;
@@ -98,7 +127,9 @@ int run(Flags& flags) {
     if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
     (out.mode == MasterMode::kEngaged ? engaged_s : waited_s) += station.control_period_s();
-    status.state(text_of(out.mode));
+    const StateHeader* const slave = station.node().slave();
+    status.state(text_of(out.mode, slave, slave != nullptr && slave->master_epoch == settings.epoch));
+    if (out.refusal != nullptr) refusal.store(out.refusal);
     if (flags.duration_s > 0.0) status.progress(engaged_s / flags.duration_s, flags.duration_s);
     const MasterNode& node = station.node();
     if (node.tick() % kTelemetryTicks == 0)

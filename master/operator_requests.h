@@ -18,9 +18,17 @@ class OperatorRequests {
   OperatorRequests(bool engage, double beta) noexcept
       : engage_(engage), wanted_beta_(beta), beta_in_force_(beta) {}
 
-  /// True: another scale is asked for than before, so the contour must be prepared for it. A scale out of
-  /// bounds, or one that comes while the beam is on, is no request. Wait-free.
-  bool hear(std::span<const EventMessage> events, bool beam_on = false) noexcept;
+  /// What holds when an event comes.
+  struct Situation {
+    bool stopped = false;
+    bool beam_on = false;
+  };
+  struct Heard {
+    bool rescale = false;           ///< another scale is asked for: the contour must be prepared for it
+    const char* refusal = nullptr;  ///< a literal: why nothing comes of an event
+  };
+  /// A scale out of bounds is no request. Wait-free.
+  Heard hear(std::span<const EventMessage> events, const Situation& now) noexcept;
   /// The wish to engage is over, until the next event.
   void spend_engage() noexcept { engage_ = false; }
   /// The slave shall follow, as soon as everything is ready for it.

@@ -66,7 +66,10 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                              std::span<const EventMessage> events, const StopOrder& stop) noexcept {
   StationOutputs out;
   const StateHeader* const slave = node_.slave();
-  out.prepare_anew = requests_.hear(events, slave != nullptr && slave->laser_on);
+  const OperatorRequests::Heard heard =
+      requests_.hear(events, {stop.number != 0, slave != nullptr && slave->laser_on});
+  out.prepare_anew = heard.rescale;
+  out.refusal = heard.refusal;
   const Tick tick = node_.tick();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
 

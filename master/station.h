@@ -26,6 +26,7 @@ struct GuidedContour {
 };
 
 struct StationOutputs : MasterOutputs {
+  const char* refusal = nullptr;  ///< why nothing comes of what the operator said, a literal
   bool prepare_anew = false;  ///< another scale is asked for: prepare() the contour once more
 };
 

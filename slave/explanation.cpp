@@ -3,6 +3,8 @@
 
 #include <string_view>
 
+#include "common/protocol/sentences.h"
+
 namespace telekerf::slave {
 
 std::string beam_explanation(std::uint32_t forbidden, bool wanted, bool lit) {
@@ -20,12 +22,12 @@ std::string beam_explanation(std::uint32_t forbidden, bool wanted, bool lit) {
   return "beam off: " + reasons;
 }
 
-std::string tracking_explanation(SlaveMode mode, std::uint32_t forbidden, bool settled) {
+std::string tracking_explanation(SlaveMode mode, HoldReason reason, std::uint32_t forbidden, bool settled) {
   switch (mode) {
     case SlaveMode::kWaiting:
       return "not following: no master has engaged, or none is heard";
     case SlaveMode::kHolding:
-      return "not following: no commands arrive, it holds its place";
+      return std::string("not following, holding its place: ") + sentence_of(reason);
     case SlaveMode::kStopped:
       return "not following: the emergency stop is latched";
     case SlaveMode::kFollowing:
@@ -37,7 +39,7 @@ std::string tracking_explanation(SlaveMode mode, std::uint32_t forbidden, bool s
 }
 
 std::string explanation(const SlaveOutputs& out) {
-  return tracking_explanation(out.mode, out.forbidden, out.settled) + "; " +
+  return tracking_explanation(out.mode, out.reason, out.forbidden, out.settled) + "; " +
          beam_explanation(out.forbidden, out.button, out.laser_w > 0.0);
 }
 

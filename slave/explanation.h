@@ -15,7 +15,7 @@ namespace telekerf::slave {
 std::string beam_explanation(std::uint32_t forbidden, bool wanted, bool lit);
 
 /// "following", or why not.
-std::string tracking_explanation(SlaveMode mode, std::uint32_t forbidden, bool settled);
+std::string tracking_explanation(SlaveMode mode, HoldReason reason, std::uint32_t forbidden, bool settled);
 
 /// Both, of one step, in a line.
 std::string explanation(const SlaveOutputs& out);

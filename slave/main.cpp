@@ -8,9 +8,11 @@
 #include "common/bus/endpoints.h"
 #include "common/bus/process.h"
 #include "common/bus/stop_line.h"
+#include "common/protocol/sentences.h"
 #include "common/runtime/program.h"
 #include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
+#include "slave/explainer.h"
 #include "slave/station.h"
 
 namespace telekerf::slave {
@@ -25,14 +27,15 @@ struct Flags {
   void validate() const { (void)station.validated(); }
 };
 
-const char* text_of(SlaveMode mode) {
+const char* text_of(SlaveMode mode, HoldReason reason) {
   switch (mode) {
     case SlaveMode::kWaiting:
       return "waiting for the master's commands";
     case SlaveMode::kFollowing:
       return "following";
     case SlaveMode::kHolding:
-      return "holding its place, laser off: no commands arrive";
+      return reason == HoldReason::kSilent ? "holding its place, laser off: no commands arrive"
+                                           : sentence_of(reason);
     case SlaveMode::kStopped:
       return "stopped: laser off until clear-stop";
   }
@@ -47,7 +50,7 @@ int run(Flags& flags) {
   flags.station.epoch = settings.epoch;
   Station station(flags.station);
 
-  Process process(settings, "slave", text_of(SlaveMode::kWaiting));
+  Process process(settings, "slave", text_of(SlaveMode::kWaiting, HoldReason::kNoCommands));
   Reader<CommandBlock> commands(process.bus());
   StopLine emergency(process.bus(), flags.stop.path(settings));
   Writer<StateBlock> states(process.bus());
@@ -60,12 +63,14 @@ int run(Flags& flags) {
 
   std::vector<Received<CommandBlock>> arrived_commands;
   arrived_commands.reserve(64);
+  Explainer explainer(process.status());
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(commands, arrived_commands);
     const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, emergency.order());
     emergency.obeyed(out.stop);
     if (out.state) states.write(*out.state);
-    process.status().state(text_of(out.mode));
+    process.status().state(text_of(out.mode, out.reason));
+    explainer.step(out);
     return !contour.refused() && !station.machine().failed() && !station.beam().failed();
   });
   station.release();

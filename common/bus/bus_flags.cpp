@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/bus_flags.h"
 
-#include <ctime>
+#include <random>
 #include <sstream>
 
 namespace telekerf {
@@ -43,7 +43,9 @@ BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {
   settings.site = site;
   settings.role = role;
   settings.name = name;
-  settings.epoch = static_cast<std::uint32_t>(std::time(nullptr));
+  // Two starts within a second, or without a clock that knows the date, are two.
+  std::random_device random;
+  while (settings.epoch == 0) settings.epoch = random();
   settings.peers = hosts_of(peers);
   return settings;
 }

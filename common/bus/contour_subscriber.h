@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -19,8 +20,9 @@
 
 namespace telekerf {
 
-/// `Prepared` is what a node needs of a contour (a guide, a corridor). A contour that does not fit ends the
-/// subscription with the StartupError's sentence.
+/// `Prepared` is what a node needs of a contour (a guide, a corridor). A first contour that does not fit ends the
+/// subscription with the StartupError's sentence; a later one is refused with it, and what is in force stays.
+/// So is one whose id is not its digest. The contour in force, published again, changes nothing.
 template <class Prepared>
 class ContourSubscriber {
  public:
@@ -40,6 +42,8 @@ class ContourSubscriber {
     const std::lock_guard lock(mutex_);
     return refusal_;
   }
+  /// Contours that were refused while the run went on.
+  std::uint64_t unfit() const noexcept { return unfit_.load(std::memory_order_relaxed); }
   /// Prepares the newest contour once more, for what has changed in its preparation. Wait-free. If it is
   /// refused now, what was in force stays, and the refusal's sentence goes to stderr.
   void request_rebuild() noexcept { rebuild_.store(true, std::memory_order_release); }
@@ -54,6 +58,11 @@ class ContourSubscriber {
     bool any = false;
     while (!stop.stop_requested()) {
       while (auto received = reader_.take()) {
+        if (received->value.id != digest_of(received->value)) {
+          refuse(received->value, "its id is not the digest of its points");
+          continue;
+        }
+        if (any && received->value.id == message_.id) continue;
         try {
           auto prepared = prepare_(received->value);
           {
@@ -63,6 +72,10 @@ class ContourSubscriber {
           prepared_.offer(std::move(prepared));
           any = true;
         } catch (const StartupError& refusal) {
+          if (any) {
+            refuse(received->value, refusal.what());
+            continue;
+          }
           const std::lock_guard lock(mutex_);
           refusal_ = refusal.what();
           refused_.store(true, std::memory_order_release);
@@ -72,6 +85,10 @@ class ContourSubscriber {
       prepared_.collect();
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
+  }
+  void refuse(const ContourMessage& message, const char* why) {
+    unfit_.fetch_add(1, std::memory_order_relaxed);
+    fmt::print(stderr, "contour {} refused: {}\n", message.source, why);
   }
   void rebuild() {
     try {
@@ -88,6 +105,7 @@ class ContourSubscriber {
   ContourMessage message_;
   std::string refusal_;
   std::atomic<bool> refused_{false};
+  std::atomic<std::uint64_t> unfit_{0};
   std::atomic<bool> rebuild_{false};
   std::jthread thread_;  ///< last: starts when everything else is there, ends first
 };

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 
 #include "common/runtime/resources.h"
@@ -12,27 +11,6 @@
 
 namespace telekerf::vision_process {
 namespace {
-
-/// FNV-1a over one line after the other.
-std::uint32_t digest_of(bool closed, const std::vector<Vec2>& points_m, std::uint32_t hash) {
-  if (!closed) hash ^= 1U;
-  for (const Vec2& p : points_m) {
-    for (const double value : {p.x(), p.y()}) {
-      std::uint64_t bits = 0;
-      std::memcpy(&bits, &value, sizeof bits);
-      for (int byte = 0; byte < 8; ++byte)
-        hash = (hash ^ static_cast<unsigned char>(bits >> (8 * byte))) * 16777619U;
-    }
-  }
-  return hash;
-}
-
-/// The same lines have the same id after a restart, others have another. Never 0, which is nobody's.
-std::uint32_t digest_of(const ContourMessage& message) {
-  std::uint32_t hash = digest_of(message.closed, message.points_m, 2166136261U);
-  for (const ContourLine& line : message.further) hash = digest_of(line.closed, line.points_m, hash);
-  return std::max(1U, hash);
-}
 
 /// Share of what the hand reaches that the bounding circle of a fitted contour takes: centred by its box, a
 /// triangle reaches 15 % further, and there is a corridor beside it.

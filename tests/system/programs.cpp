@@ -64,7 +64,11 @@ std::filesystem::path Program::scratch() {
   struct Folder {
     std::filesystem::path path =
         std::filesystem::temp_directory_path() / ("telekerf-" + std::to_string(::getpid()));
-    Folder() { std::filesystem::create_directories(path); }
+    Folder() {
+      std::filesystem::create_directories(path);
+      // Stops that a test leaves in force are nobody else's.
+      ::setenv("XDG_STATE_HOME", (path / "state").c_str(), 1);  // NOLINT
+    }
     ~Folder() {
       std::error_code ignored;
       std::filesystem::remove_all(path, ignored);

@@ -100,9 +100,13 @@ TEST(Demo, TheOperatorEngagesChangesTheScaleAndStops) {
   ASSERT_TRUE(master.says("moving to the contour", seconds(20))) << master.output();
   tell({"engage"});
   ASSERT_TRUE(master.says("engaged: the slave follows", seconds(20))) << master.output();
+  tell({"disengage"});
+  std::this_thread::sleep_for(seconds(1));
   tell({"beta", "0.05"});  // 31 mm / 0.05 is no place for any robot
   EXPECT_TRUE(master.says("stays as it is", seconds(10))) << master.output();
   tell({"beta", "0.8"});
+  std::this_thread::sleep_for(seconds(3));
+  tell({"engage"});
   std::this_thread::sleep_for(seconds(5));
   tell({"stop"});
   EXPECT_TRUE(master.says("stopped", seconds(10))) << master.output();

@@ -21,11 +21,13 @@ struct Prepared {
 
 class Contours : public testing::Test {
  protected:
-  void publish(std::uint32_t id) {
-    samples::Random random(id);
+  /// The `number`-th of any contours; its id.
+  std::uint32_t publish(std::uint32_t number, std::uint32_t wrong = 0) {
+    samples::Random random(number);
     ContourMessage contour = samples::contour(random, 20);
-    contour.id = id;
-    ASSERT_TRUE(writer.write(contour));
+    contour.id = digest_of(contour) + wrong;
+    EXPECT_TRUE(writer.write(contour));
+    return contour.id;
   }
   bool sees(std::uint32_t id) {
     return soon([&] {
@@ -47,8 +49,8 @@ class Contours : public testing::Test {
 
 TEST_F(Contours, ManyComeAndFewStay) {
   EXPECT_EQ(subscriber.current(), nullptr);
-  for (std::uint32_t id = 1; id <= 30; ++id) {
-    publish(id);
+  for (std::uint32_t number = 1; number <= 30; ++number) {
+    const std::uint32_t id = publish(number);
     ASSERT_TRUE(sees(id));
     EXPECT_EQ(subscriber.message().id, id);
   }
@@ -59,12 +61,12 @@ TEST_F(Contours, ManyComeAndFewStay) {
 }
 
 TEST_F(Contours, ARebuildTakesTheNewestAgain) {
-  publish(7);
-  ASSERT_TRUE(sees(7));
+  const std::uint32_t id = publish(7);
+  ASSERT_TRUE(sees(id));
   scale = 0.5;
   subscriber.request_rebuild();
   EXPECT_TRUE(soon([&] { return subscriber.current()->scale == 0.5; }));
-  EXPECT_EQ(subscriber.current()->id, 7u);
+  EXPECT_EQ(subscriber.current()->id, id);
   too_large = true;  // then what was in force stays, and nothing ends
   scale = 2.0;
   subscriber.request_rebuild();
@@ -79,6 +81,28 @@ TEST_F(Contours, ARefusedContourEndsItWithTheSentence) {
   ASSERT_TRUE(soon([&] { return subscriber.refused(); }));
   EXPECT_EQ(subscriber.refusal(), "too large");
   EXPECT_EQ(subscriber.current(), nullptr);
+}
+
+TEST_F(Contours, InMidRunARefusedOneLeavesTheOneBeforeInForce) {
+  const std::uint32_t id = publish(1);
+  ASSERT_TRUE(sees(id));
+  too_large = true;
+  publish(2);
+  EXPECT_TRUE(soon([&] { return subscriber.unfit() == 1; }));
+  too_large = false;
+  publish(3, 1);  // another one's id
+  EXPECT_TRUE(soon([&] { return subscriber.unfit() == 2; }));
+  EXPECT_FALSE(subscriber.refused());
+  EXPECT_EQ(subscriber.current()->id, id);
+}
+
+TEST_F(Contours, TheSameOneAgainChangesNothing) {
+  const std::uint32_t id = publish(1);
+  ASSERT_TRUE(sees(id));
+  const Prepared* const before = subscriber.current();
+  publish(1);
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(subscriber.current(), before);
 }
 
 }  // namespace

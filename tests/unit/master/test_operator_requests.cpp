@@ -14,7 +14,7 @@ bool hear(OperatorRequests& requests, Kind kind, double value = 0.0) {
   EventMessage event;
   event.kind = kind;
   event.value = value;
-  return requests.hear({&event, 1});
+  return requests.hear({&event, 1}, {}).rescale;
 }
 
 TEST(OperatorRequests, TheLastWordOnEngagingHolds) {
@@ -54,6 +54,24 @@ TEST(OperatorRequests, ARefusedScaleGivesWayToTheLastOneThatWasGranted) {
   hear(requests, Kind::kSetBeta, 0.9);
   requests.refused(0.1);
   EXPECT_EQ(requests.wanted_beta(), 0.9) << "another was asked for meanwhile";
+}
+
+TEST(OperatorRequests, WhatIsRefusedIsSaidAndChangesNothing) {
+  OperatorRequests requests(false, 0.5);
+  const auto refusal = [&](Kind kind, double value, const OperatorRequests::Situation& now) {
+    EventMessage event;
+    event.kind = kind;
+    event.value = value;
+    return requests.hear({&event, 1}, now).refusal != nullptr;
+  };
+  EXPECT_TRUE(refusal(Kind::kEngage, 0.0, {.stopped = true, .beam_on = false}));
+  EXPECT_TRUE(refusal(Kind::kSetBeta, 0.8, {.stopped = true, .beam_on = false}));
+  EXPECT_TRUE(refusal(Kind::kSetBeta, 0.8, {.stopped = false, .beam_on = true}));
+  EXPECT_TRUE(refusal(Kind::kSetBeta, 99.0, {}));
+  EXPECT_FALSE(requests.engage());
+  EXPECT_EQ(requests.wanted_beta(), 0.5);
+  EXPECT_FALSE(refusal(Kind::kDisengage, 0.0, {.stopped = true, .beam_on = true}));
+  EXPECT_FALSE(refusal(Kind::kEngage, 0.0, {.stopped = false, .beam_on = true}));
 }
 
 }  // namespace
