@@ -11,6 +11,8 @@ namespace {
 static_assert(laser::guard_bit("button") == kButtonGuard);
 
 constexpr double kSettled_m = 2e-6;
+constexpr std::int64_t kLatePeriods = 3;
+constexpr std::int64_t kDarkAfterLate_ns = 20'000'000;
 
 std::int64_t period_ns(const SlaveSettings& settings) noexcept {
   return std::llround(1e9 / settings.control_hz);
@@ -72,7 +74,7 @@ Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool) cons
 }
 
 laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Selected& selected,
-                                         const KinematicState& tool) noexcept {
+                                         const KinematicState& tool, bool on_time) noexcept {
   const Corridor* corridor = inputs.corridor;
   const laser::InterlockSettings& limits = interlock_.settings();
   const Vec2 place = tool.position_m.head<2>();
@@ -102,7 +104,7 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
           .button_armed = selector_.arming().button_armed(),
           .fresh = selected.following && joints_.posed() && inputs.joints.valid && led_m_per_s.allFinite(),
           .unlit = true,
-          .on_time = true,
+          .on_time = on_time,
           .emission_agrees = inputs.emission_agrees,
           .monitor_agrees = true,
           .command_age_s = selected.age_s >= 0.0 ? selected.age_s : laser::kAbsent,
@@ -127,6 +129,14 @@ void SlaveNode::book(std::int64_t now_ns) noexcept {
   dose_.add(lit_.place_m, lit_.power_w * static_cast<double>(lasted_ns) * 1e-9);
 }
 
+bool SlaveNode::on_time(std::int64_t now_ns) noexcept {
+  if (tick_ > 0 && now_ns - lit_.time_ns > kLatePeriods * period_ns(settings_)) {
+    on_time_from_ns_ = now_ns + kDarkAfterLate_ns;
+    ++late_steps_;
+  }
+  return now_ns >= on_time_from_ns_;
+}
+
 SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept {
   SlaveOutputs out;
   const KinematicState tool = observe(inputs.joints);
@@ -148,7 +158,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   out.currents_a = joints_.currents(track(selected, tool));
 
   book(now_ns);
-  const laser::InterlockInputs now = judged(inputs, selected, tool);
+  const laser::InterlockInputs now = judged(inputs, selected, tool, on_time(now_ns));
   auto [judgement, permit] = interlock_.decide(now_ns, now);
   out.interlock = judgement.reason();
   out.forbidden = judgement.forbidden;

@@ -57,6 +57,7 @@ struct SlaveInputs {
 
 struct SlaveCounters : streaming::StreamCounters, StateReportCounters {
   std::uint64_t missed_ticks = 0;  ///< applied while their sample was not there
+  std::uint64_t late_steps = 0;    ///< after which the beam was off for a while
 };
 
 struct SlaveOutputs {
@@ -93,7 +94,7 @@ class SlaveNode {
   }
 
   SlaveCounters counters() const noexcept {
-    return {commands_.counters(), report_.counters(), selector_.missed_ticks()};
+    return {commands_.counters(), report_.counters(), selector_.missed_ticks(), late_steps_};
   }
   /// What the work has got so far.
   const laser::DoseBook& dose() const noexcept { return dose_; }
@@ -106,9 +107,11 @@ class SlaveNode {
   /// Joint accelerations by the tracking law.
   Vec3 track(const Selected& selected, const KinematicState& tool) const noexcept;
   laser::InterlockInputs judged(const SlaveInputs& inputs, const Selected& selected,
-                                const KinematicState& tool) noexcept;
+                                const KinematicState& tool, bool on_time) noexcept;
   /// The energy of the step before is in the account when this one is judged.
   void book(std::int64_t now_ns) noexcept;
+  /// A step that comes later than a laser waits for keeps the beam off for a while.
+  bool on_time(std::int64_t now_ns) noexcept;
 
   robot::RobotModel model_;
   SlaveSettings settings_;
@@ -132,6 +135,8 @@ class SlaveNode {
     Vec2 place_m = Vec2::Zero();
     double power_w = 0.0;
   } lit_;  ///< of the step before
+  std::int64_t on_time_from_ns_ = 0;
+  std::uint64_t late_steps_ = 0;
   StateReport report_;
 };
 

@@ -140,6 +140,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.commands = commands;
   inputs.stop = stop;
   inputs.corridor = corridor;
+  inputs.emission_agrees = beam_.emission_agrees();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
   if (inputs.joints.valid) machine_.watch(out.tool_m);
@@ -168,6 +169,7 @@ void Station::report(RunRecord& record) const {
   f["lost"] = static_cast<double>(counters.lost);
   f["stale"] = static_cast<double>(counters.stale);
   f["refused"] = static_cast<double>(counters.refused);
+  f["late_steps"] = static_cast<double>(counters.late_steps);
   f["missed_ticks"] = static_cast<double>(counters.missed_ticks);
   const auto states = static_cast<double>(std::max<std::uint64_t>(counters.states, 1));
   const double samples = 3.0 * settings_.node.feedback.block * states;

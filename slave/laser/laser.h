@@ -2,6 +2,7 @@
 // The hardware seam of the laser, and the row by which users name one.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string_view>
 
@@ -9,15 +10,26 @@
 
 namespace telekerf::laser {
 
+/// What a laser is told in one control step.
+struct Emission {
+  double power_w = 0.0;       ///< average, finite and not negative
+  bool pilot = false;         ///< the visible beam that shows where the work will be
+  std::int64_t lasts_ns = 0;  ///< from being told on; then beam and pilot are off, unless it was told anew
+  std::uint64_t enable =
+      0;  ///< number of the permit; there is no power without one that is larger than before
+};
+
 /// What a vendor implements. A laser is its own files, which define a LaserKind beside the Laser, and one row
 /// in laser_output.cpp.
 class Laser {
  public:
   virtual ~Laser() = default;
-  /// Once every control step, and whenever the beam must be off: average power until the next call, finite
-  /// and not negative, and the visible pilot beam. Neither allocates nor waits. False: the laser was not
-  /// told, as far as can be known.
-  virtual bool emit(double power_w, bool pilot) noexcept = 0;
+  /// Once every control step, and whenever the beam must be off. Neither allocates nor waits. False: the
+  /// laser was not told, as far as can be known.
+  virtual bool emit(const Emission& emission) noexcept = 0;
+  /// The newest measurement of the light: there is some, though the laser had been told to be off. A laser
+  /// that measures nothing never says so.
+  virtual bool stray() noexcept { return false; }
 };
 
 /// Opened with the control rate, Hz: how often emit() will be called.
@@ -27,7 +39,7 @@ using LaserKind = LaserRegistry::Kind;
 /// Gives what it is told to; the record holds that, and the workpiece is burnt from the record.
 class SimulatedLaser final : public Laser {
  public:
-  bool emit(double, bool) noexcept override { return true; }
+  bool emit(const Emission&) noexcept override { return true; }
 };
 
 inline std::unique_ptr<Laser> open_simulated_laser(std::string_view, double) {

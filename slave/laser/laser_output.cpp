@@ -31,20 +31,30 @@ std::string validate_laser(const std::string& laser) { return kLasers.validate(l
 void LaserOutputSettings::add_parameters(Settings& settings) {
   settings.add("laser", laser, device_form(kLasers.forms(), validate_laser), "what makes the beam");
   settings.add("laser_max_w", laser_max_w, {.min = 0, .max = 1000, .unit = "W"},
-               "power that the laser is never asked to exceed");
+               "power that the laser is never asked to exceed, 0: 1000 of a simulated one; any other must "
+               "have it stated");
 }
 
 void LaserOutputSettings::validate(double laser_w) const {
-  if (laser_w <= laser_max_w) return;
+  if (laser != "simulated" && laser_max_w <= 0.0) {
+    throw configuration_error(fmt::format(
+        "laser = {}: laser_max_w must be stated for a laser that is not simulated; give the power that "
+        "it may never exceed",
+        laser));
+  }
+  if (laser_w <= max_w()) return;
   throw configuration_error(
       fmt::format("laser_w = {:g} must be at most laser_max_w = {:g}; lower it, or raise "
                   "laser_max_w if the laser can give more",
-                  laser_w, laser_max_w));
+                  laser_w, max_w()));
 }
 
 LaserOutput::LaserOutput(const LaserOutputSettings& settings, double laser_w, double control_hz,
                          std::unique_ptr<Laser> laser)
-    : name_(settings.laser), max_w_(settings.laser_max_w), forgotten_a_step_(1.0 / (kMemory_s * control_hz)) {
+    : name_(settings.laser),
+      max_w_(settings.max_w()),
+      lasts_ns_(std::llround(2e9 / control_hz)),
+      forgotten_a_step_(1.0 / (kMemory_s * control_hz)) {
   settings.validate(laser_w);
   laser_ = laser ? std::move(laser) : kLasers.open(settings.laser, control_hz);
   off();
@@ -63,21 +73,34 @@ double LaserOutput::emit(Permit permit, std::int64_t now_ns, double power_w, boo
     power_w = max_w_;
     ++clipped_;
   }
-  return tell(power_w, pilot);
+  return tell({.power_w = power_w,
+               .pilot = pilot,
+               .lasts_ns = permitted ? permit.end_ns() - now_ns : lasts_ns_,
+               .enable = permitted ? permit.tick() : 0});
 }
 
-double LaserOutput::tell(double power_w, bool pilot) noexcept {
-  if (failed_) power_w = 0.0;
-  if (laser_->emit(power_w, pilot && !failed_)) {
+double LaserOutput::tell(const Emission& emission) noexcept {
+  Emission told = emission;
+  if (failed_) told = {};
+  if (laser_->emit(told)) {
     doubts_ = std::max(0.0, doubts_ - forgotten_a_step_);
   } else {
     ++write_failures_;
     failed_ = failed_ || ++doubts_ >= kEnough;
   }
-  return power_w;
+  if (emission_agrees()) stray_steps_ = laser_->stray() ? stray_steps_ + 1 : 0;
+  failed_ = failed_ || !emission_agrees();
+  return told.power_w;
 }
 
 std::string LaserOutput::failure() const {
+  if (!emission_agrees()) {
+    return fmt::format(
+        "laser = {}: it gives light though it was told to be off, so it is told nothing else any more; cut "
+        "its power, "
+        "and have it looked at",
+        name_);
+  }
   return fmt::format(
       "laser = {}: it no longer hears what it is told, so nothing is cut any more; is it switched on, "
       "connected, and its port right?",

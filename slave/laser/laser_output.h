@@ -18,7 +18,10 @@ namespace telekerf::laser {
 struct LaserOutputSettings {
   LaserOutputSettings() = default;  // no aggregate, see RobotSupervisorSettings
   std::string laser = "simulated";  ///< a row of the registry in laser_output.cpp
-  double laser_max_w = 1000.0;      ///< more is never asked for
+  /// More is never asked for. 0: not stated; then kUnstated_w of a simulated laser, and no other is opened.
+  double laser_max_w = 0.0;
+  static constexpr double kUnstated_w = 1000.0;
+  double max_w() const noexcept { return laser_max_w > 0.0 ? laser_max_w : kUnstated_w; }
   void add_parameters(Settings& settings);
   /// Throws StartupError if this laser is not to give `laser_w`.
   void validate(double laser_w) const;
@@ -42,7 +45,7 @@ class LaserOutput {
   /// as new was used before. The pilot beam needs none.
   double emit(Permit permit, std::int64_t now_ns, double power_w, bool pilot) noexcept;
   /// Beam and pilot: without a judgement, and after the last step.
-  void off() noexcept { (void)tell(0.0, false); }
+  void off() noexcept { (void)tell({}); }
 
   /// Steps in which more than `laser_max_w` was asked for.
   std::uint64_t clipped() const noexcept { return clipped_; }
@@ -51,18 +54,24 @@ class LaserOutput {
   /// Steps in which the laser was not told, as far as is known.
   std::uint64_t write_failures() const noexcept { return write_failures_; }
 
-  /// Not told time and again, from then on and for good: `failure()` says so in a sentence for the user. The
-  /// laser is told to be off from then on, in case it hears.
+  /// The laser gives light only where it was told to, as far as it measures it; for good once it has not in
+  /// two steps in a row.
+  bool emission_agrees() const noexcept { return stray_steps_ < kStraySteps; }
+  /// Not told time and again, or light that nobody asked for, from then on and for good: `failure()` says so
+  /// in a sentence for the user. The laser is told to be off from then on, in case it hears.
   bool failed() const noexcept { return failed_; }
   std::string failure() const;
 
  private:
-  double tell(double power_w, bool pilot) noexcept;
+  double tell(const Emission& emission) noexcept;
 
   std::string name_;
   double max_w_;
+  std::int64_t lasts_ns_;  ///< an emission without a permit, as the pilot's is
   double forgotten_a_step_;
   std::unique_ptr<Laser> laser_;
+  static constexpr int kStraySteps = 2;
+  int stray_steps_ = 0;          ///< in a row
   std::uint64_t used_tick_ = 0;  ///< of the newest permit that was used
   std::uint64_t clipped_ = 0;
   std::uint64_t unpermitted_ = 0;

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/laser/udp_laser.h"
 
+#include <algorithm>
 #include <bit>
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/error.hpp>
 #include <chrono>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 namespace telekerf::laser {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "datagrams are little endian");
-static_assert(sizeof(UdpPower) == 32, "datagrams hold no padding");
+static_assert(sizeof(UdpPower) == 48 && sizeof(UdpEmission) == 24, "datagrams hold no padding");
 /// In this time a host that is near says that nobody listens.
 constexpr std::chrono::milliseconds kAnswer{50};
+constexpr int kMostAnswers = 8;  ///< that are looked at in a step
 
 }  // namespace
 
@@ -32,18 +36,45 @@ UdpLaser::UdpLaser(const UdpAddress& address, double control_hz) : socket_(conte
 
 boost::system::error_code UdpLaser::send() noexcept {
   ++outgoing_.sequence;
+  dark_[outgoing_.sequence % dark_.size()] = outgoing_.power_w == 0.0;
   boost::system::error_code error;
   socket_.send(boost::asio::buffer(&outgoing_, sizeof(outgoing_)), 0, error);
   return error;
 }
 
-bool UdpLaser::emit(double power_w, bool pilot) noexcept {
-  outgoing_.power_w = power_w;
-  outgoing_.pilot = pilot ? 1 : 0;
+bool UdpLaser::emit(const Emission& emission) noexcept {
+  outgoing_.power_w = emission.power_w;
+  outgoing_.pilot = emission.pilot ? 1 : 0;
+  outgoing_.enable = emission.enable;
+  outgoing_.lasts_ns = static_cast<std::uint32_t>(
+      std::clamp<std::int64_t>(emission.lasts_ns, 0, 2 * std::int64_t{outgoing_.period_ns}));
   // What fails may be of the datagram before, and keeps this one from being sent.
   const bool told = !send();
   if (!told) send();
-  return told;
+  return !std::exchange(refused_, false) && told;
+}
+
+bool UdpLaser::stray() noexcept {
+  bool stray = false;
+  for (int n = 0; n < kMostAnswers; ++n) {
+    UdpEmission answer;
+    boost::system::error_code error;
+    const std::size_t size = socket_.receive(boost::asio::buffer(&answer, sizeof(answer)), 0, error);
+    if (error) {
+      // Of the datagram before, which nobody has got; send() will not hear of it any more.
+      refused_ = error == boost::asio::error::connection_refused;
+      break;
+    }
+    const bool known = size == sizeof(answer) && answer.magic == UdpEmission::kMagic &&
+                       answer.version == UdpPower::kVersion && answer.sequence > answered_ &&
+                       answer.sequence <= outgoing_.sequence &&
+                       outgoing_.sequence - answer.sequence < dark_.size();
+    if (!known) continue;
+    answered_ = answer.sequence;
+    // Written so that what is not a number is light.
+    stray = dark_[answer.sequence % dark_.size()] && !(answer.emission_w <= kDark_w);
+  }
+  return stray;
 }
 
 std::unique_ptr<Laser> open_udp_laser(std::string_view rest, double control_hz) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A laser behind a UDP address, one datagram a step and no answer: the smallest one, to copy from. For one
-// host or a wire of its own; there is no protection against a stranger's datagrams.
+// A laser behind a UDP address, one datagram a step, which it may answer with the light that it measures: the
+// smallest one, to copy from. For one host or a wire of its own; there is no protection against a stranger's
+// datagrams.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cstdint>
@@ -18,13 +20,25 @@ namespace telekerf::laser {
 /// Controller -> laser, little endian. docs/how-to/add-a-laser.md says what the laser must do by itself.
 struct UdpPower {
   static constexpr std::uint32_t kMagic = 0x4c554b54;
-  static constexpr std::uint32_t kVersion = 1;
+  static constexpr std::uint32_t kVersion = 2;
   std::uint32_t magic = kMagic;
   std::uint32_t version = kVersion;
   std::uint64_t sequence = 0;  ///< from 1, more each time
   double power_w = 0.0;
   std::uint32_t period_ns = 0;  ///< until the next one
   std::uint32_t pilot = 0;      ///< 1: on
+  std::uint64_t enable = 0;     ///< larger than any before, or no power; 0: none
+  std::uint32_t lasts_ns = 0;   ///< from its arrival on, then off
+  std::uint32_t reserved = 0;
+};
+
+/// Laser -> controller, if it measures its light; the answer to each UdpPower that it obeys.
+struct UdpEmission {
+  static constexpr std::uint32_t kMagic = 0x45554b54;
+  std::uint32_t magic = kMagic;
+  std::uint32_t version = UdpPower::kVersion;
+  std::uint64_t sequence = 0;  ///< of the datagram that it answers
+  double emission_w = 0.0;     ///< measured, with that datagram obeyed
 };
 
 /// After so long without a datagram the laser must be off: what the interlock reckons with (reaction_s), or
@@ -39,7 +53,10 @@ class UdpLaser final : public Laser {
   /// that nobody listens there.
   UdpLaser(const UdpAddress& address, double control_hz);
   /// False also if the one before did not arrive.
-  bool emit(double power_w, bool pilot) noexcept override;
+  bool emit(const Emission& emission) noexcept override;
+  /// The newest answer says so of a datagram without power, and more than kDark_w.
+  bool stray() noexcept override;
+  static constexpr double kDark_w = 1e-3;
 
  private:
   boost::system::error_code send() noexcept;
@@ -47,6 +64,9 @@ class UdpLaser final : public Laser {
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
   UdpPower outgoing_;
+  bool refused_ = false;         ///< the datagram before, as was learned meanwhile
+  std::uint64_t answered_ = 0;   ///< newest datagram that was
+  std::array<bool, 64> dark_{};  ///< of the last datagrams, by their number: without power
 };
 
 std::unique_ptr<Laser> open_udp_laser(std::string_view rest, double control_hz);

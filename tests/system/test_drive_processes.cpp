@@ -300,7 +300,7 @@ TEST(LaserProcesses, AnInterruptWhileTheHandCutsPutsTheBeamOut) {
   const std::string out = (Program::scratch() / "lit").string();
   LaserAtWork laser;
   Program vision("telekerf-vision", cell({"--image", "heart"}));
-  Program slave("telekerf-slave", cell({"--record", out, "--laser", laser.name()}));
+  Program slave("telekerf-slave", cell({"--record", out, "--laser", laser.name(), "--laser-max-w", "20"}));
   Program master("telekerf-master", cell({"--engage"}));
   ASSERT_TRUE(slave.says("following", seconds(30))) << slave.output() << master.output();
   std::this_thread::sleep_for(seconds(3));
@@ -315,7 +315,8 @@ TEST(LaserProcesses, ALaserThatGoesAwayEndsTheMachining) {
   auto laser = std::make_unique<LaserAtWork>();
   const std::string name = laser->name();
   Program vision("telekerf-vision", cell({"--image", "circle", "--width-mm", "12"}));
-  Program slave("telekerf-machine", cell({"--no-framing", "--record", out, "--laser", name}));
+  Program slave("telekerf-machine",
+                cell({"--no-framing", "--record", out, "--laser", name, "--laser-max-w", "20"}));
   ASSERT_TRUE(slave.says("cutting", seconds(30))) << slave.output();
   laser.reset();
   EXPECT_EQ(slave.wait(seconds(20)), 2) << slave.output();
@@ -332,7 +333,7 @@ TEST(LaserProcesses, ALaserThatIsNotThereIsRefused) {
     laser = closed.laser();
   }
   for (const char* program : {"telekerf-slave", "telekerf-machine"}) {
-    Program slave(program, cell({"--laser", laser}));
+    Program slave(program, cell({"--laser", laser, "--laser-max-w", "20"}));
     EXPECT_EQ(slave.wait(seconds(10)), 2) << slave.output();
     EXPECT_TRUE(slave.says("laser = " + laser + ": Connection refused; is the laser switched on", seconds(1)))
         << slave.output();

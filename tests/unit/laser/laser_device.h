@@ -30,8 +30,13 @@ class LaserDevice {
     if (off && (newest_.sequence == 0 || now_ns - heard_ns_ >= kGone_ns)) {
       sender_ = from;
       newest_.sequence = 0;
+      enable_ = 0;
     }
     if (from != sender_ || told.sequence <= newest_.sequence) return false;
+    if (told.power_w > 0.0) {
+      if (told.enable <= enable_) return false;
+      enable_ = told.enable;
+    }
     newest_ = told;
     heard_ns_ = now_ns;
     return true;
@@ -39,15 +44,25 @@ class LaserDevice {
   double power_w(std::int64_t now_ns) const {
     return silent(now_ns) ? 0.0 : std::min(newest_.power_w, max_w_);
   }
+  /// What it answers to the datagram that it obeyed last.
+  UdpEmission answer(std::int64_t now_ns) const {
+    UdpEmission answer;
+    answer.sequence = newest_.sequence;
+    answer.emission_w = power_w(now_ns);
+    return answer;
+  }
   bool pilot(std::int64_t now_ns) const { return !silent(now_ns) && newest_.pilot == 1; }
 
  private:
   static constexpr std::int64_t kGone_ns = 500'000'000;
-  bool silent(std::int64_t now_ns) const { return now_ns - heard_ns_ >= udp_silence_ns(newest_.period_ns); }
+  bool silent(std::int64_t now_ns) const {
+    return now_ns - heard_ns_ >= std::min<std::int64_t>(udp_silence_ns(newest_.period_ns), newest_.lasts_ns);
+  }
 
   double max_w_;
   Sender sender_;
   UdpPower newest_;
+  std::uint64_t enable_ = 0;
   std::int64_t heard_ns_ = 0;
 };
 
@@ -71,6 +86,9 @@ class LaserSocket {
         socket_.receive_from(boost::asio::buffer(&arrival.told, sizeof(UdpPower)), arrival.from, 0, error);
     if (error) return std::nullopt;
     return arrival;
+  }
+  void answer(const UdpEmission& answer, const LaserDevice::Sender& to) {
+    socket_.send_to(boost::asio::buffer(&answer, sizeof(answer)), to);
   }
   UdpAddress address() const { return {"127.0.0.1", socket_.local_endpoint().port()}; }
   /// As a user writes it.

@@ -70,6 +70,13 @@ inline LaserOutputSettings named(const std::string& laser) {
   return settings;
 }
 
+/// With the power that it may never exceed.
+inline LaserOutputSettings stated(const std::string& laser, double laser_max_w = 20.0) {
+  LaserOutputSettings settings = named(laser);
+  settings.laser_max_w = laser_max_w;
+  return settings;
+}
+
 /// Of an output with these settings, or "accepted".
 inline std::string refusal_of(const LaserOutputSettings& settings, double laser_w) {
   try {

@@ -28,14 +28,17 @@ TEST(Laser, WhatIsNoneIsRefusedWithWhatItMustBe) {
   }
   EXPECT_EQ(validate_laser("udp:127.0.0.1:7200"), "");
   EXPECT_EQ(refusal_of(named("simulated"), 10.0), "accepted");
-  EXPECT_NE(refusal_of(named("spi"), 10.0).find("laser = spi: must be one of"), std::string::npos);
-  EXPECT_NE(refusal_of(named("udp:no.such.host.invalid:7200"), 10.0).find("give the host's IPv4 address"),
+  EXPECT_NE(refusal_of(stated("spi"), 10.0).find("laser = spi: must be one of"), std::string::npos);
+  EXPECT_NE(refusal_of(stated("udp:no.such.host.invalid:7200"), 10.0).find("give the host's IPv4 address"),
             std::string::npos);
 }
 
 TEST(Laser, MoreThanItMayGiveIsRefusedBeforeTheStart) {
   LaserOutputSettings settings;
-  EXPECT_EQ(settings.laser_max_w, 1000.0);
+  EXPECT_EQ(settings.max_w(), 1000.0);
+  EXPECT_EQ(refusal_of(settings, 1000.5),
+            "laser_w = 1000.5 must be at most laser_max_w = 1000; lower it, or raise laser_max_w if the "
+            "laser can give more");
   settings.laser_max_w = 20.0;
   EXPECT_EQ(refusal_of(settings, 20.0), "accepted");
   EXPECT_EQ(
@@ -53,10 +56,15 @@ class Told : public Laser {
     bool operator==(const Step&) const = default;
   };
   explicit Told(std::vector<Step>& steps, bool within_reach = true) : reached(within_reach), steps_(steps) {}
-  bool emit(double power_w, bool pilot) noexcept override {
-    steps_.push_back({power_w, pilot});
+  bool emit(const Emission& emission) noexcept override {
+    steps_.push_back({emission.power_w, emission.pilot});
+    newest = emission;
     return reached;
   }
+  bool stray() noexcept override { return lights; }
+
+  Emission newest;
+  bool lights = false;
 
   bool reached;
 
@@ -133,6 +141,56 @@ TEST(LaserOutput, GivesNoMoreThanWasJudged) {
   }
   EXPECT_EQ(beam.unpermitted(), 1u);
   EXPECT_EQ(beam.clipped(), 0u);
+}
+
+TEST(Laser, ThatIsNotSimulatedHasItsLargestPowerStated) {
+  EXPECT_EQ(refusal_of(named("udp:127.0.0.1:7200"), 0.0),
+            "laser = udp:127.0.0.1:7200: laser_max_w must be stated for a laser that is not simulated; give "
+            "the power "
+            "that it may never exceed");
+}
+
+TEST(LaserOutput, TellsTheLaserWhenTheLightEndsAndByWhichPermit) {
+  std::vector<Told::Step> steps;
+  auto laser = std::make_unique<Told>(steps);
+  const Told& told = *laser;
+  LaserOutput beam({}, 10.0, 1000.0, std::move(laser));
+  EXPECT_EQ(told.newest.lasts_ns, 0);
+  EXPECT_EQ(told.newest.enable, 0u);
+  Permits permits;
+  for (std::uint64_t tick = 1; tick <= 2; ++tick) {
+    Permit permit = permits.next();
+    beam.emit(std::move(permit), permits.now_ns + 300, 5.0, false);
+    EXPECT_EQ(told.newest.lasts_ns, 2 * Permits::kPeriod_ns - 300);
+    EXPECT_EQ(told.newest.enable, tick);
+  }
+  beam.emit({}, permits.now_ns, 5.0, true);
+  EXPECT_EQ(told.newest.enable, 0u) << "the pilot's";
+  EXPECT_EQ(told.newest.lasts_ns, 2 * Permits::kPeriod_ns);
+}
+
+TEST(LaserOutput, ALaserThatGivesLightThoughToldToBeOffIsGivenUpAtTheSecondStep) {
+  std::vector<Told::Step> steps;
+  auto laser = std::make_unique<Told>(steps);
+  Told& told = *laser;
+  Permitted beam(LaserOutputSettings{}, 10.0, 1000.0, std::move(laser));
+  for (int n = 0; n < 5; ++n) {
+    told.lights = true;
+    EXPECT_EQ(beam.emit(5.0, false), 5.0);
+    told.lights = false;
+    beam.emit(5.0, false);
+  }
+  EXPECT_TRUE(beam.output.emission_agrees()) << "never twice in a row";
+  told.lights = true;
+  beam.emit(0.0, false);
+  EXPECT_FALSE(beam.output.failed());
+  beam.emit(0.0, false);
+  EXPECT_TRUE(beam.output.failed());
+  EXPECT_FALSE(beam.output.emission_agrees());
+  told.lights = false;
+  EXPECT_EQ(beam.emit(5.0, true), 0.0) << "for good";
+  EXPECT_EQ(steps.back(), (Told::Step{0.0, false}));
+  EXPECT_NE(beam.output.failure().find("gives light though it was told to be off"), std::string::npos);
 }
 
 TEST(LaserOutput, CountsStepsInWhichTheLaserWasNotTold) {

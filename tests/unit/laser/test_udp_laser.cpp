@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "slave/laser/laser_output.h"
@@ -19,7 +20,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
   EXPECT_EQ(UdpPower{}.magic, 0x4c554b54u);
-  EXPECT_EQ(UdpPower{}.version, 1u);
+  EXPECT_EQ(UdpPower{}.version, 2u);
   EXPECT_EQ(UdpPower{}.sequence, 0u);
   EXPECT_EQ(UdpPower{}.power_w, 0.0);
   EXPECT_EQ(UdpPower{}.period_ns, 0u);
@@ -35,19 +36,24 @@ TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
   EXPECT_EQ(sequence, 2u) << "a second time, to hear what became of the first";
   const auto before = testing::allocations();
   bool told = true;
-  for (int n = 0; n < 100; ++n) told = laser.emit(0.1 * n, n % 2 == 1) && told;
+  for (int n = 0; n < 100; ++n) {
+    told = laser.emit({0.1 * n, n % 2 == 1, 500'000 + n, static_cast<std::uint64_t>(n)}) && told;
+    told = !laser.stray() && told;
+  }
   EXPECT_EQ(testing::allocations(), before);
   EXPECT_TRUE(told);
   for (int n = 0; n < 100; ++n) {
     const auto arrival = socket.take();
     ASSERT_TRUE(arrival.has_value()) << n;
-    EXPECT_EQ(arrival->size, 32u);
+    EXPECT_EQ(arrival->size, 48u);
     EXPECT_EQ(arrival->told.magic, UdpPower::kMagic);
-    EXPECT_EQ(arrival->told.version, 1u);
+    EXPECT_EQ(arrival->told.version, 2u);
     EXPECT_EQ(arrival->told.sequence, ++sequence);
     EXPECT_EQ(arrival->told.power_w, 0.1 * n);
     EXPECT_EQ(arrival->told.pilot, n % 2);
     EXPECT_EQ(arrival->told.period_ns, 416667u);
+    EXPECT_EQ(arrival->told.lasts_ns, 500'000u + static_cast<unsigned>(n));
+    EXPECT_EQ(arrival->told.enable, static_cast<std::uint64_t>(n));
   }
 }
 
@@ -58,13 +64,13 @@ TEST(UdpLaser, WhereNobodyListensIsRefused) {
     laser = closed.laser();
   }
   EXPECT_EQ(
-      refusal_of(named(laser), 10.0),
+      refusal_of(stated(laser), 10.0),
       "laser = " + laser + ": Connection refused; is the laser switched on, connected, and its port right?");
 }
 
 TEST(UdpLaser, ThatGoesAwayIsLost) {
   auto socket = std::make_unique<LaserSocket>();
-  Permitted beam(named(socket->laser()), 10.0, 1000.0);
+  Permitted beam(stated(socket->laser()), 10.0, 1000.0);
   for (int n = 0; n < 10; ++n) beam.emit(1.0, false);
   EXPECT_EQ(beam.output.write_failures(), 0u);
   socket.reset();
@@ -77,14 +83,14 @@ TEST(UdpLaser, IsToldAnewInTheSameStepWhenTheDatagramBeforeFailed) {
   const unsigned short port = socket->address().port;
   UdpLaser laser(socket->address(), 1000.0);
   socket.reset();
-  EXPECT_TRUE(laser.emit(1.0, false)) << "nobody has answered yet";
+  EXPECT_TRUE(laser.emit({1.0, false, 0, 0})) << "nobody has answered yet";
   LaserSocket again(port);
-  EXPECT_FALSE(laser.emit(2.0, true));
+  EXPECT_FALSE(laser.emit({2.0, true, 0, 0}));
   const auto arrival = again.take();
   ASSERT_TRUE(arrival.has_value());
   EXPECT_EQ(arrival->told.power_w, 2.0);
   EXPECT_EQ(arrival->told.pilot, 1u);
-  EXPECT_TRUE(laser.emit(3.0, false));
+  EXPECT_TRUE(laser.emit({3.0, false, 0, 0}));
 }
 
 TEST(UdpLaser, MayBeSilentForThreeMillisecondsOrTwoPeriods) {
@@ -107,12 +113,16 @@ class Device : public ::testing::Test {
     told.sequence = sequence;
     told.power_w = power_w;
     told.period_ns = period_ns;
+    told.lasts_ns = lasts_ns;
+    told.enable = enable++;
     return device.hear(told, sizeof(told), {boost::asio::ip::address_v4::loopback(), from}, now_ns);
   }
   double power_w() const { return device.power_w(now_ns); }
 
   LaserDevice device{20.0};
   std::uint32_t period_ns = kMs;
+  std::uint32_t lasts_ns = 20 * kMs;
+  std::uint64_t enable = 1;
   std::int64_t now_ns = 0;
 };
 
@@ -163,6 +173,81 @@ TEST_F(Device, GivesNeverMoreThanItHasAndNothingThatIsNoPower) {
   tell(2, 50.0);
   EXPECT_EQ(power_w(), 20.0);
   for (const double wrong : {-1.0, kNan, kInfinite}) EXPECT_FALSE(tell(3, wrong)) << wrong;
+}
+
+TEST_F(Device, IsOffAtTheEndThatItWasTold) {
+  tell(1, 0.0);
+  lasts_ns = 2 * kMs;
+  EXPECT_TRUE(tell(2, 8.0));
+  now_ns += 2 * kMs - 1;
+  EXPECT_EQ(power_w(), 8.0);
+  ++now_ns;
+  EXPECT_EQ(power_w(), 0.0);
+  lasts_ns = 0;
+  EXPECT_TRUE(tell(3, 8.0));
+  EXPECT_EQ(power_w(), 0.0);
+}
+
+TEST_F(Device, GivesNoPowerWithoutANewEnable) {
+  tell(1, 0.0);
+  EXPECT_TRUE(tell(2, 8.0));
+  --enable;
+  EXPECT_FALSE(tell(3, 8.0)) << "the same again";
+  EXPECT_TRUE(tell(4, 8.0));
+  enable = 0;
+  EXPECT_FALSE(tell(5, 8.0));
+  EXPECT_TRUE(tell(6, 0.0)) << "off needs none";
+  EXPECT_EQ(power_w(), 0.0);
+}
+
+/// A laser of which the tests say what it measures.
+class Measured : public ::testing::Test {
+ protected:
+  /// It is told, and answers.
+  bool step(double power_w, double emission_w, std::uint32_t version = UdpPower::kVersion) {
+    laser.emit({power_w, false, kMs, ++enable});
+    UdpEmission answer;
+    std::optional<LaserSocket::Arrival> newest;
+    while (auto arrival = socket.take()) newest = arrival;
+    answer.sequence = newest->told.sequence;
+    answer.emission_w = emission_w;
+    answer.version = version;
+    socket.answer(answer, newest->from);
+    return laser.stray();
+  }
+  LaserSocket socket;
+  UdpLaser laser{socket.address(), 1000.0};
+  std::uint64_t enable = 0;
+};
+
+TEST_F(Measured, LightThatNobodyAskedForIsStray) {
+  EXPECT_FALSE(laser.stray()) << "nothing is measured";
+  EXPECT_FALSE(step(8.0, 7.5));
+  EXPECT_FALSE(step(0.0, 0.0));
+  EXPECT_FALSE(step(0.0, 1e-3)) << "darker than dark is none";
+  EXPECT_TRUE(step(0.0, 1.1e-3));
+  EXPECT_FALSE(laser.stray()) << "said once";
+  EXPECT_TRUE(step(0.0, kNan));
+  EXPECT_FALSE(step(0.0, 5.0, 1)) << "no answer of this version";
+  EXPECT_FALSE(step(8.0, 0.0)) << "too little is no danger";
+}
+
+TEST_F(Measured, AnAnswerCountsOnceAndOnlyToWhatWasSent) {
+  laser.emit({0.0, false, kMs, 0});
+  std::optional<LaserSocket::Arrival> newest;
+  while (auto arrival = socket.take()) newest = arrival;
+  UdpEmission answer;
+  answer.emission_w = 5.0;
+  for (const std::uint64_t sequence : {newest->told.sequence + 1, std::uint64_t{0}}) {
+    answer.sequence = sequence;
+    socket.answer(answer, newest->from);
+    EXPECT_FALSE(laser.stray()) << sequence;
+  }
+  answer.sequence = newest->told.sequence;
+  socket.answer(answer, newest->from);
+  EXPECT_TRUE(laser.stray());
+  socket.answer(answer, newest->from);
+  EXPECT_FALSE(laser.stray());
 }
 
 }  // namespace

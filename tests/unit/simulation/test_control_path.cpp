@@ -53,6 +53,7 @@ TEST(ControlPath, NorDoesOneWithRobotAndLaserInAnotherProcess) {
   settings.machine.drive = "udp:127.0.0.1:" + std::to_string(drive.port());
   laser::LaserSocket laser;
   settings.beam.laser = laser.laser();
+  settings.beam.laser_max_w = 20.0;
   std::jthread answering([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) drive.serve_for(0.01);
   });

@@ -47,8 +47,8 @@ robot::Drive foreign(Foreign::World& world, const std::string& name, std::uint64
 class Lamp : public laser::Laser {
  public:
   explicit Lamp(std::vector<double>& told_w) : told_w_(told_w) {}
-  bool emit(double power_w, bool) noexcept override {
-    told_w_.push_back(power_w);
+  bool emit(const laser::Emission& emission) noexcept override {
+    told_w_.push_back(emission.power_w);
     return true;
   }
 

@@ -32,6 +32,31 @@ TEST_F(Permit, AnotherContourPutsTheBeamOutUntilTheMasterWorksOnItToo) {
   EXPECT_GT(out_.laser_w, 0.0);
 }
 
+/// Three periods are what a laser waits for; after four it is off for 20 ms.
+TEST_F(Permit, AStepThatComesLateKeepsTheBeamOffForAWhile) {
+  burn();
+  now_ns_ += 2 * kMs;
+  run(next_block());
+  EXPECT_EQ(station_.node().counters().late_steps, 0u);
+  follow(0.2);
+  ASSERT_GT(out_.laser_w, 0.0);
+  now_ns_ += 3 * kMs;
+  const std::int64_t late_ns = now_ns_;
+  int dark = 0;
+  each_tick_ = [&] {
+    const bool late = (out_.forbidden & laser::guard_bit("on-time")) != 0;
+    ASSERT_EQ(late, now_ns_ - late_ns < 20 * kMs);
+    ASSERT_FALSE(late && out_.laser_w > 0.0);
+    dark += late ? 1 : 0;
+  };
+  follow(0.1);
+  EXPECT_EQ(dark, 20);
+  EXPECT_EQ(station_.node().counters().late_steps, 1u);
+  each_tick_ = {};
+  follow(0.5);
+  EXPECT_GT(out_.laser_w, 0.0);
+}
+
 TEST_F(Permit, WithoutAContourNothingBurns) {
   burn();
   laser_ticks_ = 0;

@@ -140,9 +140,9 @@ class ToldRobot : public robot::Robot {
 class ToldLaser : public laser::Laser {
  public:
   explicit ToldLaser(std::vector<double>& told_w) : told_w_(told_w) {}
-  bool emit(double power_w, bool pilot) noexcept override {
-    EXPECT_FALSE(pilot) << "nobody has asked for it";
-    told_w_.push_back(power_w);
+  bool emit(const laser::Emission& emission) noexcept override {
+    EXPECT_FALSE(emission.pilot) << "nobody has asked for it";
+    told_w_.push_back(emission.power_w);
     return true;
   }
 
