@@ -160,6 +160,34 @@ Rest rest_of(const Backdrop& backdrop, const cv::Mat& things) {
   return out;
 }
 
+/// Takes out of a thing the holes that the background is seen through: of its colour, and with as clear an
+/// outline as the thing's own.
+void cut_holes(const Scene& scene, const Backdrop& backdrop, const Candidate& thing, cv::Mat& mask) {
+  constexpr double kOfThing = 0.01;  // area
+  constexpr double kClear = 0.6;     // contrast
+  constexpr double kLike = 0.6;      // of what counts as background
+  constexpr double kRound = 0.3;
+  const cv::Mat own = mask_of(thing, mask.size());
+  // Half way, as the outline itself.
+  const double level = std::max(backdrop.tolerance, 0.5 * thing.rating.median);
+  cv::Mat through = (backdrop.distance < level) & own;
+  cv::morphologyEx(through, through, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
+  const double min_area = std::max(12.0, kOfThing * cv::contourArea(thing.outline));
+  const auto holes = outlines_of_mask(through, min_area);
+  for (std::size_t i = 0; i < holes.size(); ++i) {
+    const Rating rating = rating_of(scene, holes[i]);
+    if (rating.weak < kClear * thing.rating.median || rating.round < kRound) continue;
+    cv::Mat hole(mask.size(), CV_8U, cv::Scalar(0));
+    cv::drawContours(hole, holes, static_cast<int>(i), cv::Scalar(255), cv::FILLED);
+    cv::Mat middle;
+    cv::erode(hole, middle, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
+    if (cv::countNonZero(middle) == 0 || cv::mean(backdrop.distance, middle)[0] >
+                                             kLike * std::max(backdrop.tolerance, 0.2 * thing.rating.median))
+      continue;
+    mask.setTo(0, hole);
+  }
+}
+
 /// Words, pebbles, leaves: many small ones of any form.
 bool is_texture(const std::vector<Candidate>& things) {
   constexpr std::size_t kFew = 10;
@@ -207,6 +235,7 @@ tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
   if (is_texture(chosen) || area < kMinArea || largest < kMinLargest || rest.whole > kMaxWhole ||
       rest.cut_off > kMaxCutOff)
     return refused("many things stand out, none of them alone");
+  for (const Candidate& c : chosen) cut_holes(scene, backdrop, c, mask);
   return mask;
 }
 
