@@ -122,11 +122,13 @@ namespace {
 struct Rest {
   double whole = 0.0;
   double cut_off = 0.0;    ///< runs over the picture's border
+  int cut_offs = 0;        ///< how many do
   bool cuts_into = false;  ///< things are but parts of what runs over the border
 };
 
 Rest rest_of(const Backdrop& backdrop, const cv::Mat& things) {
-  constexpr double kPart = 0.3;  // of a thing
+  constexpr double kPart = 0.3;          // of a thing
+  constexpr double kWorthAWord = 0.004;  // of all things
   cv::Mat off = backdrop.distance > backdrop.tolerance;
   cv::morphologyEx(off, off, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
   cv::Mat near;
@@ -155,6 +157,7 @@ Rest rest_of(const Backdrop& backdrop, const cv::Mat& things) {
     const auto k = static_cast<std::size_t>(i);
     (touches ? out.cut_off : out.whole) += beyond[k] / area;
     if (touches && beyond[k] > 0.15 * held[k]) in_parts += held[k];
+    out.cut_offs += touches && beyond[k] > kWorthAWord * area;
   }
   out.cuts_into = in_parts > kPart * area;
   return out;
@@ -201,7 +204,7 @@ bool is_texture(const std::vector<Candidate>& things) {
 
 }  // namespace
 
-tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
+tl::expected<Things, std::string> things_in(const Scene& scene) {
   constexpr double kUneven = 6.0;
   constexpr double kRagged = 0.25;     // an outline like this is none on an uneven background
   constexpr double kMaxSpread = 9.0;   // of the background, units of L*a*b*
@@ -219,7 +222,9 @@ tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
   auto chosen = chosen_of(candidates_in(scene, backdrop), scene.lab.size());
   double largest = 0.0;
   for (const Candidate& c : chosen) largest = std::max(largest, c.rating.area);
-  std::erase_if(chosen, [&](const Candidate& c) { return c.rating.area < kDust * largest; });
+  Things out;
+  out.small = static_cast<int>(
+      std::erase_if(chosen, [&](const Candidate& c) { return c.rating.area < kDust * largest; }));
   if (chosen.empty()) return refused("nothing whole stands out from the background");
   cv::Mat mask(scene.lab.size(), CV_8U, cv::Scalar(0));
   double area = 0.0;
@@ -236,7 +241,9 @@ tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
       rest.cut_off > kMaxCutOff)
     return refused("many things stand out, none of them alone");
   for (const Candidate& c : chosen) cut_holes(scene, backdrop, c, mask);
-  return mask;
+  out.mask = mask;
+  out.cut_off = rest.cut_offs;
+  return out;
 }
 
 bool are_solid(const Scene& scene, const cv::Mat& things) {

@@ -235,6 +235,22 @@ TEST(Things, PointingAtNothingSaysSo) {
   EXPECT_NE(found.error().find("--box"), std::string::npos) << found.error();
 }
 
+TEST(Things, InADrawingAtTakesTheContourThatItLiesOn) {
+  cv::Mat picture(480, 640, CV_8U, cv::Scalar(235));
+  cv::circle(picture, {200, 240}, 120, cv::Scalar(40), 5, cv::LINE_AA);
+  cv::circle(picture, {480, 240}, 90, cv::Scalar(40), 5, cv::LINE_AA);
+  cv::GaussianBlur(picture, picture, {}, 1.0);
+  for (const Vec2& p : {Vec2(480, 151), Vec2(470, 250)}) {  // on its line, and within
+    PictureRequest request;
+    request.pointing.at = {p};
+    const auto found = contours_in(picture, request);
+    ASSERT_TRUE(found) << found.error();
+    EXPECT_EQ(found->mode, ExtractionMode::kStroke);
+    ASSERT_EQ(found->contours.size(), 1u);
+    EXPECT_LT(compare(found->contours[0], circle({480, 240}, 90)).rms_px, 0.3);
+  }
+}
+
 TEST(Things, WhatLiesBeyondThePictureAndWhatIsNoPictureIsRefused) {
   const cv::Mat picture(240, 320, CV_8UC3, cv::Scalar(200, 205, 210));
   PictureRequest request;
