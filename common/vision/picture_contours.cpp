@@ -155,6 +155,19 @@ Extraction extraction_of(const cv::Mat& image, const Scene& scene, const cv::Mat
   return out;
 }
 
+std::string why_of(const Things& things) {
+  std::string out = "what stands out from its background";
+  if (things.cut_off > 0) {
+    out += fmt::format("; {} touching the picture's border left out (--at X,Y takes one of them)",
+                       things.cut_off == 1 ? "1 thing" : fmt::format("{} things", things.cut_off));
+  }
+  if (things.small > 0) {
+    out += fmt::format("; {} left out (--at X,Y takes one of them)",
+                       things.small == 1 ? "1 small thing" : fmt::format("{} small things", things.small));
+  }
+  return out;
+}
+
 bool encloses(const PixelContour& contour, const Vec2& p) {
   if (!contour.closed) return false;
   bool inside = false;
@@ -262,16 +275,15 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
   const cv::Mat bgr = colour_plane(image);
   if (bgr.empty()) return drawing;
   const Scene scene = scene_of(bgr, kThings_px);
-  const auto mask = things_in(scene);
-  if (sure && (!mask || !are_solid(scene, *mask))) return drawing;
-  if (mask) {
-    auto out =
-        extraction_of(image, scene, *mask, bgr, request, "a thing that stands out from its background");
+  const auto things = things_in(scene);
+  if (sure && (!things || !are_solid(scene, things->mask))) return drawing;
+  if (things) {
+    auto out = extraction_of(image, scene, things->mask, bgr, request, why_of(*things));
     if (!out.contours.empty()) return out;
   }
   if (!drawing) return tl::unexpected(fmt::format("{}; or {}", drawing.error(), kRemedy));
   return tl::unexpected(fmt::format("the picture is no drawing on an even background, and {}; {}",
-                                    mask ? "nothing stands out from it" : mask.error(), kRemedy));
+                                    things ? "nothing stands out from it" : things.error(), kRemedy));
 }
 
 }  // namespace telekerf::vision

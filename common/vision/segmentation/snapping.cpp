@@ -7,7 +7,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/vision/extraction/tangents.h"
-#include "common/vision/segmentation/rating.h"
 
 namespace telekerf::vision {
 namespace {
@@ -111,8 +110,14 @@ Contours snapped_outlines(const Scene& scene, const cv::Mat& mask, const cv::Mat
   Contours out;
   const double reach_px = 1.5 * scene.reduction + 2.0;
   const Vec2 last(bgr.cols - 1.0, bgr.rows - 1.0);
-  for (const auto& outline : outlines_of_mask(mask, 12.0)) {
+  std::vector<std::vector<cv::Point>> outlines;
+  std::vector<cv::Vec4i> ranks;
+  cv::findContours(mask, outlines, ranks, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
+  for (std::size_t k = 0; k < outlines.size(); ++k) {
+    const auto& outline = outlines[k];
+    if (cv::contourArea(outline) < 12.0) continue;
     PixelContour contour;
+    contour.hole = ranks[k][3] >= 0;
     contour.points_px.reserve(outline.size());
     // findContours runs anticlockwise as seen, along the middles of the region's outermost pixels.
     for (const cv::Point& p : outline) contour.points_px.push_back(scene.to_picture(Vec2(p.x, p.y)));

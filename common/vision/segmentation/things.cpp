@@ -122,11 +122,13 @@ namespace {
 struct Rest {
   double whole = 0.0;
   double cut_off = 0.0;    ///< runs over the picture's border
+  int cut_offs = 0;        ///< how many do
   bool cuts_into = false;  ///< things are but parts of what runs over the border
 };
 
 Rest rest_of(const Backdrop& backdrop, const cv::Mat& things) {
-  constexpr double kPart = 0.3;  // of a thing
+  constexpr double kPart = 0.3;          // of a thing
+  constexpr double kWorthAWord = 0.004;  // of all things
   cv::Mat off = backdrop.distance > backdrop.tolerance;
   cv::morphologyEx(off, off, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
   cv::Mat near;
@@ -155,9 +157,38 @@ Rest rest_of(const Backdrop& backdrop, const cv::Mat& things) {
     const auto k = static_cast<std::size_t>(i);
     (touches ? out.cut_off : out.whole) += beyond[k] / area;
     if (touches && beyond[k] > 0.15 * held[k]) in_parts += held[k];
+    out.cut_offs += touches && beyond[k] > kWorthAWord * area;
   }
   out.cuts_into = in_parts > kPart * area;
   return out;
+}
+
+/// Takes out of a thing the holes that the background is seen through: of its colour, and with as clear an
+/// outline as the thing's own.
+void cut_holes(const Scene& scene, const Backdrop& backdrop, const Candidate& thing, cv::Mat& mask) {
+  constexpr double kOfThing = 0.01;  // area
+  constexpr double kClear = 0.6;     // contrast
+  constexpr double kLike = 0.6;      // of what counts as background
+  constexpr double kRound = 0.3;
+  const cv::Mat own = mask_of(thing, mask.size());
+  // Half way, as the outline itself.
+  const double level = std::max(backdrop.tolerance, 0.5 * thing.rating.median);
+  cv::Mat through = (backdrop.distance < level) & own;
+  cv::morphologyEx(through, through, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
+  const double min_area = std::max(12.0, kOfThing * cv::contourArea(thing.outline));
+  const auto holes = outlines_of_mask(through, min_area);
+  for (std::size_t i = 0; i < holes.size(); ++i) {
+    const Rating rating = rating_of(scene, holes[i]);
+    if (rating.weak < kClear * thing.rating.median || rating.round < kRound) continue;
+    cv::Mat hole(mask.size(), CV_8U, cv::Scalar(0));
+    cv::drawContours(hole, holes, static_cast<int>(i), cv::Scalar(255), cv::FILLED);
+    cv::Mat middle;
+    cv::erode(hole, middle, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
+    if (cv::countNonZero(middle) == 0 || cv::mean(backdrop.distance, middle)[0] >
+                                             kLike * std::max(backdrop.tolerance, 0.2 * thing.rating.median))
+      continue;
+    mask.setTo(0, hole);
+  }
 }
 
 /// Words, pebbles, leaves: many small ones of any form.
@@ -173,7 +204,7 @@ bool is_texture(const std::vector<Candidate>& things) {
 
 }  // namespace
 
-tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
+tl::expected<Things, std::string> things_in(const Scene& scene) {
   constexpr double kUneven = 6.0;
   constexpr double kRagged = 0.25;     // an outline like this is none on an uneven background
   constexpr double kMaxSpread = 9.0;   // of the background, units of L*a*b*
@@ -191,7 +222,9 @@ tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
   auto chosen = chosen_of(candidates_in(scene, backdrop), scene.lab.size());
   double largest = 0.0;
   for (const Candidate& c : chosen) largest = std::max(largest, c.rating.area);
-  std::erase_if(chosen, [&](const Candidate& c) { return c.rating.area < kDust * largest; });
+  Things out;
+  out.small = static_cast<int>(
+      std::erase_if(chosen, [&](const Candidate& c) { return c.rating.area < kDust * largest; }));
   if (chosen.empty()) return refused("nothing whole stands out from the background");
   cv::Mat mask(scene.lab.size(), CV_8U, cv::Scalar(0));
   double area = 0.0;
@@ -207,7 +240,10 @@ tl::expected<cv::Mat, std::string> things_in(const Scene& scene) {
   if (is_texture(chosen) || area < kMinArea || largest < kMinLargest || rest.whole > kMaxWhole ||
       rest.cut_off > kMaxCutOff)
     return refused("many things stand out, none of them alone");
-  return mask;
+  for (const Candidate& c : chosen) cut_holes(scene, backdrop, c, mask);
+  out.mask = mask;
+  out.cut_off = rest.cut_offs;
+  return out;
 }
 
 bool are_solid(const Scene& scene, const cv::Mat& things) {

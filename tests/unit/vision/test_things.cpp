@@ -128,6 +128,25 @@ TEST(Things, ColourAloneTellsAFruitFromItsTable) {
   EXPECT_LT(compare(found->contours.front(), circle({300, 240}, 120)).rms_px, 0.7);
 }
 
+TEST(Things, AHoleThatTheBackgroundIsSeenThroughIsKept) {
+  cv::Mat picture = texture({640, 480}, {60, 70, 80}, {80, 95, 105}, 8);
+  const cv::Mat cloth = picture.clone();
+  coin(picture, {320, 240}, 140, 21);
+  cv::Mat hole(picture.size(), CV_8U, cv::Scalar(0));
+  disc(hole, {320, 240}, 60, cv::Scalar(255));
+  cloth.copyTo(picture, hole > 127);
+  cv::GaussianBlur(picture, picture, {}, 0.9);
+  add_falling_light(picture, 0.2);
+  add_grain(picture, 4.0);
+  const auto found = contours_in(picture, {});
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_EQ(found->contours.size(), 2u);
+  EXPECT_FALSE(found->contours[0].hole);
+  EXPECT_TRUE(found->contours[1].hole);
+  EXPECT_LT(compare(found->contours[0], circle({320, 240}, 140)).rms_px, 0.7);
+  EXPECT_LT(compare(found->contours[1], circle({320, 240}, 60)).rms_px, 0.7);
+}
+
 TEST(Things, WhatLiesOnTextureIsFoundWhenPointedAt) {
   cv::Mat picture = texture({640, 480}, {30, 90, 40}, {90, 200, 120}, 5);
   const cv::Mat inside = texture({640, 480}, {30, 40, 140}, {120, 110, 240}, 6);
@@ -214,6 +233,22 @@ TEST(Things, PointingAtNothingSaysSo) {
   const auto found = contours_in(picture, request);
   ASSERT_FALSE(found);
   EXPECT_NE(found.error().find("--box"), std::string::npos) << found.error();
+}
+
+TEST(Things, InADrawingAtTakesTheContourThatItLiesOn) {
+  cv::Mat picture(480, 640, CV_8U, cv::Scalar(235));
+  cv::circle(picture, {200, 240}, 120, cv::Scalar(40), 5, cv::LINE_AA);
+  cv::circle(picture, {480, 240}, 90, cv::Scalar(40), 5, cv::LINE_AA);
+  cv::GaussianBlur(picture, picture, {}, 1.0);
+  for (const Vec2& p : {Vec2(480, 151), Vec2(470, 250)}) {  // on its line, and within
+    PictureRequest request;
+    request.pointing.at = {p};
+    const auto found = contours_in(picture, request);
+    ASSERT_TRUE(found) << found.error();
+    EXPECT_EQ(found->mode, ExtractionMode::kStroke);
+    ASSERT_EQ(found->contours.size(), 1u);
+    EXPECT_LT(compare(found->contours[0], circle({480, 240}, 90)).rms_px, 0.3);
+  }
 }
 
 TEST(Things, WhatLiesBeyondThePictureAndWhatIsNoPictureIsRefused) {
