@@ -52,6 +52,7 @@ vision::LoadRequest load_request(const ContourRequest& request) {
   }
   load.fit_all = request.fit_all;
   load.select = request.select;
+  load.drawing = request.drawing;
   return load;
 }
 

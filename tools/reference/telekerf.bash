@@ -16,8 +16,8 @@ _telekerf_flags() {
   case $1 in
     'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --bare-accelerations --laser-w --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --record --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-vision ') echo '--image --camera --mode --anchor --select --width-mm --fit-all --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --record --wait-s --dry-run --select --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-vision ') echo '--image --camera --mode --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl engage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -42,7 +42,7 @@ _telekerf_flags() {
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
-    'telekerf-inspect contour') echo '--mode --start --end --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --out --config --print-config --help --version' ;;
+    'telekerf-inspect contour') echo '--mode --start --end --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --speed-mm-s --travel-mm-s --power --passes --overlap-mm --join-mm --dpi --units --layers --colours --out --config --print-config --help --version' ;;
     'telekerf-inspect drive') echo '--robot --drive --drive-stale-s --mismatch --seed --control-hz --force-n --travel-mm --duration-s --move --json --out --config --print-config --help --version' ;;
     'telekerf-inspect efd') echo '--harmonics --config --print-config --help --version' ;;
     'telekerf-inspect robot') echo '--ik --fk --jacobian --workspace --hall --picture --config --print-config --help --version' ;;
@@ -140,6 +140,7 @@ _telekerf_values() {
     'telekerf-machine  --machining-hz') echo "" ;;
     'telekerf-machine  --record') echo "-d" ;;
     'telekerf-machine  --wait-s') echo "" ;;
+    'telekerf-machine  --select') echo "" ;;
     'telekerf-machine  --domain') echo "" ;;
     'telekerf-machine  --cell') echo "" ;;
     'telekerf-machine  --name') echo "" ;;
@@ -149,9 +150,14 @@ _telekerf_values() {
     'telekerf-vision  --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;
     'telekerf-vision  --camera') echo "-W 'none v4l2: file: folder: video:'" ;;
     'telekerf-vision  --mode') echo "-W 'auto outline stroke thesis'" ;;
-    'telekerf-vision  --anchor') echo "-W 'box first image'" ;;
+    'telekerf-vision  --anchor') echo "-W 'box first image lower-left'" ;;
     'telekerf-vision  --select') echo "" ;;
     'telekerf-vision  --width-mm') echo "" ;;
+    'telekerf-vision  --join-mm') echo "" ;;
+    'telekerf-vision  --dpi') echo "" ;;
+    'telekerf-vision  --units') echo "-W 'file mm cm m inch foot pt um'" ;;
+    'telekerf-vision  --layers') echo "" ;;
+    'telekerf-vision  --colours') echo "" ;;
     'telekerf-vision  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-vision  --master-robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-vision  --master-beta') echo "" ;;
@@ -393,10 +399,20 @@ _telekerf_values() {
     'telekerf-inspect contour --width-mm') echo "" ;;
     'telekerf-inspect contour --height-mm') echo "" ;;
     'telekerf-inspect contour --workspace-mm') echo "" ;;
-    'telekerf-inspect contour --anchor') echo "-W 'box first image'" ;;
+    'telekerf-inspect contour --anchor') echo "-W 'box first image lower-left'" ;;
     'telekerf-inspect contour --harmonics') echo "-W 'auto'" ;;
     'telekerf-inspect contour --tolerance-mm') echo "" ;;
     'telekerf-inspect contour --select') echo "" ;;
+    'telekerf-inspect contour --speed-mm-s') echo "" ;;
+    'telekerf-inspect contour --travel-mm-s') echo "" ;;
+    'telekerf-inspect contour --power') echo "" ;;
+    'telekerf-inspect contour --passes') echo "" ;;
+    'telekerf-inspect contour --overlap-mm') echo "" ;;
+    'telekerf-inspect contour --join-mm') echo "" ;;
+    'telekerf-inspect contour --dpi') echo "" ;;
+    'telekerf-inspect contour --units') echo "-W 'file mm cm m inch foot pt um'" ;;
+    'telekerf-inspect contour --layers') echo "" ;;
+    'telekerf-inspect contour --colours') echo "" ;;
     'telekerf-inspect contour --out') echo "-d" ;;
     'telekerf-inspect drive --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-inspect drive --drive') echo "-W 'simulated udp:'" ;;
