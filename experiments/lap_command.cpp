@@ -36,6 +36,13 @@ int run(Options& options) {
   }
   const auto report = reporting::write_report(options.out, record);
   fmt::print("{}\n", json_text(report));
+  const auto& age = report["link"]["command_age_ms"];
+  if (age["mean"].is_number() && age["mean"].get<double>() > age["beam"].get<double>()) {
+    fmt::print(stderr,
+               "the beam stays off while commands are older than {:.0f} ms there and back, and here they are "
+               "{:.0f} ms old in the mean: --slave-beam-age-s allows more\n",
+               age["beam"].get<double>(), age["mean"].get<double>());
+  }
   return reporting::succeeded(report) ? 0 : 1;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-slave: the robot with the laser follows what the master streams.
+#include <fmt/format.h>
+
 #include <string>
 #include <vector>
 
@@ -60,6 +62,8 @@ int run(Flags& flags) {
   if (station.machine().plant() == nullptr)
     process.status().say(flags.station.machine.drive + " is not simulated: the measured tool is recorded");
   process.ready();
+  process.status().say(fmt::format("commands older than {:g} s, there and back, give no light (--beam-age-s)",
+                                   flags.station.node.interlock.beam_age_s));
 
   std::vector<Received<CommandBlock>> arrived_commands;
   arrived_commands.reserve(64);

@@ -143,6 +143,11 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.emission_agrees = beam_.emission_agrees();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
+  if (out.command_age_s >= 0.0) {
+    age_.sum_s += out.command_age_s;
+    age_.max_s = std::max(age_.max_s, out.command_age_s);
+    ++age_.count;
+  }
   if (inputs.joints.valid) machine_.watch(out.tool_m);
   if (machine_.failed()) {
     out.laser_w = 0.0;
@@ -184,6 +189,11 @@ void Station::report(RunRecord& record) const {
                              (std::max(static_cast<double>(tick_), 1.0) * control_period_s());
   f["playout_corrections"] = static_cast<double>(node_.playout().corrections());
   f["playout_ms"] = node_.playout().wait_s() * 1e3;
+  if (age_.count > 0) {
+    f["command_age_mean_ms"] = 1e3 * age_.sum_s / static_cast<double>(age_.count);
+    f["command_age_max_ms"] = 1e3 * age_.max_s;
+  }
+  f["beam_age_ms"] = 1e3 * settings_.node.interlock.beam_age_s;
   f["laser_clipped"] = static_cast<double>(beam_.clipped());
   f["laser_unpermitted"] = static_cast<double>(beam_.unpermitted());
   f["laser_untold"] = static_cast<double>(beam_.write_failures());

@@ -74,6 +74,11 @@ class Station {
   SlaveNode node_;
   Recorder<SlaveRow> recorder_;
   Tick tick_ = 0;
+  struct {
+    double sum_s = 0.0;
+    double max_s = 0.0;
+    std::uint64_t count = 0;
+  } age_;  ///< of the commands applied
 };
 
 }  // namespace telekerf::slave

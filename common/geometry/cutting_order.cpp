@@ -44,7 +44,8 @@ std::vector<std::vector<std::size_t>> contours_around(const std::vector<Polyline
   std::size_t next = 0;
   for (const std::size_t i : by_point) {
     const Vec2& q = contours[i].points_m.front();
-    while (next < by_left.size() && boxes[by_left[next]].min.x() <= q.x()) reaching.push_back(by_left[next++]);
+    while (next < by_left.size() && boxes[by_left[next]].min.x() <= q.x())
+      reaching.push_back(by_left[next++]);
     std::erase_if(reaching, [&](std::size_t j) { return boxes[j].max.x() < q.x(); });
     for (const std::size_t j : reaching) {
       if (j == i || boxes[j].min.y() > q.y() || boxes[j].max.y() < q.y()) continue;

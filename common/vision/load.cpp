@@ -30,14 +30,17 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
   out.mode = "vector";
   out.why = "a vector drawing is its own path";
   out.unsupported = drawing->unsupported.sentence();
-  for (const std::string& note : drawing->notes) out.why += "; " + note;
-  if (!out.unsupported.empty()) out.why += fmt::format("; not followed: {}", out.unsupported);
+  std::vector<std::string> remarks = drawing->notes;
+  if (!out.unsupported.empty()) remarks.push_back("not followed: " + out.unsupported);
+  out.remarks = fmt::format("{}", fmt::join(remarks, "; "));
+  if (!out.remarks.empty()) out.why += fmt::format("; {}", out.remarks);
   out.size_from = drawing->size_from;
   std::vector<std::size_t> order(drawing->contours.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::vector<double> sizes;
   for (const auto& contour : drawing->contours) sizes.push_back(size_of(contour));
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sizes[a] > sizes[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return sizes[a] > sizes[b]; });
   for (const std::size_t i : order) {
     out.contours.push_back(std::move(drawing->contours[i]));
     out.labels.push_back({drawing->pens[i].layer, drawing->pens[i].colour, {}});
@@ -62,7 +65,8 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
                             ? drawing->page_width_m
                             : geometry::bounding_box(all_points(out.contours)).size().x();
     if (page > 0.0) gain = *request.scale.picture_width_m / page;
-    out.size_from = fmt::format("the width of {:g} mm that was asked for", 1e3 * *request.scale.picture_width_m);
+    out.size_from =
+        fmt::format("the width of {:g} mm that was asked for", 1e3 * *request.scale.picture_width_m);
   }
   const std::vector<Vec2> fitted = request.fit_all ? all_points(out.contours) : chosen.points_m;
   const bool first_point = request.scale.anchor == AnchorMode::kFirstPoint;
@@ -70,7 +74,8 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
   if (request.scale.anchor == AnchorMode::kImageCentre) {
     anchor = 0.5 * Vec2(drawing->page_width_m, -drawing->page_height_m);  // SVG's page hangs below its origin
   }
-  if (request.scale.anchor == AnchorMode::kLowerLeft) anchor = geometry::bounding_box(all_points(out.contours)).min;
+  if (request.scale.anchor == AnchorMode::kLowerLeft)
+    anchor = geometry::bounding_box(all_points(out.contours)).min;
   for (auto* lines : {&out.contours, &out.left_out}) {
     for (geometry::Polyline& line : *lines) {
       for (Vec2& p : line.points_m) p = gain * (p - anchor);
@@ -152,9 +157,10 @@ tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, cons
     out.noise_m.push_back(contour.noise_px * out.metres_per_pixel);
   }
   out.picture = image;
-  out.size_from = request.scale.metres_per_pixel  ? "the size of a pixel"
-                  : request.scale.picture_width_m ? "the width that was asked for"
-                                                  : "fitted to the workspace: the picture does not say how large it is";
+  out.size_from = request.scale.metres_per_pixel ? "the size of a pixel"
+                  : request.scale.picture_width_m
+                      ? "the width that was asked for"
+                      : "fitted to the workspace: the picture does not say how large it is";
   return out;
 }
 

@@ -28,7 +28,7 @@ struct LoadRequest {
 
 /// What is said of one contour; those that are left out have a reason.
 struct ContourLabel {
-  std::string layer;         ///< of a vector drawing
+  std::string layer;  ///< of a vector drawing
   std::string colour;
   std::string left_out_why;  ///< empty: it is to be cut
 };
@@ -37,6 +37,7 @@ struct ContourLabel {
 struct LoadedContours {
   std::string mode;  ///< outline, stroke, thesis, or vector
   std::string why;
+  std::string remarks;                       ///< what people should know of a drawing; often empty
   std::string unsupported;                   ///< what of a vector drawing is left out, "2 text, 1 image"
   std::vector<geometry::Polyline> contours;  ///< metres, largest first
   std::vector<double> noise_m;               ///< quality of each contour's points

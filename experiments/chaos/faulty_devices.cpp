@@ -37,7 +37,8 @@ class FaultyRobot final : public robot::Robot {
 class FaultyLaser final : public laser::Laser {
  public:
   explicit FaultyLaser(LaserState& state) : state_(state) {}
-  bool emit(double power_w, bool /*pilot*/) noexcept override {
+  bool emit(const laser::Emission& told) noexcept override {
+    const double power_w = told.power_w;
     state_.told_w = power_w;
     state_.unheard = state_.deaf ? state_.unheard + 1 : 0;
     if (!state_.deaf) state_.emitted_w = power_w;

@@ -38,6 +38,10 @@ void MasterSite::end(Refused& refused) {
 }
 
 void MasterSite::publish(const ContourMessage& contour, Refused& refused) {
+  if (contour.id != digest_of(contour)) {
+    ++refused["contour: not what its id says"];
+    return;
+  }
   contour_ = contour;
   prepare(refused);
 }
@@ -85,11 +89,15 @@ void SlaveSite::end(Refused& refused) {
 }
 
 bool SlaveSite::publish(const ContourMessage& contour, Refused& refused) {
+  if (contour.id != digest_of(contour)) {
+    ++refused["contour: not what its id says"];
+    return false;
+  }
   try {
     corridors_.push_back(station_->prepare(contour));
     return true;
   } catch (const StartupError&) {
-    ++refused["contour: beyond the slave's reach, or not what its id says"];
+    ++refused["contour: beyond the slave's reach"];
     return false;
   }
 }

@@ -85,6 +85,7 @@ ContourSource find_contour(const std::string& image, double width_mm, double wor
   };
   const auto found = load();
   if (!found) throw input_error(drawn ? fmt::format("{}: {}", file, found.error()) : found.error());
+  if (!found->remarks.empty()) fmt::print(stderr, "{}: {}\n", file, found->remarks);
   const auto wanted = [&](const vision::LoadedContours& loaded) {
     return std::find_if(loaded.contours.begin(), loaded.contours.end(),
                         [&](const geometry::Polyline& c) { return c.closed == closed; });

@@ -117,7 +117,7 @@ inline constexpr Guard kGuards[] = {
      [](guards::Set s) noexcept {
        return Limits{0.0, s.beam_age_s};
      },
-     "the commands that arrive are older than beam_age_s"},
+     "the commands that arrive are older, there and back, than --beam-age-s allows"},
     {"workspace", Interlock::kOutsideWorkspace,
      [](guards::In now, guards::Set) noexcept { return now.radius_m; },
      [](guards::Set s) noexcept {

@@ -31,6 +31,7 @@ vision::LoadRequest load_request(const ContourRequest& request) {
   load.fit_all = request.fit_all;
   load.select = request.select;
   request.picture.apply_to(load);
+  load.drawing = request.drawing;
   return load;
 }
 

@@ -22,7 +22,8 @@ struct ContourRequest {
   /// Beta times the workspace of the robot that the operator's hand moves, if there is one: what is fitted
   /// fits it too.
   std::optional<double> hand_radius_m;
-  bool fit_all = false;  ///< all contours together are centred and fitted, not the longest alone
+  bool fit_all = false;           ///< all contours together are centred and fitted, not the longest alone
+  vision::VectorRequest drawing;  ///< of an SVG or DXF file
 };
 
 /// What the vision library is asked for.

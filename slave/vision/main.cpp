@@ -2,9 +2,13 @@
 // telekerf-vision: the picture over the workpiece -> the contour, latched for everyone in the cell.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/endpoints.h"
@@ -33,6 +37,11 @@ struct Flags {
   int select = 0;
   double width_mm = 0.0;
   bool fit_all = false;
+  double join_mm = 0.01;
+  std::optional<double> dpi;
+  vision::LengthUnit units = vision::LengthUnit::kFile;
+  std::vector<std::string> layers;
+  std::vector<std::string> colours;
   std::string robot = "slave-keops";
   std::string master_robot = "master-horizontal";
   double master_beta = 0.5;
@@ -47,6 +56,11 @@ ContourRequest request_of(const Flags& flags) {
   request.select = static_cast<std::size_t>(flags.select);
   if (flags.width_mm > 0.0) request.width_m = flags.width_mm * 1e-3;
   request.fit_all = flags.fit_all;
+  request.drawing.join_m = 1e-3 * flags.join_mm;
+  request.drawing.dpi = flags.dpi;
+  request.drawing.unit_m = vision::metres_of(flags.units);
+  request.drawing.layers = flags.layers;
+  request.drawing.colours = flags.colours;
   request.workspace_radius_m = robot::load_robot(flags.robot).workspace.radius_m;
   if (flags.master_beta > 0.0) {
     request.hand_radius_m = flags.master_beta * robot::load_robot(flags.master_robot).workspace.radius_m;
@@ -54,8 +68,12 @@ ContourRequest request_of(const Flags& flags) {
   return request;
 }
 
+/// A shipped picture's name is that picture, even beside a folder of results that is called the same.
 std::string path_of(const std::string& image) {
-  return std::filesystem::is_directory(image) ? image : find_resource("pictures", image, ".png").string();
+  const std::vector<std::string> shipped = shipped_names("pictures", ".png");
+  const bool named = std::find(shipped.begin(), shipped.end(), image) != shipped.end();
+  return std::filesystem::is_directory(image) && !named ? image
+                                                        : find_resource("pictures", image, ".png").string();
 }
 
 void say(const ContourMessage& contour, StatusReporter& status) {
@@ -120,6 +138,14 @@ void add_parameters(Flags& flags, Settings& settings) {
                "operator's");
   settings.add("fit_all", flags.fit_all,
                "all contours together are centred and fitted, not the longest alone");
+  settings.add("join_mm", flags.join_mm, {.min = 0, .max = 10, .unit = "mm"},
+               "ends of a drawing's lines as near as this are joined");
+  settings.add("dpi", flags.dpi, {.min = 1, .max = 100000, .unit = "pixels an inch"},
+               "of a scan, or of an SVG file in pixels; without it: what the file says");
+  settings.add("units", flags.units, vision::kLengthUnits, "a unit of an SVG or DXF file");
+  settings.add("layers", flags.layers, TextForm{"NAME"}, "these layers of a drawing alone");
+  settings.add("colours", flags.colours, TextForm{"COLOUR"},
+               "these colours of a drawing alone: #rrggbb, or a DXF number");
   settings.add("robot", flags.robot, kRobot, "the slave's robot: a shipped name or a file");
   settings.add("master_robot", flags.master_robot, kRobot, "the operator's, for the size alone");
   settings.add("master_beta", flags.master_beta, {.min = 0, .max = 10},

@@ -57,7 +57,7 @@ tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& fr
   const auto loaded =
       frame.file.empty() ? vision::contours_of(frame.image, load) : vision::load_contours(frame.file, load);
   if (!loaded) return tl::unexpected(loaded.error());
-  unsupported_ = loaded->unsupported;
+  remarks_ = loaded->remarks;
   contrast_ = loaded->contrast;
   noise_ = loaded->picture_noise;
   return message_of(*loaded, frame.source, request_.workspace_radius_m);
@@ -115,10 +115,8 @@ VisionNode::Outcome VisionNode::step(const Camera::Result& result) {
   published_ = std::exchange(candidate_, std::nullopt);
   ++published_count_;
   out.publish = published_;
-  if (!unsupported_.empty()) {
-    out.remark +=
-        fmt::format("{}{}: not followed: {}", out.remark.empty() ? "" : "; ", frame.source, unsupported_);
-  }
+  if (!remarks_.empty())
+    out.remark += fmt::format("{}{}: {}", out.remark.empty() ? "" : "; ", frame.source, remarks_);
   return out;
 }
 

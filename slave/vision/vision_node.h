@@ -48,7 +48,7 @@ class VisionNode {
   State state_ = State::kWaiting;
   std::optional<ContourMessage> published_;
   std::optional<ContourMessage> candidate_;
-  std::string unsupported_;
+  std::string remarks_;
   double contrast_ = 0.0;
   double noise_ = 0.0;
   int agreeing_ = 0;  ///< frames that show `candidate_`

@@ -109,7 +109,8 @@ nlohmann::json list_of(const vision::LoadedContours& loaded) {
   const std::vector<bool> holes = geometry::holes(loaded.contours);
   for (std::size_t i = 0; i < loaded.contours.size(); ++i) {
     const geometry::Polyline& line = loaded.contours[i];
-    out.push_back({{"number", i}, {"length_m", geometry::length_m(line)}, {"closed", line.closed}, {"hole", holes[i]}});
+    out.push_back(
+        {{"number", i}, {"length_m", geometry::length_m(line)}, {"closed", line.closed}, {"hole", holes[i]}});
     const bool labelled = i < loaded.labels.size();
     out.back()["layer"] = labelled ? loaded.labels[i].layer : "";
     out.back()["colour"] = labelled ? loaded.labels[i].colour : "";
@@ -192,18 +193,24 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
   s.add("tolerance_mm", o.tolerance_mm, {.min = 1e-6, .max = 1e3, .unit = "mm"},
         "largest deviation that harmonics = auto allows");
   s.add("select", o.select, {.min = 0, .max = 1e9}, "which contour, 0 is the largest");
-  s.add("speed_mm_s", o.speed_mm_s, {.min = 0.01, .max = 1000, .unit = "mm/s"}, "of cutting, for contour.ngc");
-  s.add("travel_mm_s", o.travel_mm_s, {.min = 0.01, .max = 10000, .unit = "mm/s"}, "between contours, for contour.ngc");
+  s.add("speed_mm_s", o.speed_mm_s, {.min = 0.01, .max = 1000, .unit = "mm/s"},
+        "of cutting, for contour.ngc");
+  s.add("travel_mm_s", o.travel_mm_s, {.min = 0.01, .max = 10000, .unit = "mm/s"},
+        "between contours, for contour.ngc");
   s.add("power", o.gcode.full_power, {.min = 0, .max = 100000}, "the S word of contour.ngc");
   s.add("passes", o.gcode.passes, {.min = 1, .max = 100}, "how often contour.ngc cuts each contour");
-  s.add("overlap_mm", o.overlap_mm, {.min = 0, .max = 100, .unit = "mm"}, "how far a closed cut of contour.ngc runs on beyond its start");
-  s.add("join_mm", o.join_mm, {.min = 0, .max = 10, .unit = "mm"}, "ends of a drawing's lines as near as this are joined");
+  s.add("overlap_mm", o.overlap_mm, {.min = 0, .max = 100, .unit = "mm"},
+        "how far a closed cut of contour.ngc runs on beyond its start");
+  s.add("join_mm", o.join_mm, {.min = 0, .max = 10, .unit = "mm"},
+        "ends of a drawing's lines as near as this are joined");
   s.add("dpi", o.dpi, {.min = 1, .max = 100000, .unit = "pixels an inch"},
         "of a scan, or of an SVG file in pixels; without it: what the file says");
   s.add("units", o.units, vision::kLengthUnits, "a unit of an SVG or DXF file");
   s.add("layers", o.layers, TextForm{"NAME"}, "these layers of a drawing alone");
-  s.add("colours", o.colours, TextForm{"COLOUR"}, "these colours of a drawing alone: #rrggbb, or a DXF number");
-  s.add("out", o.out, kFolder, "for contour.csv, contour.svg, contour.dxf, contour.ngc and overlay.png").must_be_given();
+  s.add("colours", o.colours, TextForm{"COLOUR"},
+        "these colours of a drawing alone: #rrggbb, or a DXF number");
+  s.add("out", o.out, kFolder, "for contour.csv, contour.svg, contour.dxf, contour.ngc and overlay.png")
+      .must_be_given();
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace telekerf::vision {
 std::string to_dxf(std::span<const geometry::Polyline> contours) {
   // POLYLINE, which needs no handles: what every program reads.
   std::string out =
-      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n9\n$MEASUREMENT\n70\n1\n0\nENDSEC\n"
+      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n9\n$"
+      "MEASUREMENT\n70\n1\n0\nENDSEC\n"
       "0\nSECTION\n2\nENTITIES\n";
   auto to = std::back_inserter(out);
   for (const auto& line : contours) {

@@ -45,8 +45,10 @@ cv::Mat overlay_of(const LoadedContours& loaded) {
     cv::polylines(out, points, loaded.contours[k].closed, colour, thickness, cv::LINE_AA, kShift);
     if (points.empty()) continue;
     // Its number beside its first point.
-    const cv::Point place(points.front().x / (1 << kShift) + 4 * thickness, points.front().y / (1 << kShift) - 4 * thickness);
-    cv::putText(out, std::to_string(k), place, cv::FONT_HERSHEY_SIMPLEX, 0.45 * thickness, colour, thickness, cv::LINE_AA);
+    const cv::Point place(points.front().x / (1 << kShift) + 4 * thickness,
+                          points.front().y / (1 << kShift) - 4 * thickness);
+    cv::putText(out, std::to_string(k), place, cv::FONT_HERSHEY_SIMPLEX, 0.45 * thickness, colour, thickness,
+                cv::LINE_AA);
     if (!chosen) continue;
     const int radius = (3 + thickness) << kShift;
     cv::circle(out, points[points.size() / 16], radius / 2, cv::Scalar(180, 0, 180), -1, cv::LINE_AA, kShift);

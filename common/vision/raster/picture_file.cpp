@@ -173,7 +173,8 @@ std::string what_it_is(std::ifstream& file) {
     return "a PostScript file (EPS, AI), which is not read; export it as SVG";
   if (text.substr(4, 4) == "ftyp") {
     const std::string_view brand = text.substr(8, 4);
-    if (brand == "avif" || brand == "avis") return "an AVIF picture, which is not read; save it as JPEG or PNG";
+    if (brand == "avif" || brand == "avis")
+      return "an AVIF picture, which is not read; save it as JPEG or PNG";
     if (brand.starts_with("he") || brand.starts_with("mif1") || brand.starts_with("msf1"))
       return "a HEIC picture, which is not read; save it as JPEG or PNG";
     return "a video; give telekerf-vision the video, or save one frame as PNG";
@@ -182,7 +183,8 @@ std::string what_it_is(std::ifstream& file) {
   if (text.starts_with("8BPS")) return "a Photoshop file, which is not read; save it as PNG";
   if (text.starts_with("gimp xcf")) return "a GIMP file, which is not read; export it as PNG";
   if (text.starts_with("PK\x03\x04")) return "a ZIP archive or a document; take the picture out of it first";
-  if (text.starts_with("\x1F\x8B")) return "compressed with gzip; unpack it, or name it .svgz if it is a drawing";
+  if (text.starts_with("\x1F\x8B"))
+    return "compressed with gzip; unpack it, or name it .svgz if it is a drawing";
   if (text.find("<svg") != std::string_view::npos || text.starts_with("<?xml"))
     return "an XML file; name it .svg if it is a drawing";
   return "not a picture that can be read, or damaged";
@@ -225,7 +227,8 @@ tl::expected<Picture, std::string> read_picture(const std::string& path) {
   if (is_cut_jpeg(file)) return tl::unexpected(fmt::format("{}: the picture's end is missing", path));
   try {
     const Silence silence;
-    out.image = cv::imread(path, flags == cv::IMREAD_UNCHANGED ? flags : flags | cv::IMREAD_IGNORE_ORIENTATION);
+    out.image =
+        cv::imread(path, flags == cv::IMREAD_UNCHANGED ? flags : flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const std::exception&) {
     out.image.release();
   }

@@ -16,7 +16,8 @@ struct Picture {
 };
 
 /// Reads a still picture of any format OpenCV knows, at most 128 Mpx; larger than 24 Mpx comes back reduced,
-/// with the factor in `reduction`, and turned as its EXIF orientation says. The error is one sentence that begins with the file's name.
+/// with the factor in `reduction`, and turned as its EXIF orientation says. The error is one sentence that
+/// begins with the file's name.
 tl::expected<Picture, std::string> read_picture(const std::string& file);
 
 }  // namespace telekerf::vision

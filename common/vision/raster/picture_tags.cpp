@@ -93,7 +93,8 @@ void read_jpeg(std::ifstream& file, Found& out) {
     const std::size_t size = number(head, 2, 2, false);
     if (head[1] == '\xe0' || head[1] == '\xe1') {
       const std::string body = read_at(file, at + 4, std::min(size, kMaxTags));
-      if (body.starts_with("Exif")) read_tiff(std::string_view(body).substr(std::min<std::size_t>(6, body.size())), out);
+      if (body.starts_with("Exif"))
+        read_tiff(std::string_view(body).substr(std::min<std::size_t>(6, body.size())), out);
       if (body.starts_with("JFIF") && body.size() > 11 && body[7] != 0) {
         const double unit = body[7] == 2 ? 2.54 : 1.0;
         out.x_dpi = unit * number(body, 8, 2, false);
@@ -145,7 +146,8 @@ PictureTags tags_of(std::ifstream& file) {
   Found found;
   if (head.starts_with("\xff\xd8")) read_jpeg(file, found);
   if (head.starts_with("\x89PNG")) read_png(file, found);
-  if (head.starts_with("RIFF") && head.substr(std::min<std::size_t>(8, head.size())) == "WEBP") read_webp(file, found);
+  if (head.starts_with("RIFF") && head.substr(std::min<std::size_t>(8, head.size())) == "WEBP")
+    read_webp(file, found);
   if (head.starts_with("II*") || (head.starts_with("MM") && head[2] == 0)) {
     // The directory may stand at the end; its offset is what counts.
     const bool little = head[0] == 'I';
@@ -157,7 +159,8 @@ PictureTags tags_of(std::ifstream& file) {
   if (found.orientation >= 1 && found.orientation <= 8) out.orientation = found.orientation;
   constexpr double kOfScreens = 100.0;
   const bool square = std::abs(found.x_dpi - found.y_dpi) <= 0.01 * found.x_dpi;
-  if (square && !found.camera && found.x_dpi > kOfScreens && found.x_dpi < 20000.0) out.dpi = std::round(found.x_dpi * 10.0) / 10.0;
+  if (square && !found.camera && found.x_dpi > kOfScreens && found.x_dpi < 20000.0)
+    out.dpi = std::round(found.x_dpi * 10.0) / 10.0;
   return out;
 }
 

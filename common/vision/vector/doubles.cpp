@@ -15,10 +15,10 @@ namespace {
 
 using geometry::Polyline;
 
-constexpr double kReversal = -0.9999985;   ///< cosine of a turn of 179.9 degrees: the way back
-constexpr double kLeastRun = 50.0;         ///< tolerances: lines that touch are as near for less than this
-constexpr double kBeyond = 25.0;           ///< tolerances beyond a run, where lines that part ...
-constexpr double kParting = 0.25;          ///< ... are this share of the way apart, or more
+constexpr double kReversal = -0.9999985;  ///< cosine of a turn of 179.9 degrees: the way back
+constexpr double kLeastRun = 50.0;        ///< tolerances: lines that touch are as near for less than this
+constexpr double kBeyond = 25.0;          ///< tolerances beyond a run, where lines that part ...
+constexpr double kParting = 0.25;         ///< ... are this share of the way apart, or more
 constexpr std::size_t kMaxComparisons = 300'000'000;
 
 /// A stretch of a line by the way along it.
@@ -35,7 +35,8 @@ struct Run {
 
 Vec2 point_at(const Polyline& line, const std::vector<double>& way, double s) {
   const auto next = std::upper_bound(way.begin(), way.end(), s);
-  const std::size_t k = std::clamp<std::size_t>(static_cast<std::size_t>(next - way.begin()), 1, line.segments());
+  const std::size_t k =
+      std::clamp<std::size_t>(static_cast<std::size_t>(next - way.begin()), 1, line.segments());
   const double length = way[k] - way[k - 1];
   const double t = length > 0.0 ? std::clamp((s - way[k - 1]) / length, 0.0, 1.0) : 0.0;
   return line.start_of(k - 1) + t * (line.end_of(k - 1) - line.start_of(k - 1));
@@ -118,7 +119,8 @@ class Doubles {
     };
     std::vector<decltype(key(0))> keys;
     for (std::size_t i = 0; i < lines_.size(); ++i) keys.push_back(key(i));
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
     rank_.resize(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) rank_[order[i]] = i;
     runs_.resize(lines_.size());
@@ -164,7 +166,8 @@ class Doubles {
   std::vector<Stretch> covered_of(std::size_t k) {
     auto& runs = runs_[k];
     std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) {
-      return std::tuple(a.other, a.stretch.from, a.stretch.to) < std::tuple(b.other, b.stretch.from, b.stretch.to);
+      return std::tuple(a.other, a.stretch.from, a.stretch.to) <
+             std::tuple(b.other, b.stretch.from, b.stretch.to);
     });
     std::vector<Stretch> all;
     for (std::size_t i = 0; i < runs.size();) {
@@ -231,7 +234,8 @@ class Doubles {
     };
     const Vec2 here = at(s);
     const double near = 3.0 * tolerance_;
-    if (!on.closed && ((on.points_m.front() - here).norm() <= near || (on.points_m.back() - here).norm() <= near))
+    if (!on.closed &&
+        ((on.points_m.front() - here).norm() <= near || (on.points_m.back() - here).norm() <= near))
       return true;
     const Vec2 beyond = at(s + side * kBeyond * tolerance_);
     return distance_m(on, beyond) >= kParting * (beyond - here).norm();
@@ -263,7 +267,9 @@ class Doubles {
         continue;
       }
       Polyline part;
-      const auto at = [&](double where) { return point_at(line, way, where > length ? where - length : where); };
+      const auto at = [&](double where) {
+        return point_at(line, way, where > length ? where - length : where);
+      };
       part.points_m.push_back(at(s.from));
       for (const double turn : {0.0, length}) {
         for (std::size_t i = 0; i < line.size(); ++i) {

@@ -30,7 +30,8 @@ bool among(const std::vector<std::string>& words, const std::string& word) {
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
     return text;
   };
-  return std::any_of(words.begin(), words.end(), [&](const std::string& w) { return lower(w) == lower(word); });
+  return std::any_of(words.begin(), words.end(),
+                     [&](const std::string& w) { return lower(w) == lower(word); });
 }
 
 /// "2 on a layer that is frozen, 1 hidden"
@@ -92,8 +93,10 @@ void DrawnLines::choose() {
 
 std::string DrawnLines::none(std::string_view format, const VectorDrawing& drawing) const {
   std::string out = fmt::format("the {} file draws no line", format);
-  if (!unsupported.empty()) out += fmt::format(" that is understood (not followed: {})", unsupported.sentence());
-  if (!drawing.left_out.empty()) out += fmt::format(" that is to be cut (left out: {})", counted(drawing.left_out));
+  if (!unsupported.empty())
+    out += fmt::format(" that is understood (not followed: {})", unsupported.sentence());
+  if (!drawing.left_out.empty())
+    out += fmt::format(" that is to be cut (left out: {})", counted(drawing.left_out));
   return out;
 }
 
@@ -115,8 +118,8 @@ tl::expected<VectorDrawing, std::string> DrawnLines::drawing(std::string_view fo
   if (kept.empty()) return tl::unexpected(none(format, out));
   WithoutDoubles once = without_doubles(std::move(kept), kLiesOn * request_.join_m);
   for (std::size_t i = 0; i < once.doubles.size(); ++i) {
-    out.left_out.push_back(
-        {std::move(once.doubles[i]), pens_[kept_from[once.doubles_from[i]]], "drawn twice: it lies on another line"});
+    out.left_out.push_back({std::move(once.doubles[i]), pens_[kept_from[once.doubles_from[i]]],
+                            "drawn twice: it lies on another line"});
   }
   if (once.gave_up) notes.push_back("too many lines in one place to look for some that are drawn twice");
   Joined joined_lines = joined(std::move(once.lines), request_.join_m);
@@ -124,7 +127,8 @@ tl::expected<VectorDrawing, std::string> DrawnLines::drawing(std::string_view fo
   for (const std::size_t i : joined_lines.first) out.pens.push_back(pens_[kept_from[once.from[i]]]);
   out.joined = joined_lines.ends / 2;
   if (out.joined > 0) notes.push_back(fmt::format("{} pairs of ends were joined", out.joined));
-  const auto open = std::count_if(out.contours.begin(), out.contours.end(), [](const auto& c) { return !c.closed; });
+  const auto open =
+      std::count_if(out.contours.begin(), out.contours.end(), [](const auto& c) { return !c.closed; });
   if (open > 0) notes.push_back(fmt::format("{} of {} contours are open", open, out.contours.size()));
   if (!out.left_out.empty()) notes.push_back("left out: " + counted(out.left_out));
   out.notes = std::move(notes);

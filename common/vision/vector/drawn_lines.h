@@ -23,9 +23,9 @@ class DrawnLines {
       : limits_(limits), request_(request), metres_(metres) {}
 
   UnsupportedElements unsupported;
-  Pen pen;                          ///< of what is drawn from now on
-  std::string left_out_why;         ///< what is drawn from now on is not to be cut; empty: it is
-  bool fills = false;               ///< what is drawn from now on is an area: it is closed where it has one
+  Pen pen;                   ///< of what is drawn from now on
+  std::string left_out_why;  ///< what is drawn from now on is not to be cut; empty: it is
+  bool fills = false;        ///< what is drawn from now on is an area: it is closed where it has one
   std::vector<std::string> notes;
 
   /// The file cannot be drawn; the first reason counts. What is not to be cut may be damaged: it is counted.

@@ -31,9 +31,11 @@ EndPoints merged(const std::vector<Vec2>& points, double tolerance) {
   std::vector<Place> places;
   places.reserve(n);
   for (const std::size_t i : order) {
-    places.push_back({static_cast<long long>(std::floor(std::clamp(points[i].y() / height, -4e18, 4e18))), i});
+    places.push_back(
+        {static_cast<long long>(std::floor(std::clamp(points[i].y() / height, -4e18, 4e18))), i});
   }
-  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.row < b.row; });
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Place& a, const Place& b) { return a.row < b.row; });
   const auto near = [&](std::size_t a, std::size_t b) { return (points[a] - points[b]).norm() <= tolerance; };
   std::size_t below = 0;  // first place of the row below
   for (std::size_t begin = 0; begin < n;) {
@@ -51,7 +53,8 @@ EndPoints merged(const std::vector<Vec2>& points, double tolerance) {
       }
       if (!neighbours) continue;
       while (window < begin && points[places[window].point].x() < points[i].x() - tolerance) ++window;
-      for (std::size_t j = window; j < begin && points[places[j].point].x() <= points[i].x() + tolerance; ++j) {
+      for (std::size_t j = window; j < begin && points[places[j].point].x() <= points[i].x() + tolerance;
+           ++j) {
         if (root(places[j].point) != root(i) && near(i, places[j].point))
           parent[root(i)] = root(places[j].point);
       }

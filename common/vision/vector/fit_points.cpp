@@ -24,7 +24,8 @@ std::vector<Vec2> solved(std::vector<double> low, std::vector<double> middle, st
 }
 
 /// dr/dt at every point: what makes the second derivative continuous.
-std::vector<Vec2> derivatives(const std::vector<Vec2>& p, const std::vector<double>& h, const FitPoints& fit) {
+std::vector<Vec2> derivatives(const std::vector<Vec2>& p, const std::vector<double>& h,
+                              const FitPoints& fit) {
   const std::size_t n = p.size();
   std::vector<double> low(n, 0.0);
   std::vector<double> middle(n, 1.0);
@@ -60,7 +61,8 @@ void draw(const FitPoints& fit, CurveWriter& w) {
   for (const Vec2& q : fit.points) {
     if (p.empty() || (q - p.back()).norm() > 0.0) p.push_back(q);
   }
-  // A closed one runs round three times, so that the ends of the system do not matter: they die away as 0.27^n.
+  // A closed one runs round three times, so that the ends of the system do not matter: they die away as
+  // 0.27^n.
   const bool closed = fit.closed && p.size() > 2;
   if (closed && (p.front() - p.back()).norm() < 1e-9 * (p[1] - p[0]).norm()) p.pop_back();
   const std::size_t n = p.size();

@@ -233,7 +233,8 @@ class LineGraph {
     }
   }
 
-  void pair_up(std::vector<std::pair<double, std::size_t>>& by_angle, std::vector<std::size_t>& partner) const {
+  void pair_up(std::vector<std::pair<double, std::size_t>>& by_angle,
+               std::vector<std::size_t>& partner) const {
     std::sort(by_angle.begin(), by_angle.end());
     const std::size_t n = by_angle.size();
     if (n < 2) return;
@@ -291,7 +292,8 @@ class LineGraph {
     for (const std::size_t half : chain) {
       std::vector<Vec2> points = std::move(lines_[edges_[edge(half)]].points_m);
       if (half % 2 == 1) std::reverse(points.begin(), points.end());
-      line.points_m.insert(line.points_m.end(), points.begin() + (line.points_m.empty() ? 0 : 1), points.end());
+      line.points_m.insert(line.points_m.end(), points.begin() + (line.points_m.empty() ? 0 : 1),
+                           points.end());
     }
     out_.ends += 2 * (chain.size() - 1);
     // There and back is no ring.
@@ -354,7 +356,8 @@ Joined joined(std::vector<Polyline> lines, double tolerance) {
   // As in the file, by where each begins.
   std::vector<std::size_t> order(out.lines.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return out.first[a] < out.first[b]; });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return out.first[a] < out.first[b]; });
   Joined sorted;
   sorted.ends = out.ends;
   for (const std::size_t i : order) {

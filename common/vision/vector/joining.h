@@ -16,8 +16,8 @@ struct Joined {
 };
 
 /// Joins open lines whose ends lie within `tolerance` of each other, and closes those that come back to their
-/// start. Where more than two meet, as much as can be is closed, and what is left goes straight on. The result
-/// does not depend on the order of the lines, but for which of them are equal.
+/// start. Where more than two meet, as much as can be is closed, and what is left goes straight on. The
+/// result does not depend on the order of the lines, but for which of them are equal.
 Joined joined(std::vector<geometry::Polyline> lines, double tolerance);
 
 }  // namespace telekerf::vision

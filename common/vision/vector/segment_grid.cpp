@@ -41,7 +41,8 @@ class Grid {
       if (low > high) std::swap(low, high);
       for (std::int64_t r = row(low - distance_); r <= row(high + distance_); ++r) {
         // Two cells of one number cost a comparison, nothing else.
-        const auto key = static_cast<std::uint64_t>(column) * 0x9E3779B97F4A7C15U ^ static_cast<std::uint64_t>(r);
+        const auto key =
+            static_cast<std::uint64_t>(column) * 0x9E3779B97F4A7C15U ^ static_cast<std::uint64_t>(r);
         entries_.push_back({key, line, number});
       }
     }

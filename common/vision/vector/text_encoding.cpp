@@ -91,7 +91,8 @@ tl::expected<std::string, std::string> unzipped(std::string bytes, std::size_t m
     if (out.size() > max_bytes)
       return tl::unexpected(fmt::format("unpacked it is larger than {} MB", max_bytes / 1000000));
   }
-  if (state != Z_STREAM_END) return tl::unexpected<std::string>("its gzip compression is damaged or ends too early");
+  if (state != Z_STREAM_END)
+    return tl::unexpected<std::string>("its gzip compression is damaged or ends too early");
   return out;
 }
 

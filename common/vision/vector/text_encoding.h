@@ -13,8 +13,8 @@ namespace telekerf::vision {
 /// stay as they are: their letters for numbers are the same.
 std::string utf8_of(std::string_view bytes);
 
-/// The contents of a gzip file; other bytes come back as they are. The error is one sentence: damaged, or more
-/// than `max_bytes`.
+/// The contents of a gzip file; other bytes come back as they are. The error is one sentence: damaged, or
+/// more than `max_bytes`.
 tl::expected<std::string, std::string> unzipped(std::string bytes, std::size_t max_bytes);
 
 }  // namespace telekerf::vision

@@ -23,10 +23,14 @@ struct VectorLimits {
 /// What a unit of a file is taken for.
 enum class LengthUnit { kFile, kMillimetre, kCentimetre, kMetre, kInch, kFoot, kPoint, kMicrometre };
 inline constexpr EnumRow<LengthUnit> kLengthUnitRows[] = {
-    {"file", LengthUnit::kFile, "what the file says"}, {"mm", LengthUnit::kMillimetre, "a millimetre"},
-    {"cm", LengthUnit::kCentimetre, "a centimetre"},   {"m", LengthUnit::kMetre, "a metre"},
-    {"inch", LengthUnit::kInch, "an inch"},            {"foot", LengthUnit::kFoot, "a foot"},
-    {"pt", LengthUnit::kPoint, "1/72 inch"},           {"um", LengthUnit::kMicrometre, "a micrometre"},
+    {"file", LengthUnit::kFile, "what the file says"},
+    {"mm", LengthUnit::kMillimetre, "a millimetre"},
+    {"cm", LengthUnit::kCentimetre, "a centimetre"},
+    {"m", LengthUnit::kMetre, "a metre"},
+    {"inch", LengthUnit::kInch, "an inch"},
+    {"foot", LengthUnit::kFoot, "a foot"},
+    {"pt", LengthUnit::kPoint, "1/72 inch"},
+    {"um", LengthUnit::kMicrometre, "a micrometre"},
 };
 inline constexpr EnumTable<LengthUnit> kLengthUnits(kLengthUnitRows);
 /// Metres; nothing: what the file says.
@@ -34,10 +38,11 @@ std::optional<double> metres_of(LengthUnit unit);
 
 /// How a drawing is to be understood where the file leaves it open, and what of it is wanted.
 struct VectorRequest {
-  double join_m = 10e-6;             ///< ends that are as near as this are one point
-  std::optional<double> dpi = std::nullopt;         ///< pixels an inch of SVG; else 96, or what the program used that wrote it
-  std::optional<double> unit_m = std::nullopt;      ///< a unit of the file, whatever it says
-  std::vector<std::string> layers = {};   ///< these alone; none: all that are shown
+  double join_m = 10e-6;  ///< ends that are as near as this are one point
+  std::optional<double> dpi =
+      std::nullopt;  ///< pixels an inch of SVG; else 96, or what the program used that wrote it
+  std::optional<double> unit_m = std::nullopt;  ///< a unit of the file, whatever it says
+  std::vector<std::string> layers = {};         ///< these alone; none: all that are shown
   std::vector<std::string> colours = {};  ///< these alone, as the file names them or as #rrggbb; none: all
 };
 

@@ -44,7 +44,8 @@ tl::expected<VectorDrawing, std::string> read_vector_file(const std::string& pat
   text.resize(static_cast<std::size_t>(file.gcount()));
   auto plain = unzipped(std::move(text), limits.max_bytes);
   if (!plain) return tl::unexpected(fmt::format("{}: {}", path, plain.error()));
-  auto out = extension_of(path) == ".dxf" ? read_dxf(*plain, limits, request) : read_svg(*plain, limits, request);
+  auto out =
+      extension_of(path) == ".dxf" ? read_dxf(*plain, limits, request) : read_svg(*plain, limits, request);
   if (!out) return tl::unexpected(fmt::format("{}: {}", path, out.error()));
   return out;
 }

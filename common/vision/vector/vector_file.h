@@ -9,7 +9,8 @@
 
 namespace telekerf::vision {
 
-/// By the file's extension, .svg, .svgz or .dxf; every other file is none of these (`is_vector_file` says so).
+/// By the file's extension, .svg, .svgz or .dxf; every other file is none of these (`is_vector_file` says
+/// so).
 bool is_vector_file(const std::string& path);
 tl::expected<VectorDrawing, std::string> read_vector_file(const std::string& path,
                                                           const VectorRequest& request = {},

@@ -38,7 +38,7 @@ TEST(DxfArcs, TurnFromTheirStartToTheirEnd) {
         Arc{90, 90, 360},         Arc{0, 0, 360},     Arc{270, 90, 180},    Arc{350, 10, 20},
         Arc{10, 350, 340},        Arc{-30, 30, 60},   Arc{30, -30, 300},    Arc{0, 450, 90},
         Arc{720, 90, 90},         Arc{0, 0.01, 0.01}, Arc{45, 405, 360},    Arc{180, 540, 360},
-        Arc{0.1, 0, 359.9},     Arc{400, 40, 360},  Arc{360.5, 0.5, 360}, Arc{372.8, 12.8, 360},
+        Arc{0.1, 0, 359.9},       Arc{400, 40, 360},  Arc{360.5, 0.5, 360}, Arc{372.8, 12.8, 360},
         Arc{0, 360.00000001, 360}}) {
     for (const bool down : {false, true}) {  // seen from below: mirrored
       const Polyline line = drawn(fmt::format("0\nARC\n10\n100\n20\n50\n40\n10\n50\n{}\n51\n{}\n{}",

@@ -97,8 +97,8 @@ TEST(Ends, OfARingLeaveTheLongerWay) {
 LoadedContours drawing(const LoadRequest& request) {
   const auto file =
       std::filesystem::temp_directory_path() / ("telekerf-ends-" + std::to_string(::getpid()) + ".svg");
-  std::ofstream(file)
-      << "<svg stroke='black' fill='none' width='40mm' height='20mm' viewBox='0 0 40 20'><path d='M20 4h8'/><path d='M10 12h20'/></svg>";
+  std::ofstream(file) << "<svg stroke='black' fill='none' width='40mm' height='20mm' viewBox='0 0 40 "
+                         "20'><path d='M20 4h8'/><path d='M10 12h20'/></svg>";
   const auto out = load_contours(file.string(), request);
   std::filesystem::remove(file);
   EXPECT_TRUE(out) << out.error();

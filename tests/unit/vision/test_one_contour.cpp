@@ -74,13 +74,17 @@ TEST(OneContour, WhatClosesGoesFirstAtBranches) {
   }
   EXPECT_EQ(in_any_order(touching, 1e-5), (Tally{2, 0, 12.0}));
   // A cross of four lines is two.
-  EXPECT_EQ(in_any_order({line({0, 0}, {1, 0}), line({0, 0}, {-1, 0}), line({0, 0}, {0, 1}), line({0, 0}, {0, -1})}, 1e-5),
-            (Tally{0, 2, 4.0}));
+  EXPECT_EQ(
+      in_any_order({line({0, 0}, {1, 0}), line({0, 0}, {-1, 0}), line({0, 0}, {0, 1}), line({0, 0}, {0, -1})},
+                   1e-5),
+      (Tally{0, 2, 4.0}));
 }
 
 TEST(OneContour, GapsWithinTheToleranceAreNone) {
   for (const double gap : {0.0, 0.5e-5, 0.9e-5}) {
-    const auto out = joined({line({0, 0}, {1, 0}), line({1, gap}, {1, 1}), line({1 - gap, 1}, {0, 1}), line({0, 1}, {0, gap})}, 1e-5);
+    const auto out = joined(
+        {line({0, 0}, {1, 0}), line({1, gap}, {1, 1}), line({1 - gap, 1}, {0, 1}), line({0, 1}, {0, gap})},
+        1e-5);
     ASSERT_EQ(out.lines.size(), 1u) << gap;
     EXPECT_TRUE(out.lines[0].closed);
     EXPECT_EQ(out.lines[0].size(), 4u);
@@ -91,7 +95,9 @@ TEST(OneContour, GapsWithinTheToleranceAreNone) {
 TEST(OneContour, LinesOnEachOtherAreCutOnce) {
   const Polyline square{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, true};
   Polyline turned{{{1, 1}, {1, 0}, {0, 0}, {0, 1}}, true};
-  const auto cut = [](std::vector<Polyline> lines) { return tally(without_doubles(std::move(lines), 2e-6).lines); };
+  const auto cut = [](std::vector<Polyline> lines) {
+    return tally(without_doubles(std::move(lines), 2e-6).lines);
+  };
   EXPECT_EQ(cut({square, turned}), (Tally{1, 0, 4.0}));
   EXPECT_EQ(cut({line({0.2, 0}, {0.7, 1e-6}), square}), (Tally{1, 0, 4.0}));
   EXPECT_EQ(cut({line({0, 0}, {2, 0}), line({3, 0}, {1, 0})}), (Tally{0, 2, 3.0}));
@@ -140,8 +146,8 @@ TEST(OneContour, TenThousandCirclesTakeTimeInProportion) {
 }
 
 std::string dxf_of(const std::string& tables, const std::string& entities, const std::string& header = "") {
-  return "0\nSECTION\n2\nHEADER\n" + header + "0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n" + tables +
-         "0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n" + entities + "0\nENDSEC\n0\nEOF\n";
+  return "0\nSECTION\n2\nHEADER\n" + header + "0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n" +
+         tables + "0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n" + entities + "0\nENDSEC\n0\nEOF\n";
 }
 
 TEST(DxfLayers, WhatIsNotShownOrNotPlottedIsLeftOutAndNamed) {
@@ -158,7 +164,8 @@ TEST(DxfLayers, WhatIsNotShownOrNotPlottedIsLeftOutAndNamed) {
   }
   const auto points = read_dxf(dxf_of("", seen + "0\nLINE\n8\nDefpoints\n11\n9\n21\n9\n"));
   EXPECT_EQ(points->contours.size(), 1u);
-  const auto chosen = read_dxf(dxf_of("", seen + "0\nLINE\n8\nA\n62\n1\n11\n90\n21\n90\n"), {}, {.colours = {"1"}});
+  const auto chosen =
+      read_dxf(dxf_of("", seen + "0\nLINE\n8\nA\n62\n1\n11\n90\n21\n90\n"), {}, {.colours = {"1"}});
   ASSERT_TRUE(chosen);
   EXPECT_FALSE(chosen->contours.at(0).closed);
 }
@@ -195,7 +202,8 @@ TEST(DxfCurves, ASplineOfFitPointsIsSmooth) {
 TEST(DxfCurves, FlatPolylinesOfThreeDimensionsAreDrawn) {
   const auto polyline = [](int flags, double z) {
     return fmt::format(
-        "0\nPOLYLINE\n70\n{}\n0\nVERTEX\n10\n0\n20\n0\n30\n5\n70\n32\n0\nVERTEX\n10\n9\n20\n0\n30\n5\n70\n32\n"
+        "0\nPOLYLINE\n70\n{}"
+        "\n0\nVERTEX\n10\n0\n20\n0\n30\n5\n70\n32\n0\nVERTEX\n10\n9\n20\n0\n30\n5\n70\n32\n"
         "0\nVERTEX\n10\n4\n20\n4\n70\n16\n30\n5\n0\nVERTEX\n10\n9\n20\n9\n30\n{}\n70\n32\n0\nSEQEND\n",
         flags, z);
   };

@@ -15,9 +15,10 @@ using geometry::length_m;
 
 /// On a page of 100 x 80 mm, a unit a millimetre.
 tl::expected<VectorDrawing, std::string> read(const std::string& body, const VectorRequest& request = {}) {
-  return read_svg("<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='80mm' viewBox='0 0 100 80'>" + body +
-                      "</svg>",
-                  {}, request);
+  return read_svg(
+      "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='80mm' viewBox='0 0 100 80'>" + body +
+          "</svg>",
+      {}, request);
 }
 
 double length_mm(const VectorDrawing& d) {
@@ -54,8 +55,9 @@ TEST(Shown, WhatAStyleSheetHidesIsLeftOutWithItsReason) {
 
 TEST(Shown, WhatAttributesHideIsLeftOut) {
   for (const char* hidden :
-       {"<circle r='9' display='none'/>", "<g visibility='hidden'><circle r='9'/></g>", "<circle r='9' fill='none'/>",
-        "<g opacity='0'><circle r='9'/></g>", "<circle r='9' fill='#12345600'/>", "<circle r='9' fill-opacity='0%'/>",
+       {"<circle r='9' display='none'/>", "<g visibility='hidden'><circle r='9'/></g>",
+        "<circle r='9' fill='none'/>", "<g opacity='0'><circle r='9'/></g>",
+        "<circle r='9' fill='#12345600'/>", "<circle r='9' fill-opacity='0%'/>",
         "<circle r='9' fill='none' stroke='red' stroke-width='0'/>", "<circle r='9' fill='rgba(1,2,3,0)'/>",
         "<circle r='9' fill='url(#no)'/>", "<path d='M0 0H9' fill='red'/>", "<line x2='9'/>",
         "<rect width='100%' height='100%' fill='white'/>", "<path d='M0 0h100v80H0z' style='fill:#fff'/>",
@@ -72,12 +74,13 @@ TEST(Shown, WhatIsShownIsCut) {
        {"<g visibility='hidden'><rect width='10' height='5' visibility='visible'/></g>",
         "<style>rect{stroke:none;fill:red}</style><rect width='10' height='5'/>",
         "<style>.a{display:none}</style><rect class='a' style='display:inline' width='10' height='5'/>",
-        "<style>.a{display:none}.b .a,#q{display:inline}</style><rect id='q' class='a' width='10' height='5'/>",
-        "<style>@media print{rect{display:none}}rect:hover{display:none}</style><rect width='10' height='5'/>",
+        "<style>.a{display:none}.b .a,#q{display:inline}</style><rect id='q' class='a' width='10' "
+        "height='5'/>",
+        "<style>@media print{rect{display:none}}rect:hover{display:none}</style><rect width='10' "
+        "height='5'/>",
         "<rect style='width:10px;height:5px'/>", "<rect fill='white' width='10' height='5'/>",
-        "<style>rect{width:10px}</style><rect width='3' height='5'/>",
-        "<path fill='red' d='M0 0H10V5H0'/>", "<polyline points='0 0 10 0 10 5 0 5'/>",
-        "<rect fill='url(#no) red' width='10' height='5'/>",
+        "<style>rect{width:10px}</style><rect width='3' height='5'/>", "<path fill='red' d='M0 0H10V5H0'/>",
+        "<polyline points='0 0 10 0 10 5 0 5'/>", "<rect fill='url(#no) red' width='10' height='5'/>",
         "<s:rect xmlns:s='http://www.w3.org/2000/svg' width='10' height='5'/>"}) {
     const auto d = read(shown);
     ASSERT_TRUE(d) << shown << d.error();
@@ -97,11 +100,14 @@ TEST(Shown, WhatCannotBeFollowedAndMattersIsRefusedByName) {
            {"<style>@supports (x:y){rect{transform:none}}</style>", "supports"},
            {"<rect style='translate: 3px' width='9' height='9'/>", "translate"},
            {"<rect style='fill: var(--a)' width='9' height='9'/>", "var("},
-           {"<rect style='transform-origin:50% 50%;transform-box:fill-box;transform:rotate(9deg)' width='9' height='9'/>",
+           {"<rect style='transform-origin:50% 50%;transform-box:fill-box;transform:rotate(9deg)' width='9' "
+            "height='9'/>",
             "transform-origin"},
            {"<rect width='9' height='9' clip-path='circle(3px)'/>", "clip-path"},
-           {"<clipPath id='c'><circle r='5'/></clipPath><rect width='9' height='9' clip-path='url(#c)'/>", "#c"},
-           {"<mask id='m'><rect fill='gray' width='99' height='99'/></mask><rect width='9' height='9' mask='url(#m)'/>",
+           {"<clipPath id='c'><circle r='5'/></clipPath><rect width='9' height='9' clip-path='url(#c)'/>",
+            "#c"},
+           {"<mask id='m'><rect fill='gray' width='99' height='99'/></mask><rect width='9' height='9' "
+            "mask='url(#m)'/>",
             "mask"},
        }) {
     const auto d = read(body + kSeen);
@@ -109,7 +115,9 @@ TEST(Shown, WhatCannotBeFollowedAndMattersIsRefusedByName) {
     EXPECT_NE(d.error().find(word), std::string::npos) << d.error();
   }
   // What does not decide what is cut may say what it likes.
-  EXPECT_TRUE(read("<style>@font-face{src:url(a)} rect:nth-last-child(2){cursor:help} @keyframes k{to{left:0}}</style>" + kSeen));
+  EXPECT_TRUE(read(
+      "<style>@font-face{src:url(a)} rect:nth-last-child(2){cursor:help} @keyframes k{to{left:0}}</style>" +
+      kSeen));
 }
 
 TEST(Shown, ClipsThatCutNothingAwayAreFollowed) {
@@ -124,25 +132,30 @@ TEST(Shown, ClipsThatCutNothingAwayAreFollowed) {
 TEST(Shown, TransformsOfAStyleAndOriginsAreHonoured) {
   const std::string rect = "<rect x='40' y='30' width='30' height='20' ";
   for (const char* how :
-       {"transform-origin='55 40' transform='rotate(90)'/>", "style='transform:rotate(90deg);transform-origin:55px 40px'/>",
+       {"transform-origin='55 40' transform='rotate(90)'/>",
+        "style='transform:rotate(90deg);transform-origin:55px 40px'/>",
         "style='transform-origin:55% 50%;transform:rotate(0.25turn)'/>", "transform='rotate(90 55 40)'/>"}) {
     const auto d = read(rect + how);
     ASSERT_TRUE(d) << how << d.error();
     const auto box = geometry::bounding_box(d->contours.at(0).points_m);
-    EXPECT_NEAR((box.min - 1e-3 * Vec2(45, -55)).norm() + (box.max - 1e-3 * Vec2(65, -25)).norm(), 0.0, 1e-12) << how;
+    EXPECT_NEAR((box.min - 1e-3 * Vec2(45, -55)).norm() + (box.max - 1e-3 * Vec2(65, -25)).norm(), 0.0, 1e-12)
+        << how;
   }
 }
 
 TEST(Shown, PixelsHaveTheSizeOfTheProgramThatWroteThem) {
-  const auto side_mm = [](const std::string& before, const std::string& root, const VectorRequest& request = {}) {
+  const auto side_mm = [](const std::string& before, const std::string& root,
+                          const VectorRequest& request = {}) {
     const auto d = read_svg(before + "<svg " + root + "><rect width='72' height='72'/></svg>", {}, request);
     EXPECT_TRUE(d) << d.error();
     EXPECT_FALSE(d->size_from.empty());
     return 1e3 * length_m(d->contours.at(0)) / 4.0;
   };
   EXPECT_NEAR(side_mm("<!-- Generator: Adobe Illustrator 25.0.1 -->", "viewBox='0 0 99 99'"), 25.4, 1e-9);
-  EXPECT_NEAR(side_mm("<!-- Generator: Adobe Illustrator 25.0.1 -->", "width='99px' height='99px'"), 25.4, 1e-9);
-  EXPECT_NEAR(side_mm("<!-- Generator: Adobe Illustrator -->", "width='72mm' viewBox='0 0 72 72'"), 72.0, 1e-9);
+  EXPECT_NEAR(side_mm("<!-- Generator: Adobe Illustrator 25.0.1 -->", "width='99px' height='99px'"), 25.4,
+              1e-9);
+  EXPECT_NEAR(side_mm("<!-- Generator: Adobe Illustrator -->", "width='72mm' viewBox='0 0 72 72'"), 72.0,
+              1e-9);
   EXPECT_NEAR(side_mm("", "inkscape:version='0.48.4 r9939'"), 25.4 * 72 / 90, 1e-9);
   EXPECT_NEAR(side_mm("", "inkscape:version='1.2'"), 25.4 * 72 / 96, 1e-9);
   EXPECT_NEAR(side_mm("", "", {.dpi = 72.0}), 25.4, 1e-9);
@@ -170,7 +183,8 @@ TEST(Shown, LayersAndColoursAreChosen) {
   const std::string body =
       "<g id='cut'><rect width='10' height='5' stroke='#f00' fill='none'/></g>"
       "<g id='engrave'><circle cx='50' cy='50' r='9' stroke='blue' fill='none'/></g>";
-  for (const VectorRequest& request : {VectorRequest{.layers = {"cut"}}, VectorRequest{.colours = {"#FF0000"}}}) {
+  for (const VectorRequest& request :
+       {VectorRequest{.layers = {"cut"}}, VectorRequest{.colours = {"#FF0000"}}}) {
     const auto d = read(body, request);
     ASSERT_TRUE(d) << d.error();
     EXPECT_NEAR(length_mm(*d), 30.0, 1e-9);

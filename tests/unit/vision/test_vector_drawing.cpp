@@ -17,7 +17,8 @@ using geometry::Polyline;
 
 VectorDrawing svg(const std::string& body,
                   const std::string& head = R"svg(width="100mm" height="100mm" viewBox="0 0 100 100")svg") {
-  const auto out = read_svg("<svg xmlns=\"http://www.w3.org/2000/svg\" stroke=\"black\" fill=\"none\" " + head + ">" + body + "</svg>");
+  const auto out = read_svg("<svg xmlns=\"http://www.w3.org/2000/svg\" stroke=\"black\" fill=\"none\" " +
+                            head + ">" + body + "</svg>");
   EXPECT_TRUE(out) << out.error();
   return out.value_or(VectorDrawing{});
 }
@@ -206,7 +207,8 @@ TEST(Svg, DamageIsAnErrorThatSaysWhere) {
     EXPECT_NE(error(svg).find(width), std::string::npos) << svg;
   }
   for (const std::string width : {"100%", "auto", "10.5mm", " 7 "})
-    EXPECT_EQ(error("<svg stroke='red' width='" + width + "' viewBox='0 0 9 9'><line x2='1'/></svg>"), "no error")
+    EXPECT_EQ(error("<svg stroke='red' width='" + width + "' viewBox='0 0 9 9'><line x2='1'/></svg>"),
+              "no error")
         << width;
   std::string deep = "<svg>";
   for (int i = 0; i < 300; ++i) deep += "<g>";

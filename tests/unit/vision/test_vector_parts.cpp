@@ -250,7 +250,8 @@ TEST(SvgLengths, UnitsAreTheirMetres) {
   EXPECT_FALSE(svg_length_m(nullptr));
   // Per cents are of the width, of the height, or of the diagonal over sqrt 2.
   const auto d = read_svg(
-      "<svg stroke='black' fill='none' width='80mm' height='60mm' viewBox='0 0 80 60'><line x1='50%' y1='50%' x2='60%' y2='60%'/>"
+      "<svg stroke='black' fill='none' width='80mm' height='60mm' viewBox='0 0 80 60'><line x1='50%' "
+      "y1='50%' x2='60%' y2='60%'/>"
       "<circle cx='25%' cy='25%' r='10%'/></svg>");
   ASSERT_TRUE(d) << d.error();
   EXPECT_NEAR((d->contours[0].points_m[0] - 1e-3 * Vec2(40, -30)).norm(), 0.0, 1e-15);

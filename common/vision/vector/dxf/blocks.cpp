@@ -18,10 +18,31 @@ namespace {
 
 /// $INSUNITS -> metres; 0: the file does not say.
 std::optional<double> metres_of_unit(std::string_view text) {
-  constexpr std::array<double, 25> kUnits{0.0,  25.4e-3,        0.3048, 1609.344, 1e-3,    1e-2,     1.0,
-                                          1e3,  25.4e-9,        25.4e-6, 0.9144,  1e-10,   1e-9,     1e-6,
-                                          0.1,  10.0,           100.0,  1e9,      1.495978707e11, 9.4607e15, 3.0857e16,
-                                          1200.0 / 3937.0, 100.0 / 3937.0, 3600.0 / 3937.0, 1609.347};
+  constexpr std::array<double, 25> kUnits{0.0,
+                                          25.4e-3,
+                                          0.3048,
+                                          1609.344,
+                                          1e-3,
+                                          1e-2,
+                                          1.0,
+                                          1e3,
+                                          25.4e-9,
+                                          25.4e-6,
+                                          0.9144,
+                                          1e-10,
+                                          1e-9,
+                                          1e-6,
+                                          0.1,
+                                          10.0,
+                                          100.0,
+                                          1e9,
+                                          1.495978707e11,
+                                          9.4607e15,
+                                          3.0857e16,
+                                          1200.0 / 3937.0,
+                                          100.0 / 3937.0,
+                                          3600.0 / 3937.0,
+                                          1609.347};
   const auto unit = take_number(text);
   if (!unit || *unit < 0.0 || *unit >= static_cast<double>(kUnits.size())) return std::nullopt;
   return kUnits[static_cast<std::size_t>(*unit)];
@@ -47,7 +68,8 @@ class Layers {
     std::string_view digits = group.value;
     if (group.code == 2) name_ = in_capitals(group.value);
     if (group.code == 70) flags_ = std::lround(std::clamp(take_number(digits).value_or(0.0), 0.0, 1e6));
-    if (group.code == 62) colour_ = static_cast<int>(std::clamp(take_number(digits).value_or(7.0), -256.0, 256.0));
+    if (group.code == 62)
+      colour_ = static_cast<int>(std::clamp(take_number(digits).value_or(7.0), -256.0, 256.0));
     if (group.code == 290) plotted_ = take_number(digits).value_or(1.0) != 0.0;
   }
 

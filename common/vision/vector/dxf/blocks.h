@@ -34,8 +34,8 @@ struct DxfLayer {
 };
 
 struct DxfContents {
-  double metres = 1e-3;   ///< a unit, $INSUNITS
-  std::string size_from;  ///< what says so
+  double metres = 1e-3;        ///< a unit, $INSUNITS
+  std::string size_from;       ///< what says so
   std::vector<DxfPart> drawn;  ///< sections of entities
   std::map<std::string_view, DxfBlock> blocks;
   std::map<std::string, DxfLayer> layers;  ///< by name in capitals

@@ -55,8 +55,8 @@ class DxfReader {
       if (entity->kind == "POLYLINE") {
         polyline = std::exchange(entity, std::nullopt);
       } else if (entity->kind == "VERTEX" && polyline) {
-        polyline->vertices.push_back(
-            {Vec2(entity->number[10], entity->number[20]), entity->number[42], entity->number[30], entity->flags});
+        polyline->vertices.push_back({Vec2(entity->number[10], entity->number[20]), entity->number[42],
+                                      entity->number[30], entity->flags});
       } else if (entity->kind == "SEQEND" && polyline) {
         draw(*polyline, here);
         polyline.reset();
@@ -99,7 +99,8 @@ class DxfReader {
   /// Sets the pen for what is drawn next.
   void choose_pen(const DxfEntity& e) {
     Pen& pen = out_.pen;
-    pen.layer = e.layer.empty() || (e.layer == "0" && !around_.layer.empty()) ? around_.layer : std::string(e.layer);
+    pen.layer =
+        e.layer.empty() || (e.layer == "0" && !around_.layer.empty()) ? around_.layer : std::string(e.layer);
     if (pen.layer.empty()) pen.layer.push_back('0');
     const DxfLayer& layer = layer_of(pen.layer);
     if (e.true_colour >= 0) {

@@ -11,8 +11,8 @@
 namespace telekerf::vision {
 
 /// DXF (ASCII): LINE, LWPOLYLINE and POLYLINE with bulges, ARC, CIRCLE, ELLIPSE, SPLINE and INSERT of blocks
-/// of these, in $INSUNITS; if unset inches where $MEASUREMENT says so, millimetres otherwise. What is on a layer
-/// that is frozen, off or not plotted is in `left_out`, whatever else is not followed in `unsupported`.
+/// of these, in $INSUNITS; if unset inches where $MEASUREMENT says so, millimetres otherwise. What is on a
+/// layer that is frozen, off or not plotted is in `left_out`, whatever else is not followed in `unsupported`.
 tl::expected<VectorDrawing, std::string> read_dxf(std::string_view bytes, const VectorLimits& limits = {},
                                                   const VectorRequest& request = {});
 

@@ -42,8 +42,8 @@ void absorb(DxfInsert& insert, int code, double value) {
 bool absorb(DxfEntity& e, const DxfGroup& g) {
   if (g.code == 2 && e.kind == "INSERT") e.insert.block = g.value;
   if (g.code == 8) e.layer = g.value;
-  const bool wanted = (g.code >= 10 && g.code <= 60) || g.code == 62 || g.code == 67 || g.code == 70 || g.code == 71 ||
-                      (g.code >= 210 && g.code <= 230) || g.code == 420;
+  const bool wanted = (g.code >= 10 && g.code <= 60) || g.code == 62 || g.code == 67 || g.code == 70 ||
+                      g.code == 71 || (g.code >= 210 && g.code <= 230) || g.code == 420;
   if (!wanted) return true;
   std::string_view text = g.value;
   const auto value = take_number(text);

@@ -15,14 +15,46 @@ namespace telekerf::vision {
 namespace {
 
 /// Written as attributes too.
-constexpr std::array<std::string_view, 20> kAttributes{
-    "display",    "visibility",   "opacity",   "fill", "stroke",       "fill-opacity", "stroke-opacity",
-    "stroke-width", "color",      "clip-path", "mask", "marker",       "marker-start", "marker-mid",
-    "marker-end", "transform",    "transform-origin",  "transform-box", "stroke-dasharray", "clip-rule"};
+constexpr std::array<std::string_view, 20> kAttributes{"display",
+                                                       "visibility",
+                                                       "opacity",
+                                                       "fill",
+                                                       "stroke",
+                                                       "fill-opacity",
+                                                       "stroke-opacity",
+                                                       "stroke-width",
+                                                       "color",
+                                                       "clip-path",
+                                                       "mask",
+                                                       "marker",
+                                                       "marker-start",
+                                                       "marker-mid",
+                                                       "marker-end",
+                                                       "transform",
+                                                       "transform-origin",
+                                                       "transform-box",
+                                                       "stroke-dasharray",
+                                                       "clip-rule"};
 /// In style alone; as attributes they are the elements' own, or nothing.
-constexpr std::array<std::string_view, 19> kStyles{
-    "x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d", "translate", "rotate", "scale", "offset-path",
-    "offset", "zoom", "all", "clip", "content-visibility"};
+constexpr std::array<std::string_view, 19> kStyles{"x",
+                                                   "y",
+                                                   "width",
+                                                   "height",
+                                                   "cx",
+                                                   "cy",
+                                                   "r",
+                                                   "rx",
+                                                   "ry",
+                                                   "d",
+                                                   "translate",
+                                                   "rotate",
+                                                   "scale",
+                                                   "offset-path",
+                                                   "offset",
+                                                   "zoom",
+                                                   "all",
+                                                   "clip",
+                                                   "content-visibility"};
 
 template <typename List>
 bool among(const List& list, std::string_view name) {
@@ -54,7 +86,8 @@ std::string without_comments(std::string_view text) {
     text.remove_prefix(close + 2);
   }
   for (const std::string_view mark : {"<!--", "-->"}) {
-    for (auto at = out.find(mark); at != std::string::npos; at = out.find(mark)) out.replace(at, mark.size(), 1, ' ');
+    for (auto at = out.find(mark); at != std::string::npos; at = out.find(mark))
+      out.replace(at, mark.size(), 1, ' ');
   }
   return out;
 }
@@ -113,7 +146,8 @@ std::vector<Cascade::Declaration> Cascade::declarations_of(std::string_view text
       value = trimmed(value.substr(0, mark));
     }
     d.value = value;
-    if (!d.value.empty() && (among(kAttributes, d.name) || among(kStyles, d.name))) out.push_back(std::move(d));
+    if (!d.value.empty() && (among(kAttributes, d.name) || among(kStyles, d.name)))
+      out.push_back(std::move(d));
   }
   return out;
 }
@@ -126,7 +160,8 @@ void Cascade::complain(std::string_view prelude, std::string_view body) {
   std::replace_if(
       shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   trouble_ = fmt::format(
-      "the style sheet's rule \"{}\" decides what is shown and cannot be followed; write it as attributes of the "
+      "the style sheet's rule \"{}\" decides what is shown and cannot be followed; write it as attributes of "
+      "the "
       "elements",
       shown);
 }
@@ -137,7 +172,8 @@ void Cascade::add_rules(std::string_view text, int depth) {
     const std::string_view prelude = text.substr(0, end);
     if (end >= text.size() || text[end] == ';') {
       if (lower(trimmed(prelude)).starts_with("@import") && trouble_.empty())
-        trouble_ = "the style sheet imports another one (@import), which is not read; put its rules into the file";
+        trouble_ =
+            "the style sheet imports another one (@import), which is not read; put its rules into the file";
       text.remove_prefix(std::min(text.size(), end + 1));
       continue;
     }
@@ -151,7 +187,8 @@ void Cascade::add_rules(std::string_view text, int depth) {
 
 void Cascade::add_at_rule(std::string_view prelude, std::string_view body, int depth) {
   const std::string words = lower(trimmed(prelude));
-  for (const std::string_view silent : {"@font-face", "@page", "@counter-style", "@property", "@font-feature-values"}) {
+  for (const std::string_view silent :
+       {"@font-face", "@page", "@counter-style", "@property", "@font-feature-values"}) {
     if (words.starts_with(silent)) return;
   }
   const bool plain = words == "@media all" || words == "@media screen" || words == "@media screen, print" ||
@@ -217,7 +254,8 @@ Properties Cascade::of(const tinyxml2::XMLElement& e) const {
     }
     std::sort(found.begin(), found.end());
   }
-  const std::vector<Declaration> own = inline_style.empty() ? std::vector<Declaration>{} : declarations_of(without_comments(inline_style));
+  const std::vector<Declaration> own =
+      inline_style.empty() ? std::vector<Declaration>{} : declarations_of(without_comments(inline_style));
   for (const bool important : {false, true}) {
     for (const auto& [specificity, k] : found) {
       for (const Declaration& d : rules_[k].declarations) {

@@ -19,7 +19,8 @@ int side_of(const geometry::Polyline& ring, const Vec2& p) {
     const double square = way.squaredNorm();
     const double t = square > 0.0 ? std::clamp((p - a).dot(way) / square, 0.0, 1.0) : 0.0;
     if ((a + t * way - p).norm() <= kOn_m) return 0;
-    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+    if ((a.y() > p.y()) != (b.y() > p.y()) &&
+        p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
       inside = !inside;
   }
   return inside ? 1 : -1;

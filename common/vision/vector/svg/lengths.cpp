@@ -31,7 +31,7 @@ std::optional<double> svg_length_m(const char* text) {
                                                                        {"in", 25.4e-3},
                                                                        {"pt", 25.4e-3 / 72.0},
                                                                        {"pc", 25.4e-3 / 6.0},
-{"q", 0.25e-3}}};
+                                                                       {"q", 0.25e-3}}};
   std::string unit(rest);
   std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return std::tolower(c); });
   for (const auto& [name, metres] : kUnits) {

@@ -34,13 +34,15 @@ Pixels pixels_of(const tinyxml2::XMLElement& root, std::string_view text, const 
   const bool illustrator = head.find("Adobe Illustrator") != std::string_view::npos ||
                            head.find("ns.adobe.com/AdobeIllustrator") != std::string_view::npos ||
                            (root.Attribute("data-name") != nullptr && root.Attribute("id") != nullptr);
-  if (illustrator) return {72.0, "72 pixels an inch, as Adobe Illustrator writes them (--dpi 96 if it is not so)"};
+  if (illustrator)
+    return {72.0, "72 pixels an inch, as Adobe Illustrator writes them (--dpi 96 if it is not so)"};
   for (auto* a = root.FirstAttribute(); a != nullptr; a = a->Next()) {
     if (local_name(a->Name()) != "version" || std::string_view(a->Name()) == "version") continue;
     std::string_view rest(a->Value());
     const auto version = take_number(rest);
     if (version && *version < 0.92)
-      return {90.0, fmt::format("90 pixels an inch, as Inkscape {:.8} wrote them (--dpi 96 if it is not so)", a->Value())};
+      return {90.0, fmt::format("90 pixels an inch, as Inkscape {:.8} wrote them (--dpi 96 if it is not so)",
+                                a->Value())};
   }
   return {};
 }
@@ -73,7 +75,9 @@ tl::expected<SvgPage, std::string> page_of(const tinyxml2::XMLElement& root, std
   SvgPage out;
   out.metres = pixel_m;
   const char* stated = *width ? root.Attribute("width") : *height ? root.Attribute("height") : nullptr;
-  out.size_from = stated != nullptr && !in_pixels(stated) ? fmt::format("the file's page, {:.20} {}", stated, *width ? "wide" : "high") : pixels.why;
+  out.size_from = stated != nullptr && !in_pixels(stated)
+                      ? fmt::format("the file's page, {:.20} {}", stated, *width ? "wide" : "high")
+                      : pixels.why;
   out.size_m = {width->value_or(0.0), height->value_or(0.0)};
   if (*box) {
     Vec2 scale = Vec2::Constant(pixel_m);

@@ -22,8 +22,8 @@ struct SvgPage {
   std::string size_from;  ///< what says how large a unit is
 };
 
-/// Units of width and height against the viewBox; otherwise pixels, as many an inch as was asked for, or as the
-/// program took that wrote the `text`, or 96. The error is one sentence.
+/// Units of width and height against the viewBox; otherwise pixels, as many an inch as was asked for, or as
+/// the program took that wrote the `text`, or 96. The error is one sentence.
 tl::expected<SvgPage, std::string> page_of(const tinyxml2::XMLElement& root, std::string_view text,
                                            const VectorRequest& request);
 

@@ -62,10 +62,12 @@ tl::expected<VectorDrawing, std::string> SvgReader::drawing() {
   if (!cascade_.trouble().empty()) return tl::unexpected(cascade_.trouble());
   const Properties own = cascade_.of(root_);
   if (own.contains("transform"))
-    return tl::unexpected<std::string>("a transform of the whole <svg> is not read; put it on a group within");
+    return tl::unexpected<std::string>(
+        "a transform of the whole <svg> is not read; put it on a group within");
   if (const auto trouble = trouble_of(own); !trouble.empty()) return tl::unexpected(trouble);
   children(root_, {page_.view, look_of(own, {}), 0});
-  if (dashed_ > 0) out_.notes.push_back(fmt::format("{} dashed lines are cut whole (stroke-dasharray)", dashed_));
+  if (dashed_ > 0)
+    out_.notes.push_back(fmt::format("{} dashed lines are cut whole (stroke-dasharray)", dashed_));
   return out_.drawing("SVG");
 }
 
@@ -101,14 +103,16 @@ void SvgReader::element(const Element& e, const Inherited& around) {
   if (draws_nothing(name, e)) return;
   const Properties own = cascade_.of(e);
   self.look = look_of(own, around.look);
-  if (const auto trouble = trouble_of(own); !trouble.empty() && self.look.displayed) return out_.fail(trouble);
+  if (const auto trouble = trouble_of(own); !trouble.empty() && self.look.displayed)
+    return out_.fail(trouble);
   if (!transform(own, self.here)) return;
   const std::size_t first = out_.count();
   contents(name, e, own, self);
   if (!out_.failed()) clip(own, self, first);
 }
 
-void SvgReader::contents(std::string_view name, const Element& e, const Properties& own, const Inherited& self) {
+void SvgReader::contents(std::string_view name, const Element& e, const Properties& own,
+                         const Inherited& self) {
   if (name == "g" || name == "a") {
     const std::string layer = name == "g" ? layer_of(e, self.depth) : "";
     const std::string before = out_.pen.layer;
@@ -140,12 +144,13 @@ bool SvgReader::transform(const Properties& own, Affine& here) {
   Vec2 origin = Vec2::Zero();
   if (const auto at = own.find("transform-origin"); at != own.end()) {
     const auto box = own.find("transform-box");
-    const bool absolute = at->second.find_first_of("%lcrtb") == std::string::npos ||
-                          at->second.find("px") != std::string::npos;
+    const bool absolute =
+        at->second.find_first_of("%lcrtb") == std::string::npos || at->second.find("px") != std::string::npos;
     const bool of_view = box == own.end() || box->second == "view-box";
     const auto read = origin_of(at->second, viewport_);
     if (!read || (!of_view && !absolute) || (!of_view && !read->isZero())) {
-      out_.fail(fmt::format("transform-origin \"{:.40}\" is not followed; write it into the transform", at->second));
+      out_.fail(fmt::format("transform-origin \"{:.40}\" is not followed; write it into the transform",
+                            at->second));
       return false;
     }
     origin = *read;
@@ -161,16 +166,17 @@ bool SvgReader::transform(const Properties& own, Affine& here) {
 
 bool SvgReader::draws_nothing(std::string_view name, const Element& e) const {
   constexpr std::array<std::string_view, 22> kSilent{
-      "defs",  "style", "clipPath", "mask",   "symbol", "pattern", "marker",  "linearGradient", "radialGradient",
-      "filter", "metadata", "title", "desc", "script", "view", "animate", "animateTransform", "animateMotion",
-      "set", "font", "font-face", "color-profile"};
+      "defs",   "style",          "clipPath",       "mask",         "symbol",           "pattern",
+      "marker", "linearGradient", "radialGradient", "filter",       "metadata",         "title",
+      "desc",   "script",         "view",           "animate",      "animateTransform", "animateMotion",
+      "set",    "font",           "font-face",      "color-profile"};
   (void)e;
   return name.empty() || std::find(kSilent.begin(), kSilent.end(), name) != kSilent.end();
 }
 
 void SvgReader::shape(std::string_view name, const Element& e, const Properties& own, const Inherited& self) {
-  const Painted paint = painted(self.look, name != "line",
-                                [&](std::string_view id) { return named_.contains(id); });
+  const Painted paint =
+      painted(self.look, name != "line", [&](std::string_view id) { return named_.contains(id); });
   std::string why = paint.why_hidden;
   if (in_hole_) {
     why = self.look.displayed && self.look.visible ? "" : why;
@@ -195,7 +201,8 @@ void SvgReader::shape(std::string_view name, const Element& e, const Properties&
         out_.leave_out(k, "filled without having an area, and without a stroke");
     }
   }
-  if (paint.stroke && self.look.dashes != "none" && self.look.dashes.find_first_of("123456789") != std::string::npos)
+  if (paint.stroke && self.look.dashes != "none" &&
+      self.look.dashes.find_first_of("123456789") != std::string::npos)
     ++dashed_;
   if (self.look.markers && (name == "path" || name == "line" || name == "polyline" || name == "polygon"))
     out_.unsupported.add("marker");
@@ -203,13 +210,15 @@ void SvgReader::shape(std::string_view name, const Element& e, const Properties&
 }
 
 void SvgReader::leave_out_background(std::size_t first, const Painted& paint) {
-  if (in_hole_ || !paint.white || (paint.stroke && paint.colour != "#ffffff") || !(page_.size_m.minCoeff() > 0.0))
+  if (in_hole_ || !paint.white || (paint.stroke && paint.colour != "#ffffff") ||
+      !(page_.size_m.minCoeff() > 0.0))
     return;
   const Vec2 slack = 0.01 * page_.size_m;
   for (std::size_t k = first; k < out_.count(); ++k) {
     const geometry::Box box = geometry::bounding_box(out_.line(k).points_m);
     const bool covers = box.min.x() <= slack.x() && box.max.y() >= -slack.y() &&
-                        box.max.x() >= page_.size_m.x() - slack.x() && box.min.y() <= slack.y() - page_.size_m.y();
+                        box.max.x() >= page_.size_m.x() - slack.x() &&
+                        box.min.y() <= slack.y() - page_.size_m.y();
     if (covers) out_.leave_out(k, "the white background of the page");
   }
 }
@@ -228,9 +237,11 @@ void SvgReader::use(const Element& e, const Properties& own, const Inherited& se
   const char* link = attribute(e, "href");
   if (link == nullptr) return out_.unsupported.add("use");  // SVG: it draws nothing
   if (link[0] != '#')
-    return out_.fail(fmt::format("use of \"{:.60}\": only what the same file defines (#name) is followed", link));
+    return out_.fail(
+        fmt::format("use of \"{:.60}\": only what the same file defines (#name) is followed", link));
   const Element* target = named(std::string_view(link + 1));
-  if (target == nullptr) return out_.fail(fmt::format("use of \"{:.60}\", which the file does not define", link));
+  if (target == nullptr)
+    return out_.fail(fmt::format("use of \"{:.60}\", which the file does not define", link));
   if (std::find(in_use_.begin(), in_use_.end(), target) != in_use_.end())
     return out_.fail(fmt::format("use of \"{:.60}\" within itself", link));
   in_use_.push_back(target);
@@ -279,10 +290,12 @@ std::vector<geometry::Polyline> SvgReader::hole_of(const Element& e, const Inher
   Inherited within = self;
   within.look = {};
   const Properties own = cascade_.of(e);
-  if (own.contains("clip-path") && own.at("clip-path") != "none") out_.fail("a clip-path of a clip-path is not followed");
+  if (own.contains("clip-path") && own.at("clip-path") != "none")
+    out_.fail("a clip-path of a clip-path is not followed");
   const char* units = e.Attribute(mask ? "maskContentUnits" : "clipPathUnits");
   if (units != nullptr && std::string_view(units) == "objectBoundingBox")
-    out_.fail("a clip-path or mask in units of an object's box is not followed; apply it in the drawing program");
+    out_.fail(
+        "a clip-path or mask in units of an object's box is not followed; apply it in the drawing program");
   if (transform(own, within.here)) children(e, within);
   std::swap(out_, scratch);
   in_hole_ = in_hole;
@@ -305,11 +318,13 @@ void SvgReader::clip(const Properties& own, const Inherited& self, std::size_t f
     if (written == own.end() || written->second == "none" || out_.count() == first) continue;
     const std::string_view id = reference(written->second);
     if (id.empty())
-      return out_.fail(fmt::format("{} \"{:.40}\" is not followed; apply it in the drawing program", kind, written->second));
+      return out_.fail(fmt::format("{} \"{:.40}\" is not followed; apply it in the drawing program", kind,
+                                   written->second));
     const Element* target = named(id);
     const std::string_view name = target != nullptr ? svg_name(*target) : std::string_view();
     if (name != "clipPath" && name != "mask") continue;  // it hides nothing
-    if (std::find(in_use_.begin(), in_use_.end(), target) != in_use_.end()) return out_.fail("a clip-path is within itself");
+    if (std::find(in_use_.begin(), in_use_.end(), target) != in_use_.end())
+      return out_.fail("a clip-path is within itself");
     in_use_.push_back(target);
     const auto hole = hole_of(*target, self, name == "mask");
     in_use_.pop_back();
@@ -323,7 +338,8 @@ void SvgReader::clip(const Properties& own, const Inherited& self, std::size_t f
       const Clipped seen = clipped(out_.line(k), hole);
       if (seen == Clipped::kOutside) out_.leave_out(k, fmt::format("outside its {}", kind));
       if (seen == Clipped::kCut)
-        return out_.fail(fmt::format("{} \"#{:.40}\" cuts through a shape; apply it in the drawing program", kind, id));
+        return out_.fail(
+            fmt::format("{} \"#{:.40}\" cuts through a shape; apply it in the drawing program", kind, id));
     }
   }
 }

@@ -21,7 +21,8 @@ void skip_blanks(std::string_view& text) {
 }
 
 bool is_name_letter(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' || static_cast<signed char>(c) < 0;
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ||
+         static_cast<signed char>(c) < 0;
 }
 
 /// An identifier, its escapes resolved; empty where there is none.
@@ -95,7 +96,9 @@ bool read_nth(std::string_view text, CompoundSelector::Pseudo& out) {
   for (const char c : text) {
     if (!is_blank(c)) letters.push_back(static_cast<char>(std::tolower(static_cast<unsigned char>(c))));
   }
-  const std::string_view flat = letters == "odd" ? "2n+1" : letters == "even" ? "2n" : std::string_view(letters);
+  const std::string_view flat = letters == "odd"    ? "2n+1"
+                                : letters == "even" ? "2n"
+                                                    : std::string_view(letters);
   const auto number = [](std::string_view word, int& value) {
     if (word.starts_with('+')) word.remove_prefix(1);
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -120,7 +123,8 @@ std::optional<CompoundSelector> take_compound(std::string_view& text, int& speci
 std::optional<CompoundSelector::Pseudo> take_pseudo(std::string_view& text, int& specificity, int depth) {
   CompoundSelector::Pseudo out;
   out.name = take_identifier(text);
-  std::transform(out.name.begin(), out.name.end(), out.name.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(out.name.begin(), out.name.end(), out.name.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   std::string_view inside;
   if (text.starts_with('(')) {
     int open = 0;
@@ -133,11 +137,13 @@ std::optional<CompoundSelector::Pseudo> take_pseudo(std::string_view& text, int&
     inside = text.substr(1, close - 1);
     text.remove_prefix(close + 1);
   }
-  constexpr std::array<std::string_view, 6> kPlain{"root",          "first-child",  "last-child",
-                                                   "only-child",    "first-of-type", "last-of-type"};
-  constexpr std::array<std::string_view, 9> kNever{"hover", "active", "focus", "visited", "target",
-                                                   "focus-visible", "focus-within", "checked", "link"};
-  const auto among = [&](const auto& words) { return std::find(words.begin(), words.end(), out.name) != words.end(); };
+  constexpr std::array<std::string_view, 6> kPlain{"root",       "first-child",   "last-child",
+                                                   "only-child", "first-of-type", "last-of-type"};
+  constexpr std::array<std::string_view, 9> kNever{
+      "hover", "active", "focus", "visited", "target", "focus-visible", "focus-within", "checked", "link"};
+  const auto among = [&](const auto& words) {
+    return std::find(words.begin(), words.end(), out.name) != words.end();
+  };
   if (among(kPlain) || among(kNever)) {
     specificity += 100;
     return out;
@@ -238,7 +244,8 @@ bool matches(const CompoundSelector::Attribute& a, const XMLElement& e) {
     case '~':
       return has_word(value, a.value);
     case '|':
-      return value == a.value || (value.starts_with(a.value) && value.substr(a.value.size()).starts_with('-'));
+      return value == a.value ||
+             (value.starts_with(a.value) && value.substr(a.value.size()).starts_with('-'));
     case '^':
       return !a.value.empty() && value.starts_with(a.value);
     case '$':
@@ -253,7 +260,8 @@ bool matches(const CompoundSelector& c, const XMLElement& e);
 bool matches(const CompoundSelector::Pseudo& p, const XMLElement& e) {
   if (p.name == "root") return parent_of(e) == nullptr;
   if (p.name == "not" || p.name == "is" || p.name == "where") {
-    const bool any = std::any_of(p.inside.begin(), p.inside.end(), [&](const auto& c) { return matches(c, e); });
+    const bool any =
+        std::any_of(p.inside.begin(), p.inside.end(), [&](const auto& c) { return matches(c, e); });
     return any != (p.name == "not");
   }
   const bool of_type = p.name.ends_with("of-type");
@@ -286,7 +294,8 @@ bool matches(const CompoundSelector& c, const XMLElement& e) {
       if (!has_word(classes, word)) return false;
     }
   }
-  return std::all_of(c.attributes.begin(), c.attributes.end(), [&](const auto& a) { return matches(a, e); }) &&
+  return std::all_of(c.attributes.begin(), c.attributes.end(),
+                     [&](const auto& a) { return matches(a, e); }) &&
          std::all_of(c.pseudos.begin(), c.pseudos.end(), [&](const auto& p) { return matches(p, e); });
 }
 

@@ -106,7 +106,8 @@ std::string_view path_of(const tinyxml2::XMLElement& e, const Properties& own) {
 
 bool draw_shape(std::string_view name, const tinyxml2::XMLElement& e, const Properties& own,
                 const SvgCoordinates& at, const Eigen::Affine2d& here, DrawnLines& out) {
-  constexpr std::array<std::string_view, 7> kShapes{"path", "line", "polyline", "polygon", "rect", "circle", "ellipse"};
+  constexpr std::array<std::string_view, 7> kShapes{"path", "line",   "polyline", "polygon",
+                                                    "rect", "circle", "ellipse"};
   if (std::find(kShapes.begin(), kShapes.end(), name) == kShapes.end()) return false;
   auto writer = out.writer(here);
   if (!writer) return true;

@@ -31,11 +31,24 @@ double share_of(std::string_view text, double fallback) {
   return text.starts_with('%') ? 0.01 * *value : *value;
 }
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kNames{
-    {{"black", "#000000"},  {"white", "#ffffff"},  {"red", "#ff0000"},    {"lime", "#00ff00"},   {"blue", "#0000ff"},
-     {"yellow", "#ffff00"}, {"cyan", "#00ffff"},   {"aqua", "#00ffff"},   {"magenta", "#ff00ff"},
-     {"fuchsia", "#ff00ff"}, {"green", "#008000"}, {"gray", "#808080"},   {"grey", "#808080"},   {"silver", "#c0c0c0"},
-     {"maroon", "#800000"}, {"navy", "#000080"},   {"orange", "#ffa500"}, {"purple", "#800080"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kNames{{{"black", "#000000"},
+                                                                                {"white", "#ffffff"},
+                                                                                {"red", "#ff0000"},
+                                                                                {"lime", "#00ff00"},
+                                                                                {"blue", "#0000ff"},
+                                                                                {"yellow", "#ffff00"},
+                                                                                {"cyan", "#00ffff"},
+                                                                                {"aqua", "#00ffff"},
+                                                                                {"magenta", "#ff00ff"},
+                                                                                {"fuchsia", "#ff00ff"},
+                                                                                {"green", "#008000"},
+                                                                                {"gray", "#808080"},
+                                                                                {"grey", "#808080"},
+                                                                                {"silver", "#c0c0c0"},
+                                                                                {"maroon", "#800000"},
+                                                                                {"navy", "#000080"},
+                                                                                {"orange", "#ffa500"},
+                                                                                {"purple", "#800080"}}};
 
 struct Paint {
   bool paints = false;
@@ -59,7 +72,8 @@ Paint function_paint(std::string_view text) {
     if (!value) break;
     values.push_back(*value);
     percent.push_back(rest.starts_with('%'));
-    while (!rest.empty() && (rest.front() == '%' || std::isalpha(static_cast<unsigned char>(rest.front())) != 0))
+    while (!rest.empty() &&
+           (rest.front() == '%' || std::isalpha(static_cast<unsigned char>(rest.front())) != 0))
       rest.remove_prefix(1);
   }
   if (values.size() >= 4 && !(values[3] > 0.0)) return {};
@@ -74,11 +88,13 @@ Paint paint_of(std::string_view written, const Look& look, const IsDefined& is_d
   std::string text(written);
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   if (text.empty() || text == "none" || text == "transparent") return {};
-  if (text == "currentcolor") return depth > 0 ? Paint{true, "black"} : paint_of(look.color, look, is_defined, 1);
+  if (text == "currentcolor")
+    return depth > 0 ? Paint{true, "black"} : paint_of(look.color, look, is_defined, 1);
   if (text.starts_with("url")) {
     const auto hash = written.find('#');
     const auto close = written.find(')');
-    if (hash == std::string_view::npos || close == std::string_view::npos || close < hash) return {true, "url"};
+    if (hash == std::string_view::npos || close == std::string_view::npos || close < hash)
+      return {true, "url"};
     std::string_view id = written.substr(hash + 1, close - hash - 1);
     while (!id.empty() && (id.back() == '"' || id.back() == '\'' || id.back() == ' ')) id.remove_suffix(1);
     if (is_defined(id)) return {true, fmt::format("#{}", id)};
@@ -88,7 +104,8 @@ Paint paint_of(std::string_view written, const Look& look, const IsDefined& is_d
   }
   if (text.front() == '#') {
     const std::string_view hex = std::string_view(text).substr(1);
-    const bool zero_alpha = (hex.size() == 4 && hex.back() == '0') || (hex.size() == 8 && hex.substr(6) == "00");
+    const bool zero_alpha =
+        (hex.size() == 4 && hex.back() == '0') || (hex.size() == 8 && hex.substr(6) == "00");
     if (zero_alpha) return {};
     if (hex.size() == 3 || hex.size() == 4)
       return {true, fmt::format("#{0}{0}{1}{1}{2}{2}", hex[0], hex[1], hex[2])};
@@ -120,7 +137,9 @@ Look look_of(const Properties& own, const Look& around) {
     take(found->second, value);
   };
   const auto word = [](std::string& to, const char* initial) {
-    return [&to, initial](const std::string& text, const std::string& value) { to = value == "initial" ? initial : text; };
+    return [&to, initial](const std::string& text, const std::string& value) {
+      to = value == "initial" ? initial : text;
+    };
   };
   with("color", word(out.color, "black"));
   with("fill", word(out.fill, "black"));
@@ -164,8 +183,9 @@ std::string trouble_of(const Properties& own) {
     if (found == own.end()) continue;
     const std::string value = flat(found->second);
     if (value != "none" && value != "normal" && value != "initial" && !(name == "zoom" && value == "1"))
-      return fmt::format("the style \"{}: {:.30}\" moves an element and is not followed; write it as its transform",
-                         name, found->second);
+      return fmt::format(
+          "the style \"{}: {:.30}\" moves an element and is not followed; write it as its transform", name,
+          found->second);
   }
   for (const auto& [name, value] : own) {
     if (value.find("var(") != std::string::npos || value.find("calc(") != std::string::npos)

@@ -20,20 +20,21 @@ std::optional<double> take_value(std::string_view& text) {
   const auto number = take_number(text);
   if (!number) return std::nullopt;
   std::size_t letters = 0;
-  while (letters < text.size() && (std::isalpha(static_cast<unsigned char>(text[letters])) != 0 || text[letters] == '%'))
+  while (letters < text.size() &&
+         (std::isalpha(static_cast<unsigned char>(text[letters])) != 0 || text[letters] == '%'))
     ++letters;
   const std::string_view unit = text.substr(0, letters);
   text.remove_prefix(letters);
   constexpr std::array<std::pair<std::string_view, double>, 10> kUnits{{{"", 1.0},
-                                                                       {"px", 1.0},
-                                                                       {"deg", 1.0},
-                                                                       {"rad", 180.0 / M_PI},
-                                                                       {"grad", 0.9},
-                                                                       {"turn", 360.0},
-                                                                       {"mm", 96.0 / 25.4},
-                                                                       {"cm", 960.0 / 25.4},
-                                                                       {"in", 96.0},
-                                                                       {"pt", 96.0 / 72.0}}};
+                                                                        {"px", 1.0},
+                                                                        {"deg", 1.0},
+                                                                        {"rad", 180.0 / M_PI},
+                                                                        {"grad", 0.9},
+                                                                        {"turn", 360.0},
+                                                                        {"mm", 96.0 / 25.4},
+                                                                        {"cm", 960.0 / 25.4},
+                                                                        {"in", 96.0},
+                                                                        {"pt", 96.0 / 72.0}}};
   for (const auto& [name, factor] : kUnits) {
     if (unit == name) return *number * factor;
   }

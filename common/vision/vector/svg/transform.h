@@ -13,8 +13,8 @@ namespace telekerf::vision {
 /// A transform attribute, from an element's coordinates to those around it; nothing where it cannot be read.
 std::optional<Eigen::Affine2d> transform_of(std::string_view text);
 
-/// A transform-origin: user units, per cents of the viewport, or words like "center"; nothing where it cannot be
-/// read.
+/// A transform-origin: user units, per cents of the viewport, or words like "center"; nothing where it cannot
+/// be read.
 std::optional<Vec2> origin_of(std::string_view text, const Vec2& viewport);
 
 }  // namespace telekerf::vision

@@ -12,7 +12,9 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\r\n";
 
-void skip_blanks(std::string_view& text) { text.remove_prefix(std::min(text.size(), text.find_first_not_of(kBlank))); }
+void skip_blanks(std::string_view& text) {
+  text.remove_prefix(std::min(text.size(), text.find_first_not_of(kBlank)));
+}
 
 std::string_view take_word(std::string_view& text) {
   skip_blanks(text);
@@ -93,7 +95,8 @@ std::string_view svg_name(const tinyxml2::XMLElement& e) {
        around = around->Parent() != nullptr ? around->Parent()->ToElement() : nullptr) {
     root = around;
     const char* space = around->Attribute(declaration.c_str());
-    if (space != nullptr) return std::string_view(space) == "http://www.w3.org/2000/svg" ? name : std::string_view();
+    if (space != nullptr)
+      return std::string_view(space) == "http://www.w3.org/2000/svg" ? name : std::string_view();
   }
   const bool all_prefixed = std::string_view(root->Name()).find(':') != std::string_view::npos;
   return prefix == "svg:" || (prefix.empty() && !all_prefixed) ? name : std::string_view();

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which way up a picture is, how large a scan is, and what a file is that is no picture.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "common/vision/load.h"
+#include "common/vision/raster/picture_file.h"
+
+namespace telekerf::vision {
+namespace {
+
+std::string written(const std::string& name, const std::string& bytes) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("telekerf-tags-" + std::to_string(::getpid()) + name);
+  std::ofstream(file, std::ios::binary) << bytes;
+  return file.string();
+}
+
+std::string encoded(const cv::Mat& image, const std::string& extension) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(extension, image, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+/// An EXIF block of one tag, put behind the start of a JPEG file.
+std::string with_orientation(std::string jpeg, int orientation) {
+  const std::string tiff = std::string("MM\0\x2A\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0", 19) +
+                           static_cast<char>(orientation) + std::string("\0\0\0\0\0\0", 6);
+  const std::string body = std::string("Exif\0\0", 6) + tiff;
+  const std::size_t size = body.size() + 2;
+  std::string segment = "\xFF\xE1";
+  segment += static_cast<char>(size >> 8U);
+  segment += static_cast<char>(size & 0xFFU);
+  return jpeg.insert(2, segment + body);
+}
+
+TEST(PictureTags, EveryOrientationComesUpright) {
+  // Dark in its upper left part: as it should be seen.
+  cv::Mat upright(32, 48, CV_8UC1, cv::Scalar(250));
+  upright(cv::Rect(0, 0, 16, 8)).setTo(10);
+  for (int orientation = 1; orientation <= 8; ++orientation) {
+    cv::Mat stored = upright.clone();
+    // The way back of what the reader does.
+    if (orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7)
+      cv::flip(stored, stored, 1);
+    if (orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8)
+      cv::flip(stored, stored, 0);
+    if (orientation >= 5) cv::transpose(stored, stored);
+    const std::string file = written(".jpg", with_orientation(encoded(stored, ".jpg"), orientation));
+    const auto picture = read_picture(file);
+    std::filesystem::remove(file);
+    ASSERT_TRUE(picture) << picture.error();
+    ASSERT_EQ(picture->image.size(), upright.size()) << orientation;
+    EXPECT_LT(picture->image.at<unsigned char>(3, 4), 60) << orientation;
+    EXPECT_GT(picture->image.at<unsigned char>(28, 40), 200) << orientation;
+  }
+}
+
+/// A PNG file that states its pixels a metre.
+std::string with_density(std::string png, unsigned pixels_per_metre) {
+  std::string chunk("\0\0\0\x09pHYs", 8);
+  for (int axis = 0; axis < 2; ++axis) {
+    for (int shift = 24; shift >= 0; shift -= 8)
+      chunk += static_cast<char>(pixels_per_metre >> shift & 0xFFU);
+  }
+  chunk += '\x01';
+  unsigned crc = 0xFFFFFFFFU;
+  for (std::size_t i = 4; i < chunk.size(); ++i) {
+    crc ^= static_cast<unsigned char>(chunk[i]);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1U) != 0 ? crc >> 1U ^ 0xEDB88320U : crc >> 1U;
+  }
+  crc = ~crc;
+  for (int shift = 24; shift >= 0; shift -= 8) chunk += static_cast<char>(crc >> shift & 0xFFU);
+  return png.insert(33, chunk);
+}
+
+TEST(PictureTags, AScanHasItsTrueSize) {
+  cv::Mat image(200, 300, CV_8UC1, cv::Scalar(250));
+  image(cv::Rect(100, 50, 100, 100)).setTo(10);
+  const std::string png = encoded(image, ".png");
+  for (const auto& [density, side_mm] :
+       {std::pair(11811U, 100 * 25.4 / 300.0), {23622U, 100 * 25.4 / 600.0}}) {
+    const std::string file = written(".png", with_density(png, density));
+    const auto loaded = load_contours(file, {});
+    std::filesystem::remove(file);
+    ASSERT_TRUE(loaded) << loaded.error();
+    const auto size = geometry::bounding_box(loaded->contours.at(0).points_m).size();
+    EXPECT_NEAR(1e3 * size.x(), side_mm, 0.03);
+    EXPECT_NE(loaded->size_from.find("inch"), std::string::npos);
+  }
+  // What a screen has says nothing, and what is asked for counts first.
+  for (const unsigned density : {2835U, 3780U}) {
+    const std::string file = written(".png", with_density(png, density));
+    EXPECT_FALSE(read_picture(file)->dpi);
+    std::filesystem::remove(file);
+  }
+}
+
+TEST(PictureTags, WhatIsNoPictureIsNamed) {
+  for (const auto& [bytes, word] : {std::pair(std::string("GIF89a......"), "GIF"),
+                                    {std::string("%PDF-1.7 ..."), "PDF"},
+                                    {std::string("\0\0\0\x18"
+                                                 "ftypheic....",
+                                                 16),
+                                     "HEIC"},
+                                    {std::string("AC1027......"), "DWG"},
+                                    {std::string("%!PS-Adobe-3.0"), "PostScript"}}) {
+    const std::string file = written(".png", bytes);
+    const auto picture = read_picture(file);
+    std::filesystem::remove(file);
+    ASSERT_FALSE(picture);
+    EXPECT_NE(picture.error().find(word), std::string::npos) << picture.error();
+  }
+}
+
+}  // namespace
+}  // namespace telekerf::vision
