@@ -162,18 +162,18 @@ tl::expected<Contours, std::string> both_modes(const Field& field, ShapeKinds ki
 
 /// Looked at in some pixels only.
 DrawingEvidence evidence_of(const Separation& found) {
-  constexpr int kStep = 4;
   constexpr int kClear_px = 3;  // from what is drawn
   const cv::Mat& drawn = found.field.drawn;
+  const int step = std::max(4, std::min(drawn.rows, drawn.cols) / 120);
   Histogram paper{};
   Histogram ink{};
   double inked = 0.0;
-  for (int y = kClear_px; y + kClear_px < drawn.rows; y += kStep) {
+  for (int y = kClear_px; y + kClear_px < drawn.rows; y += step) {
     const auto* above = drawn.ptr<unsigned char>(y - kClear_px);
     const auto* here = drawn.ptr<unsigned char>(y);
     const auto* below = drawn.ptr<unsigned char>(y + kClear_px);
     const auto* grey = found.field.smooth.ptr<unsigned char>(y);
-    for (int x = kClear_px; x + kClear_px < drawn.cols; x += kStep) {
+    for (int x = kClear_px; x + kClear_px < drawn.cols; x += step) {
       if (here[x] != 0) {
         inked += 1.0;
         ink[grey[x]] += 1.0;
@@ -196,7 +196,7 @@ DrawingEvidence evidence_of(const Separation& found) {
   out.cut_off = found.outlines.cut_off;
   out.one_pen = out.cut_off < 3 || !found.outlines.thin() || is_of_one_pen(found.field, found.outlines);
   out.cut_off_share =
-      out.cut_off == 0 ? 0.0 : std::max(0.0, 1.0 - whole / std::max(1.0, inked * kStep * kStep));
+      out.cut_off == 0 ? 0.0 : std::max(0.0, 1.0 - whole / std::max(1.0, inked * step * step));
   return out;
 }
 

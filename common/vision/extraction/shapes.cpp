@@ -106,7 +106,14 @@ void finish(Outlines& part) {
 ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
   ShapeKinds out;
   const bool all_strokes = outlines.thin();
-  if (outlines.contours.size() < 2 && all_strokes) return {outlines, {}, {}};
+  if (const auto outers = std::count_if(outlines.areas_px.begin(), outlines.areas_px.end(),
+                                        [](double area) { return area > 0.0; });
+      outers <= 1) {  // most pictures: one shape of a clear kind
+    const double ratio = outlines.width_px / std::max(1.0, outlines.size_px);
+    const bool holes = outlines.contours.size() > 1;
+    if (all_strokes && (ratio < kNearlyThin || !holes)) return {outlines, {}, {}};
+    if (!all_strokes && (ratio > kBand || !holes)) return {{}, outlines, {}};
+  }
   cv::Mat labels;
   const int count = cv::connectedComponents(field.drawn, labels, 8, CV_32S);
   std::vector<Shape> shapes(static_cast<std::size_t>(count));

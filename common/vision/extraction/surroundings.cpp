@@ -73,14 +73,26 @@ std::optional<Cleared> on_sheet(const cv::Mat& grey, const tl::expected<Separati
 }
 
 std::optional<Cleared> under_hair(const cv::Mat& grey, const tl::expected<Separation, std::string>& first) {
-  constexpr std::size_t kFewContours = 3;
+  constexpr std::size_t kFewContours = 4;
+  constexpr double kLongest_px = 900.0;
   constexpr std::size_t kClean = 6;  // contours that a cleared region may have
-  const bool suspicious =
-      !first || first->outlines.cut_off > 0 || first->outlines.contours.size() >= kFewContours;
+  // Hair that reaches the border cuts the region off; hair that does not makes a thin thing with many gaps of
+  // it.
+  const bool suspicious = !first || first->outlines.cut_off > 0 ||
+                          (first->outlines.thin() && first->outlines.contours.size() >= kFewContours);
   if (!suspicious) return std::nullopt;
   const int width = std::max(5, std::min(grey.cols, grey.rows) / 75);
   const double depth = first ? std::max(10.0, 0.12 * first->field.contrast) : 14.0;
-  const cv::Mat hair = hair_in(grey, width, depth);
+  // Looked for in small: a closing as wide as this costs much.
+  const double reduction = std::max(1.0, std::max(grey.cols, grey.rows) / kLongest_px);
+  cv::Mat hair;
+  if (reduction > 1.0) {
+    cv::resize(grey, hair, {}, 1.0 / reduction, 1.0 / reduction, cv::INTER_AREA);
+    hair = hair_in(hair, std::max(4, static_cast<int>(width / reduction)), depth);
+    cv::resize(hair, hair, grey.size(), 0, 0, cv::INTER_NEAREST);
+  } else {
+    hair = hair_in(grey, width, depth);
+  }
   const int hairs = cv::countNonZero(hair);
   if (hairs < 12 * width || hairs > 0.3 * static_cast<double>(grey.total())) return std::nullopt;
   cv::Mat cleared;
