@@ -106,7 +106,7 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
           .unlit = true,
           .on_time = on_time,
           .emission_agrees = inputs.emission_agrees,
-          .monitor_agrees = true,
+          .monitor_agrees = inputs.monitor_agrees,
           .command_age_s = selected.age_s >= 0.0 ? selected.age_s : laser::kAbsent,
           .radius_m = place.norm(),
           .height_m = std::abs(tool.position_m.z()),

@@ -14,6 +14,7 @@
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
 #include "common/streaming/command_receiver.h"
+#include "slave/laser/beam_monitor.h"
 #include "slave/laser/beam_power.h"
 #include "slave/laser/contour_place.h"
 #include "slave/laser/dose_book.h"
@@ -45,6 +46,7 @@ struct SlaveSettings {
 struct Corridor {
   std::uint32_t contour_id = 0;
   geometry::NearestIndex contour;
+  std::optional<laser::CorridorRaster> raster;  ///< for the second judgement; none: it knows no contour
 };
 
 struct SlaveInputs {
@@ -52,6 +54,7 @@ struct SlaveInputs {
   std::span<const Received<CommandBlock>> commands;  ///< since the last step, in order of arrival
   StopOrder stop;
   const Corridor* corridor = nullptr;  ///< null: no contour yet; must outlive its use
+  bool monitor_agrees = true;          ///< see laser::BeamMonitor
   bool emission_agrees = true;         ///< see LaserOutput::emission_agrees()
 };
 

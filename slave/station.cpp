@@ -99,6 +99,7 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                                                 {settings_.mismatch, settings_.seed + 1000, {}}})),
       beam_(settings_.beam, settings_.node.laser_w, settings_.node.control_hz, std::move(laser)),
       node_(model_, settings_.node, settings_.epoch),
+      monitor_(model_, settings_.node.interlock.max_height_m),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
   control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
                           "bandwidth_rad_s", "observer_rad_s");
@@ -122,7 +123,9 @@ std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const 
                     reach_m * 1e3, model_.name, model_.workspace.radius_m * 1e3));
   }
   return std::make_unique<Corridor>(
-      Corridor{contour.id, geometry::NearestIndex(geometry::Polyline{contour.points_m, contour.closed})});
+      Corridor{contour.id, geometry::NearestIndex(geometry::Polyline{contour.points_m, contour.closed}),
+               laser::CorridorRaster(contour.points_m, contour.closed, settings_.node.interlock.corridor_m,
+                                     model_.workspace.radius_m)});
 }
 
 SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
@@ -141,6 +144,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.stop = stop;
   inputs.corridor = corridor;
   inputs.emission_agrees = beam_.emission_agrees();
+  inputs.monitor_agrees = monitor_.agrees();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
   if (out.command_age_s >= 0.0) {
@@ -154,6 +158,8 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
     out.permit = {};
   }
   out.laser_w = beam_.emit(std::move(out.permit), now_ns, out.laser_w, false);
+  monitor_.step(inputs.joints, corridor != nullptr && corridor->raster ? &*corridor->raster : nullptr,
+                out.mode == SlaveMode::kStopped, out.laser_w > 0.0);
   machine_.write(out.currents_a);
   recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick, out.reference.position_m,
                   true_tool_m.value_or(out.tool_m), out.laser_w, static_cast<int>(out.interlock), out.settled,

@@ -72,6 +72,7 @@ class Station {
   robot::RobotSupervisor machine_;
   laser::LaserOutput beam_;
   SlaveNode node_;
+  laser::BeamMonitor monitor_;
   Recorder<SlaveRow> recorder_;
   Tick tick_ = 0;
   struct {

@@ -288,7 +288,7 @@ TEST_F(PermitOfANode, HoweverLittleTheBeamHasTheStateSaysThatItIsOn) {
 TEST_F(PermitOfANode, AToolBeyondTheWorkspacesEdgeBurnsNothing) {
   const double edge_m = model_.workspace.radius_m;
   corridor_ = std::make_unique<Corridor>(
-      Corridor{1, geometry::NearestIndex(geometry::Polyline{circle(1, edge_m).points_m, true})});
+      Corridor{1, geometry::NearestIndex(geometry::Polyline{circle(1, edge_m).points_m, true}), {}});
   radius_m_ = edge_m - 10e-6;
   for (int b = 0; b < 400; ++b) run_node(next_block());
   int within = 0;
