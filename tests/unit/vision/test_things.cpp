@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/vision/load.h"
+#include "common/vision/segmentation/snapping.h"
+#include "common/vision/segmentation/things.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {
@@ -233,6 +235,31 @@ TEST(Things, PointingAtNothingSaysSo) {
   const auto found = contours_in(picture, request);
   ASSERT_FALSE(found);
   EXPECT_NE(found.error().find("--box"), std::string::npos) << found.error();
+}
+
+TEST(Things, AHoleIsNoPartOfTheMask) {
+  cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(70, 80, 90));
+  disc(picture, {320, 240}, 140, cv::Scalar(180, 190, 200));
+  disc(picture, {320, 240}, 60, cv::Scalar(70, 80, 90));
+  add_grain(picture, 4.0);
+  const auto things = things_in(scene_of(picture, 640));
+  ASSERT_TRUE(things) << things.error();
+  EXPECT_EQ(things->mask.at<unsigned char>(240, 320), 0);
+  EXPECT_EQ(things->mask.at<unsigned char>(240, 420), 255);
+  EXPECT_EQ(things->mask.at<unsigned char>(240, 500), 0);
+}
+
+TEST(Things, ARoughOutlineIsMovedOntoTheEdge) {
+  cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(70, 80, 90));
+  disc(picture, {320, 240}, 140, cv::Scalar(180, 190, 200));
+  cv::GaussianBlur(picture, picture, {}, 1.2);
+  add_grain(picture, 4.0);
+  const Scene scene = scene_of(picture, 320);
+  cv::Mat rough(scene.lab.size(), CV_8U, cv::Scalar(0));
+  cv::circle(rough, {160, 120}, 69, cv::Scalar(255), cv::FILLED);
+  const Contours found = snapped_outlines(scene, rough, picture);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_LT(compare(found.front(), circle({320, 240}, 140)).rms_px, 0.5);
 }
 
 TEST(Things, InADrawingAtTakesTheContourThatItLiesOn) {
