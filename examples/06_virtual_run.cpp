@@ -17,7 +17,7 @@ int main() {
   settings.duration_s = 10.0;
   settings.seed = 7;
   const double stop_s = 6.0;
-  settings.stops.push_back({stop_s, {.number = 1, .cleared = 0}});
+  settings.stops.push_back({stop_s, {.number = 1, .cleared = {}}});
 
   const RunRecord record = simulation::simulate(settings);
   const auto report = reporting::make_report(record);

@@ -86,7 +86,7 @@ class CommandStream {
   streaming::RedundancyControl redundancy_;
   std::int64_t engaged_from_ = 0;  ///< index
   Observed observed_;
-  std::uint32_t engage_ = 0;    ///< changes where blocks begin only
+  std::uint32_t engage_ = 0;         ///< changes where blocks begin only
   std::uint32_t echo_sequence_ = 0;  ///< as the block began
   std::int64_t echo_sent_ns_ = 0;
   double beta_ = 1.0;           ///< changes where blocks begin only

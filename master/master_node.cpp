@@ -63,8 +63,8 @@ void MasterNode::receive(std::span<const Received<StateBlock>> states) noexcept 
 
 bool MasterNode::slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept {
   return states_.heard() && states_.silent_s(now_ns) < settings_.stale_s && guide != nullptr &&
-         states_.header().contour_id == guide->contour_id &&
-         states_.header().stop == 0 && !(modes_.mode() == MasterMode::kEngaged && spent(engage_));
+         states_.header().contour_id == guide->contour_id && states_.header().stop == 0 &&
+         !(modes_.mode() == MasterMode::kEngaged && spent(engage_));
 }
 
 bool MasterNode::spent(std::uint32_t engage) const noexcept {

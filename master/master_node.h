@@ -45,8 +45,8 @@ struct MasterOutputs {
   Vec3 currents_a = Vec3::Zero();
   std::optional<CommandBlock> command;
   MasterMode mode = MasterMode::kIdle;
-  bool engage_spent = false;  ///< the operator has to engage anew
-  std::uint32_t stop = 0;     ///< number of the emergency stop that is obeyed; 0: none
+  bool engage_spent = false;   ///< the operator has to engage anew
+  std::uint32_t stop = 0;      ///< number of the emergency stop that is obeyed; 0: none
   Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
   Vec3 velocity_m_per_s = Vec3::Zero();
   /// Commanded to the tool, without what leads it back to the curve.
@@ -106,7 +106,7 @@ class MasterNode {
   streaming::StateReceiver states_;
   ForceFeedback force_;
   std::uint32_t epoch_;
-  std::uint32_t engage_ = 0;   ///< engagements so far
+  std::uint32_t engage_ = 0;  ///< engagements so far
   bool button_seen_ = false;  ///< released, since the engagement began
   streaming::LinkStatistics link_;
 };

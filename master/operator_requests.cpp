@@ -3,7 +3,8 @@
 
 namespace telekerf::master {
 
-OperatorRequests::Heard OperatorRequests::hear(std::span<const EventMessage> events, const Situation& now) noexcept {
+OperatorRequests::Heard OperatorRequests::hear(std::span<const EventMessage> events,
+                                               const Situation& now) noexcept {
   Heard heard;
   for (const EventMessage& event : events) {
     const bool scale = event.kind == EventMessage::Kind::kSetBeta;

@@ -27,7 +27,7 @@ struct GuidedContour {
 
 struct StationOutputs : MasterOutputs {
   const char* refusal = nullptr;  ///< why nothing comes of what the operator said, a literal
-  bool prepare_anew = false;  ///< another scale is asked for: prepare() the contour once more
+  bool prepare_anew = false;      ///< another scale is asked for: prepare() the contour once more
 };
 
 class Station {
@@ -65,7 +65,7 @@ class Station {
   robot::RobotSupervisor machine_;
   OperatorRequests requests_;
   std::unique_ptr<OperatorInput> operator_;  ///< null: the simulated operator alone
-  bool simulated_button_;  ///< nobody's hand: it lets go when it is told to
+  bool simulated_button_;                    ///< nobody's hand: it lets go when it is told to
   MasterNode node_;
   Recorder<MasterRow> recorder_;
   bool guided_ = false;

@@ -10,8 +10,8 @@
 namespace telekerf::slave {
 
 struct FreshnessSettings {
-  double beam_age_s = 0.35;  ///< commands older than this give no light; an outage longer than this ends an
-                             ///< engagement
+  double beam_age_s = 0.35;   ///< commands older than this give no light; an outage longer than this ends an
+                              ///< engagement
   double follow_age_s = 2.5;  ///< commands older than this are not followed
 };
 

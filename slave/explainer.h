@@ -23,8 +23,9 @@ class Explainer {
   void step(const SlaveOutputs& out) noexcept {
     const bool lit = out.laser_w > 0.0;
     const bool led = out.reason != HoldReason::kNotEngaged && out.reason != HoldReason::kNoCommands;
-    now_.store(std::uint64_t{out.forbidden} << 32U | static_cast<unsigned>(out.reason) << 16U | static_cast<unsigned>(out.mode) << 8U | (led ? 8U : 0U) |
-                   (out.settled ? 4U : 0U) | (out.button ? 2U : 0U) | (lit ? 1U : 0U),
+    now_.store(std::uint64_t{out.forbidden} << 32U | static_cast<unsigned>(out.reason) << 16U |
+                   static_cast<unsigned>(out.mode) << 8U | (led ? 8U : 0U) | (out.settled ? 4U : 0U) |
+                   (out.button ? 2U : 0U) | (lit ? 1U : 0U),
                std::memory_order_relaxed);
   }
 

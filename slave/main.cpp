@@ -82,6 +82,7 @@ int run(Flags& flags) {
   if (!flags.record.empty()) {
     RunRecord record;
     station.report(record);
+    record.slave_figures["contours_refused"] = static_cast<double>(contour.unfit());
     add_figures(loop, record.slave_figures);
     add_figures(process.bus().counters(), commands.counters(), record.slave_figures);
     netem::add_figures(emulator.get(), record.slave_figures);

@@ -35,7 +35,7 @@ struct Selected {
   bool bare = false;
   Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< of the source, without what is left of a transfer
   bool button = false;
-  double age_s = -1.0;  ///< of the command that is applied, by the slave's clock; negative: none
+  double age_s = -1.0;         ///< of the command that is applied, by the slave's clock; negative: none
   double applied_tick = -1.0;  ///< master tick that the reference is of; negative: none
   streaming::Acknowledgement acknowledgement;
 };
@@ -87,7 +87,7 @@ class ReferenceSelector {
   streaming::AcknowledgementLog log_;
   KinematicState reference_;
   KinematicState hold_;                  ///< source while not following
-  bool stopping_ = false;  ///< hold_ is braked since an emergency stop
+  bool stopping_ = false;                ///< hold_ is braked since an emergency stop
   KinematicState integral_;              ///< of bare accelerations
   std::uint32_t source_generation_ = 0;  ///< 0: holding
   std::uint32_t source_block_ = 0;

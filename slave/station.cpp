@@ -129,8 +129,7 @@ std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const 
 }
 
 SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
-                           std::span<const Received<CommandBlock>> commands,
-                           const StopOrder& stop) noexcept {
+                           std::span<const Received<CommandBlock>> commands, const StopOrder& stop) noexcept {
   SlaveInputs inputs;
   inputs.joints = machine_.read();
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to report

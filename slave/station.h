@@ -46,8 +46,7 @@ class Station {
   std::unique_ptr<Corridor> prepare(const ContourMessage& contour) const;
 
   SlaveOutputs step(std::int64_t now_ns, const Corridor* corridor,
-                    std::span<const Received<CommandBlock>> commands,
-                    const StopOrder& stop = {}) noexcept;
+                    std::span<const Received<CommandBlock>> commands, const StopOrder& stop = {}) noexcept;
 
   /// See SlaveNode::change().
   void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {

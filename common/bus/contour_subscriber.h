@@ -20,9 +20,9 @@
 
 namespace telekerf {
 
-/// `Prepared` is what a node needs of a contour (a guide, a corridor). A first contour that does not fit ends the
-/// subscription with the StartupError's sentence; a later one is refused with it, and what is in force stays.
-/// So is one whose id is not its digest. The contour in force, published again, changes nothing.
+/// `Prepared` is what a node needs of a contour (a guide, a corridor). A first contour that does not fit ends
+/// the subscription with the StartupError's sentence; a later one is refused with it, and what is in force
+/// stays. So is one whose id is not its digest. The contour in force, published again, changes nothing.
 template <class Prepared>
 class ContourSubscriber {
  public:

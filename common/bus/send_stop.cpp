@@ -23,7 +23,9 @@ constexpr std::chrono::seconds kPatience{5};
 /// Time to hear of the stops that the stations have latched.
 constexpr std::chrono::milliseconds kListen{1500};
 
-bool is_station(const PresenceMessage& process) { return process.role == "master" || process.role == "slave"; }
+bool is_station(const PresenceMessage& process) {
+  return process.role == "master" || process.role == "slave";
+}
 
 /// What the stations say of the stops that they obey.
 class Answers {
@@ -82,10 +84,10 @@ std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMess
     std::this_thread::sleep_for(kAgain);
   }
   if (told.empty() && missing.empty()) nobody(bus);
-  throw environment_error(fmt::format(
-      "{} of cell '{}' has not confirmed it within {} s{}: see to it at the machine", fmt::join(missing, ", "),
-      bus.settings().cell, kPatience.count(),
-      told.empty() ? std::string() : fmt::format(", {} has", fmt::join(told, ", "))));
+  throw environment_error(
+      fmt::format("{} of cell '{}' has not confirmed it within {} s{}: see to it at the machine",
+                  fmt::join(missing, ", "), bus.settings().cell, kPatience.count(),
+                  told.empty() ? std::string() : fmt::format(", {} has", fmt::join(told, ", "))));
 }
 
 }  // namespace

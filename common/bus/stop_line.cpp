@@ -23,7 +23,8 @@ bool contains(const std::vector<std::uint32_t>& numbers, std::uint32_t number) {
 }
 
 std::filesystem::path state_folder() {
-  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != 0) return state;  // NOLINT
+  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != 0)
+    return state;                                                             // NOLINT
   if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0)  // NOLINT
     return std::filesystem::path(home) / ".local" / "state";
   return {};
@@ -37,9 +38,12 @@ std::string read(const std::string& path) {
 }  // namespace
 
 void StopFlags::add_parameters(Settings& settings) {
-  settings.add("stop_file", stop_file, TextForm{.form = "auto|off|FILE", .complaint = [](const std::string& text) {
-                 return text.empty() ? std::string("say auto, off or a file") : std::string();
-               }},
+  settings.add("stop_file", stop_file,
+               TextForm{.form = "auto|off|FILE",
+                        .complaint =
+                            [](const std::string& text) {
+                              return text.empty() ? std::string("say auto, off or a file") : std::string();
+                            }},
                "keeps an emergency stop over a restart of this process");
 }
 
@@ -60,16 +64,25 @@ StopLine::StopLine(Bus& bus, std::string path)
       kept_(latch_.text()),
       writer_(bus),
       reader_(bus, [this](const StopMessage& message) { hear(message); }) {
-  const StopOrder order = latch_.order();
-  order_.store(std::uint64_t{order.cleared} << 32U | order.number);
+  order_from_latch();
   thread_ = std::jthread([this](const std::stop_token& stop) {
     for (; !stop.stop_requested(); std::this_thread::sleep_for(kPeriod)) publish();
   });
 }
 
 StopOrder StopLine::order() const noexcept {
-  const std::uint64_t both = order_.load(std::memory_order_acquire);
-  return {.number = static_cast<std::uint32_t>(both), .cleared = static_cast<std::uint32_t>(both >> 32U)};
+  StopOrder order{.number = number_.load(std::memory_order_acquire), .cleared = {}};
+  for (std::size_t n = 0; n < cleared_.size(); ++n)
+    order.cleared[n] = cleared_[n].load(std::memory_order_relaxed);
+  return order;
+}
+
+void StopLine::order_from_latch() noexcept {
+  // A number that is neither in force nor cleared yet would stop once more: cleared ones first.
+  const StopOrder order = latch_.order();
+  for (std::size_t n = 0; n < cleared_.size(); ++n)
+    cleared_[n].store(order.cleared[n], std::memory_order_relaxed);
+  number_.store(order.number, std::memory_order_release);
 }
 
 std::string StopLine::sentence() const {
@@ -84,8 +97,7 @@ std::string StopLine::sentence() const {
 void StopLine::hear(const StopMessage& message) {
   const std::lock_guard lock(mutex_);
   (void)latch_.hear(message);
-  const StopOrder order = latch_.order();
-  order_.store(std::uint64_t{order.cleared} << 32U | order.number, std::memory_order_release);
+  order_from_latch();
 }
 
 void StopLine::say(const StopLatch::Entry& entry, bool set) {
@@ -101,8 +113,7 @@ void StopLine::publish() {
   const std::uint32_t obeyed = obeyed_.load(std::memory_order_acquire);
   const std::lock_guard lock(mutex_);
   if (obeyed != 0) (void)latch_.quoted(obeyed);  // known already, unless only the stream has brought it
-  const StopOrder order = latch_.order();
-  order_.store(std::uint64_t{order.cleared} << 32U | order.number, std::memory_order_release);
+  order_from_latch();
   if (latch_.text() != kept_) keep();
   for (const StopLatch::Entry& entry : latch_.in_force()) {
     if (obeyed == 0 || entry.source.empty() || contains(told_set_, entry.number)) continue;
@@ -126,9 +137,13 @@ void StopLine::keep() {
     return;
   }
   const std::string next = path_ + ".new";
-  std::ofstream(next) << kept_;
-  std::filesystem::rename(next, path_, ignored);
-  if (ignored) fmt::print(stderr, "an emergency stop cannot be kept over a restart: {}: {}\n", path_, ignored.message());
+  std::ofstream file(next);
+  file << kept_;
+  file.close();
+  if (file) std::filesystem::rename(next, path_, ignored);  // otherwise what is there stays
+  if (!file || ignored)
+    fmt::print(stderr, "an emergency stop cannot be kept over a restart: {}: {}\n", path_,
+               file ? ignored.message() : "it cannot be written");
 }
 
 }  // namespace telekerf

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A station's ear and voice on the emergency stop: it stops in the thread that hears, tells who comes later, and
-// keeps the stop in a file over a restart.
+// A station's ear and voice on the emergency stop: it stops in the thread that hears, tells who comes later,
+// and keeps the stop in a file over a restart.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <mutex>
@@ -26,7 +27,7 @@ struct StopFlags {
 
 class StopLine {
  public:
-  /// `path`: of the file; empty: none. Throws StartupError: it can be neither read nor written.
+  /// `path`: of the file; empty: none.
   StopLine(Bus& bus, std::string path);
 
   /// For the control loop, every step: wait-free.
@@ -41,6 +42,8 @@ class StopLine {
   void publish();
   void say(const StopLatch::Entry& entry, bool set);
   void keep();
+  /// What the loop reads from now on.
+  void order_from_latch() noexcept;
 
   std::string path_;
   std::uint32_t epoch_;
@@ -48,7 +51,8 @@ class StopLine {
   StopLatch latch_;
   std::string kept_;  ///< what the file holds
   std::vector<std::uint32_t> told_set_, told_cleared_;
-  std::atomic<std::uint64_t> order_{0};  ///< number, and in the upper half the cleared one
+  std::atomic<std::uint32_t> number_{0};  ///< of the order
+  std::array<std::atomic<std::uint32_t>, std::tuple_size_v<decltype(StopOrder::cleared)>> cleared_{};
   std::atomic<std::uint32_t> obeyed_{0};
   Writer<StopMessage> writer_;
   Reader<StopMessage> reader_;

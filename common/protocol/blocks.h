@@ -42,8 +42,9 @@ struct CommandHeader {
   std::int64_t sent_ns = 0;         ///< sender's monotonic clock, when handed to the bus
   std::uint32_t engage = 0;         ///< counts the operator's engagements; each is followed once
   std::uint32_t stop = 0;           ///< number of the emergency stop that the master has latched; 0: none
-  std::uint32_t echo_sequence = 0;  ///< of the newest state block that had come when the samples began; 0: none
-  std::int64_t echo_sent_ns = 0;    ///< its stamp, slave's clock
+  std::uint32_t echo_sequence =
+      0;                          ///< of the newest state block that had come when the samples began; 0: none
+  std::int64_t echo_sent_ns = 0;  ///< its stamp, slave's clock
 };
 
 /// Operator -> slave, best effort, one a block of N stream samples.
@@ -125,11 +126,11 @@ struct StateHeader {
   std::int64_t sent_ns = 0;
   SlaveMode mode = SlaveMode::kWaiting;
   HoldReason reason = HoldReason::kNoCommands;
-  std::uint32_t engage = 0;      ///< engagements up to this one are not followed any more
-  std::uint32_t stop = 0;        ///< number of the emergency stop that is obeyed; 0: none
-  Tick stop_tick = 0;            ///< slave tick since which it is
-  std::uint32_t guards = 0;      ///< bit n: guard n forbids the beam (slave/laser/guards.h)
-  double command_age_s = -1.0;   ///< of the command applied, by the slave's own clock; negative: none
+  std::uint32_t engage = 0;     ///< engagements up to this one are not followed any more
+  std::uint32_t stop = 0;       ///< number of the emergency stop that is obeyed; 0: none
+  Tick stop_tick = 0;           ///< slave tick since which it is
+  std::uint32_t guards = 0;     ///< bit n: guard n forbids the beam (slave/laser/guards.h)
+  double command_age_s = -1.0;  ///< of the command applied, by the slave's own clock; negative: none
 };
 
 /// Slave -> operator, best effort, one a block of N stream samples of the measured tool position and of the

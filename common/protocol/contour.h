@@ -34,8 +34,8 @@ struct ContourMessage {
   std::vector<ContourLine> further;  ///< the picture's other contours: a hand follows one, a machine cuts all
 };
 
-/// The id that a contour has: the same lines have the same after a restart, others have another. Never 0, which is
-/// nobody's. Whoever receives a contour computes it again.
+/// The id that a contour has: the same lines have the same after a restart, others have another. Never 0,
+/// which is nobody's. Whoever receives a contour computes it again.
 std::uint32_t digest_of(const ContourMessage& message);
 
 }  // namespace telekerf

@@ -16,7 +16,8 @@ constexpr const char* sentence_of(HoldReason reason) noexcept {
     case HoldReason::kNotEngaged:
       return "the master does not lead";
     case HoldReason::kNeedsEngage:
-      return "after a stop, an outage, another contour or a restart it has to be engaged anew (telekerf-ctl engage)";
+      return "after a stop, an outage, another contour or a restart it has to be engaged anew (telekerf-ctl "
+             "engage)";
     case HoldReason::kSilent:
       return "no commands arrive";
     case HoldReason::kTooOld:

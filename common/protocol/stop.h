@@ -2,6 +2,8 @@
 // The emergency stop: who said it, under which number, and who has obeyed.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -19,13 +21,14 @@ struct StopMessage {
 
 /// What a control loop is told of it, every step.
 struct StopOrder {
-  std::uint32_t number = 0;   ///< of the stop in force; 0: none
-  std::uint32_t cleared = 0;  ///< of the stop that was cleared last; 0: none
+  std::uint32_t number = 0;                ///< of the stop in force; 0: none
+  std::array<std::uint32_t, 4> cleared{};  ///< of those that were cleared last; 0: none
 
-  /// The stop that is in force where the other side's stream quotes `quoted` (0: none): it may know of one that
-  /// has not come here yet.
+  /// The stop that is in force where the other side's stream quotes `quoted` (0: none): it may know of one
+  /// that has not come here yet.
   std::uint32_t in_force(std::uint32_t quoted) const noexcept {
-    return number != 0 ? number : quoted != cleared ? quoted : 0;
+    if (number != 0) return number;
+    return std::find(cleared.begin(), cleared.end(), quoted) == cleared.end() ? quoted : 0;
   }
 };
 

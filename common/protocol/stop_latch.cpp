@@ -15,7 +15,8 @@ auto find(std::vector<StopLatch::Entry>& entries, std::uint32_t number) {
 }
 
 std::string one_line(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
   return text;
 }
 
@@ -54,8 +55,10 @@ StopLatch::Heard StopLatch::quoted(std::uint32_t number) {
 }
 
 StopOrder StopLatch::order() const noexcept {
-  return {.number = in_force_.empty() ? 0 : in_force_.back().number,
-          .cleared = cleared_.empty() ? 0 : cleared_.back().number};
+  StopOrder order{.number = in_force_.empty() ? 0 : in_force_.back().number, .cleared = {}};
+  for (std::size_t n = 0; n < std::min(order.cleared.size(), cleared_.size()); ++n)
+    order.cleared[n] = cleared_[cleared_.size() - 1 - n].number;
+  return order;
 }
 
 std::string StopLatch::text() const {
@@ -74,7 +77,8 @@ StopLatch StopLatch::from_text(const std::string& text) {
     std::getline(words, number, '\t');
     std::getline(words, source, '\t');
     std::getline(words, reason);
-    if (number.empty() || number.size() > 10 || !std::all_of(number.begin(), number.end(), ::isdigit)) continue;
+    if (number.empty() || number.size() > 10 || !std::all_of(number.begin(), number.end(), ::isdigit))
+      continue;
     const unsigned long long value = std::stoull(number);
     if (value == 0 || value > 0xFFFFFFFFULL) continue;
     (void)latch.hear({.epoch = 0,

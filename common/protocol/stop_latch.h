@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which emergency stops are in force, by what was heard and quoted. Each has an owner, and only its owner ends it.
+// Which emergency stops are in force, by what was heard and quoted. Each has an owner, and only its owner
+// ends it.
 #pragma once
 
 #include <array>

@@ -25,8 +25,8 @@ class RealTimePriority {
   bool granted_;
 };
 
-/// What the system refuses a control loop of this process, and the remedy, in one sentence; empty: nothing. It
-/// asks for both: not from a control loop.
+/// What the system refuses a control loop of this process, and the remedy, in one sentence; empty: nothing.
+/// It asks for both: not from a control loop.
 std::string real_time_refusal();
 
 }  // namespace telekerf

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How old a command is, judged by the receiver's clock alone: the master echoes the newest state block that it
-// had when it made the command, and who sent that block knows when.
+// How old a command is, judged by the receiver's clock alone: the master echoes the newest state block that
+// it had when it made the command, and who sent that block knows when.
 #pragma once
 
 #include <array>
@@ -17,7 +17,8 @@ class EchoLog {
   }
   /// No command that echoes this is older: an upper bound, s, the way of the state included. None: no such
   /// block was sent by this process lately, so nothing is known.
-  std::optional<double> age_s(std::uint32_t sequence, std::int64_t echo_ns, std::int64_t now_ns) const noexcept {
+  std::optional<double> age_s(std::uint32_t sequence, std::int64_t echo_ns,
+                              std::int64_t now_ns) const noexcept {
     const Entry& entry = entries_[sequence % kSize];
     // A copy of an earlier block counts from before the block that its packet echoes.
     if (sequence == 0 || entry.sequence != sequence || echo_ns > entry.sent_ns || now_ns < entry.sent_ns)

@@ -25,10 +25,10 @@ struct StreamSample {
   Law law = Law::kLocal;
   Vec3 velocity_m_per_s = Vec3::Zero();       ///< of an anchored stream
   Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< held from this sample to the next; not of a local stream
-  std::uint32_t engage = 0;         ///< number of the engagement that leads it
+  std::uint32_t engage = 0;                   ///< number of the engagement that leads it
   std::uint32_t echo_sequence = 0;  ///< state block that the master had when it began the sample's block
   std::int64_t echo_sent_ns = 0;    ///< its stamp; of a copy: no later than that
-  bool concealed = false;  ///< between known samples, but not itself known: never with the laser on
+  bool concealed = false;           ///< between known samples, but not itself known: never with the laser on
 };
 
 /// The newest stream samples by their index (master tick / ticks per sample); older ones are overwritten.

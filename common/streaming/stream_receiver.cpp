@@ -35,7 +35,8 @@ std::int64_t first_index(const Header& header) noexcept {
   return static_cast<std::int64_t>(header.first_tick / header.ticks_per_sample);
 }
 
-/// A block's number may be ahead by what the elapsed time allows, and this many blocks: delay that becomes less.
+/// A block's number may be ahead by what the elapsed time allows, and this many blocks: delay that becomes
+/// less.
 constexpr double kFutureBlocks = 64.0;
 /// A sender whose blocks all count as overtaken for this long has begun to count anew.
 constexpr double kLease_s = 1.0;
@@ -45,9 +46,11 @@ template <class Header>
 bool within_bounds(const Header& header) noexcept {
   constexpr std::uint32_t kShortest_ns = 10'000, kLongest_ns = 100'000'000;
   constexpr std::uint16_t kMostTicks = 1000;
-  constexpr Tick kLastTick = Tick{1} << 48U;
+  constexpr double kLongest_s = 1e9;  // thirty years: nanoseconds of it are far from 63 bits
   return header.sample_period_ns >= kShortest_ns && header.sample_period_ns <= kLongest_ns &&
-         header.ticks_per_sample >= 1 && header.ticks_per_sample <= kMostTicks && header.first_tick < kLastTick;
+         header.ticks_per_sample >= 1 && header.ticks_per_sample <= kMostTicks &&
+         static_cast<double>(header.first_tick) / header.ticks_per_sample * header.sample_period_ns <
+             1e9 * kLongest_s;
 }
 
 /// By how many numbers `a` is ahead of `b`, around the end of 32 bits.
@@ -73,7 +76,8 @@ Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int
   if (!within_bounds<Header>(block)) return refuse();
   if (contour_id && block.contour_id != *contour_id) return refuse();
   if (heard_ && ahead(block.sequence, header_.sequence) <= 0) {
-    if (!(silent_s(received.received_ns) > std::max(silence_s_, kLease_s))) return overtaken(block, useful_from);
+    if (!(silent_s(received.received_ns) > std::max(silence_s_, kLease_s)))
+      return overtaken(block, useful_from);
     heard_ = false;
     decoder_.reset();
   }
@@ -85,8 +89,8 @@ Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int
     return refuse();
   }
   const double block_s = block_size_ * 1e-9 * block.sample_period_ns;
-  if (heard_ && ahead(block.sequence, header_.sequence) >
-                    silent_s(received.received_ns) / block_s + kFutureBlocks)
+  if (heard_ &&
+      ahead(block.sequence, header_.sequence) > silent_s(received.received_ns) / block_s + kFutureBlocks)
     return refuse();
   const auto decoded = decoder_.decode(block.payload.view(), trend_of(block));
   if (!decoded) return refuse();

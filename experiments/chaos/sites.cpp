@@ -56,7 +56,8 @@ void MasterSite::prepare(Refused& refused) {
 
 master::StationOutputs MasterSite::step(std::int64_t now_ns, std::span<const Received<StateBlock>> states,
                                         std::span<const EventMessage> events, Refused& refused) {
-  auto out = station_->step(now_ns, guided_.empty() ? nullptr : guided_.back().get(), states, events, stops_.order());
+  auto out = station_->step(now_ns, guided_.empty() ? nullptr : guided_.back().get(), states, events,
+                            stops_.order());
   if (out.stop != 0) (void)stops_.quoted(out.stop);
   if (out.prepare_anew) prepare(refused);
   return out;

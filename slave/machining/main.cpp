@@ -95,11 +95,12 @@ void print_plan(const Job& job, const std::vector<double>& select) {
 }
 
 /// The job, or null if a stop came first. Throws StartupError.
-const Job* awaited(ContourSubscriber<Job>& contour, Process& process, double wait_s) {
+const Job* awaited(ContourSubscriber<Job>& contour, Process& process, StopLine& emergency, double wait_s) {
   constexpr double kPatience_s = 0.5;  // vision is usually there by then
   const auto since = std::chrono::steady_clock::now();
   bool told = false;
   while (contour.current() == nullptr && !stop_requested() && !contour.refused()) {
+    emergency.obeyed(emergency.order().number);  // nothing moves yet
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - since;
     if (!told && waited.count() > kPatience_s) {
@@ -130,7 +131,7 @@ int run(const Flags& flags) {
   if (station.machine().plant() == nullptr)
     status.say(flags.station.machine.drive + " is not simulated: the measured tool is recorded");
   process.ready();
-  const Job* const job = awaited(contour, process, flags.wait_s);
+  const Job* const job = awaited(contour, process, emergency, flags.wait_s);
   if (job == nullptr) return 1;
   const auto open =
       std::count_if(job->lines.begin(), job->lines.end(), [](const auto& line) { return !line.closed; });

@@ -118,13 +118,13 @@ TEST(Hazards, OneWithoutProofIsFound) {
       "| 6 | x | y | we believe so |\n"
       "| 8 | x | `Beam.IsOff` |\n";
   const std::string page = kPage;
-  EXPECT_EQ(unfounded_hazards(repository, 8),
-            (std::vector<std::string>{page + ", hazard 4: names the test Beam.IsOn, which is not there",
-                                      page + ", hazard 5: names the fault rain, which is not there",
-                                      page + ", hazard 6: names neither a test nor what is open",
-                                      page + ", hazard 8: it is the turn of 7",
-                                      page + ", hazard 8: a row has four cells",
-                                      page + " has 7 hazards, not 8"}));
+  EXPECT_EQ(
+      unfounded_hazards(repository, 8),
+      (std::vector<std::string>{page + ", hazard 4: names the test Beam.IsOn, which is not there",
+                                page + ", hazard 5: names the fault rain, which is not there",
+                                page + ", hazard 6: names neither a test nor what is open",
+                                page + ", hazard 8: it is the turn of 7",
+                                page + ", hazard 8: a row has four cells", page + " has 7 hazards, not 8"}));
 }
 
 }  // namespace

@@ -66,7 +66,8 @@ TEST_F(Stop, IsConfirmedByBothLoopsAndEndedByItsOwnerAlone) {
   EXPECT_EQ(beams(), before) << "nothing comes back by itself";
   EXPECT_EQ(say({"engage"}).first, 0);
   EXPECT_TRUE([&] {
-    for (int n = 0; n < 100 && beams() == before; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    for (int n = 0; n < 100 && beams() == before; ++n)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return beams() > before;
   }()) << slave->output();
 }

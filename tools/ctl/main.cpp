@@ -52,7 +52,8 @@ int stop(const StopOptions& options) {
 
 int clear(const StopOptions& options) {
   Bus bus(at_once(options));
-  fmt::print("cleared: {} confirmed it; engage anew to go on\n", fmt::join(clear_stop(bus, options.as), ", "));
+  fmt::print("cleared: {} confirmed it; engage anew to go on\n",
+             fmt::join(clear_stop(bus, options.as), ", "));
   return 0;
 }
 
@@ -85,8 +86,8 @@ int main(int argc, char** argv) {
   using namespace telekerf;
   using Kind = EventMessage::Kind;
   Program program("telekerf-ctl", "Says something to the processes of a running cell");
-  program.add("stop", "Emergency stop: laser off, every robot brakes and holds, until clear-stop", StopOptions{},
-              add_stop_parameters, stop);
+  program.add("stop", "Emergency stop: laser off, every robot brakes and holds, until clear-stop",
+              StopOptions{}, add_stop_parameters, stop);
   program.add("clear-stop", "Ends an emergency stop; nothing moves before it is engaged anew", StopOptions{},
               add_who, clear);
   program.add("engage", "Lets the slave follow the master", saying(Kind::kEngage), add_parameters, run);

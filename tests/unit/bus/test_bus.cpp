@@ -71,7 +71,8 @@ TEST(Bus, EventsAreAllDeliveredAndOwnOnesUnseen) {
   Reader<EventMessage> reader(slave);
   ASSERT_TRUE(events.wait_for_reader(kPatience, 2));
   for (std::uint32_t i = 0; i < 100; ++i) {
-    ASSERT_TRUE(events.write({.epoch = i, .kind = EventMessage::Kind::kFinished, .value = 0.5, .text = "done"}));
+    ASSERT_TRUE(
+        events.write({.epoch = i, .kind = EventMessage::Kind::kFinished, .value = 0.5, .text = "done"}));
   }
   for (std::uint32_t i = 0; i < 100; ++i) {
     const auto taken = take_soon(reader);

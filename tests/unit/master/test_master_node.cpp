@@ -105,7 +105,7 @@ TEST_F(MasterStation, EmergencyStopHoldsUntilCleared) {
   EXPECT_EQ(out_.mode, MasterMode::kStopped);
   EXPECT_FALSE(last_.engaged);
   EXPECT_LT(out_.velocity_m_per_s.norm(), 2e-3);
-  stop_ = {.number = 0, .cleared = 3};
+  stop_ = {.number = 0, .cleared = {3}};
   wish_ = false;
   run(4.0, true, true);
   EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "nobody has engaged anew";

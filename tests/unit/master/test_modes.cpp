@@ -27,11 +27,8 @@ ContourMessage square(double half_m) {
 class ModesTest : public testing::Test {
  protected:
   bool step(bool engage = false, bool ready = false) {
-    return modes_.step({.guide = guide_,
-                        .tool_m = tool_m_,
-                        .stopped = stopped_,
-                        .engage = engage,
-                        .slave_ready = ready});
+    return modes_.step(
+        {.guide = guide_, .tool_m = tool_m_, .stopped = stopped_, .engage = engage, .slave_ready = ready});
   }
   /// Steps until the hand is guided.
   int approach() {

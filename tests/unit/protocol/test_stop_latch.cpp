@@ -29,7 +29,7 @@ TEST(StopLatch, AStopHoldsUntilItsOwnerEndsIt) {
   EXPECT_EQ(latch.order().number, 5u);
   EXPECT_EQ(latch.hear(message(5, false)), Heard::kCleared);
   EXPECT_EQ(latch.order().number, 0u);
-  EXPECT_EQ(latch.order().cleared, 5u);
+  EXPECT_EQ(latch.order().cleared.front(), 5u);
   EXPECT_EQ(latch.hear(message(5, true)), Heard::kKnown) << "said again on its way: it is over";
   EXPECT_EQ(latch.order().number, 0u);
   EXPECT_EQ(latch.hear(message(0, true)), Heard::kKnown) << "no stop has this number";
@@ -88,12 +88,12 @@ TEST(StopLatch, ItSurvivesAsText) {
 }
 
 TEST(StopOrder, WhatTheOtherSideQuotesHoldsUnlessItIsOver) {
-  EXPECT_EQ((StopOrder{0, 0}).in_force(0), 0u);
-  EXPECT_EQ((StopOrder{5, 0}).in_force(0), 5u);
-  EXPECT_EQ((StopOrder{5, 0}).in_force(6), 5u);
-  EXPECT_EQ((StopOrder{0, 0}).in_force(6), 6u);
-  EXPECT_EQ((StopOrder{0, 6}).in_force(6), 0u);
-  EXPECT_EQ((StopOrder{0, 5}).in_force(6), 6u);
+  EXPECT_EQ((StopOrder{0, {0}}).in_force(0), 0u);
+  EXPECT_EQ((StopOrder{5, {0}}).in_force(0), 5u);
+  EXPECT_EQ((StopOrder{5, {0}}).in_force(6), 5u);
+  EXPECT_EQ((StopOrder{0, {0}}).in_force(6), 6u);
+  EXPECT_EQ((StopOrder{0, {6}}).in_force(6), 0u);
+  EXPECT_EQ((StopOrder{0, {5}}).in_force(6), 6u);
 }
 
 }  // namespace

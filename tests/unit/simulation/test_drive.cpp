@@ -179,7 +179,7 @@ TEST_F(AtWork, ADrivesLossPutsTheBeamOutAtOnceAndTheCurrentsSoon) {
 }
 
 TEST(Laser, IsToldEachStepWhatTheRecordHoldsAndIsOffAtEveryEnd) {
-  const StopOrder stop{.number = 1, .cleared = 0};
+  const StopOrder stop{.number = 1, .cleared = {}};
   for (const char* end : {"release", "destruction", "stop", "loss", "no reading"}) {
     Cell cell;
     Foreign::World world;
@@ -219,7 +219,7 @@ TEST(Laser, IsToldEachStepWhatTheRecordHoldsAndIsOffAtEveryEnd) {
 }
 
 TEST(Drive, AStopBeforeTheFirstReadingIsHeeded) {
-  const StopOrder stop{.number = 1, .cleared = 0};
+  const StopOrder stop{.number = 1, .cleared = {}};
   Foreign::World there;
   slave::Station slave(slave_settings("foreign"), foreign(there, "slave-keops", 7));
   Foreign::World here;

@@ -124,7 +124,7 @@ TEST_P(NoJump, NeitherTheReferenceNorTheMotion) {
       }
     }
     if (what == 0 && stopped) {
-      stop = {.number = 0, .cleared = stops};
+      stop = {.number = 0, .cleared = {stops}};
       stopped = false;
     }
     const int length = static_cast<int>(uniform(25.0, 85.0));

@@ -79,8 +79,7 @@ TEST(OperatorEvents, TheSlaveFollowsFromEngagingToDisengaging) {
 }
 
 TEST(OperatorEvents, AStopHoldsBothUntilItIsCleared) {
-  const RunRecord record =
-      run({at(10.0, Kind::kEngage)}, 14.0, true, {{5.0, {1, 0}}, {7.0, {0, 1}}});
+  const RunRecord record = run({at(10.0, Kind::kEngage)}, 14.0, true, {{5.0, {1, {0}}}, {7.0, {0, {1}}}});
   const auto stopped = [](const SlaveRow& row) {
     return row.interlock == static_cast<int>(Interlock::kStopped);
   };
@@ -101,8 +100,8 @@ TEST(OperatorEvents, AStopHoldsBothUntilItIsCleared) {
 TEST(OperatorEvents, AnotherScaleIsTakenUpAndOneThatDoesNotFitIsNot) {
   // 0.02 would lead the master far out of its workspace; 100 is out of bounds.
   const RunRecord record =
-      run({at(4.5, Kind::kSetBeta, 0.6), at(4.6, Kind::kDisengage), at(5.0, Kind::kSetBeta, 0.8), at(8.0, Kind::kEngage), at(9.0, Kind::kSetBeta, 0.02),
-           at(10.0, Kind::kSetBeta, 100.0)},
+      run({at(4.5, Kind::kSetBeta, 0.6), at(4.6, Kind::kDisengage), at(5.0, Kind::kSetBeta, 0.8),
+           at(8.0, Kind::kEngage), at(9.0, Kind::kSetBeta, 0.02), at(10.0, Kind::kSetBeta, 100.0)},
           12.0, true);
   const auto scaled = [](double beta) { return [beta](const MasterRow& row) { return row.beta == beta; }; };
   EXPECT_GT(share(record.slave, 4.3, 4.5, kBeam), 0.5);
@@ -122,7 +121,7 @@ TEST(OperatorEvents, AnotherScaleIsTakenUpAndOneThatDoesNotFitIsNot) {
 
 TEST(OperatorEvents, ARunWithEventsIsRepeatedBitForBit) {
   const std::vector<TimedEvent> events{at(3.0, Kind::kEngage), at(4.0, Kind::kSetBeta, 0.7)};
-  const std::vector<TimedStop> stops{{6.0, {1, 0}}, {6.5, {0, 1}}};
+  const std::vector<TimedStop> stops{{6.0, {1, {0}}}, {6.5, {0, {1}}}};
   const RunRecord once = run(events, 8.0, false, stops);
   const RunRecord again = run(events, 8.0, false, stops);
   ASSERT_EQ(once.slave.size(), again.slave.size());

@@ -23,13 +23,18 @@ TEST(Explanation, NamesEachGuardThatForbidsAndNoOther) {
 }
 
 TEST(Explanation, SaysOfEachModeWhyItIsNotFollowing) {
-  EXPECT_TRUE(says(tracking_explanation(SlaveMode::kWaiting, HoldReason::kNotEngaged, 0, false), "no master has engaged"));
-  EXPECT_TRUE(says(tracking_explanation(SlaveMode::kHolding, HoldReason::kSilent, 0, false), "no commands arrive"));
-  EXPECT_TRUE(says(tracking_explanation(SlaveMode::kStopped, HoldReason::kStopped, 0, false), "emergency stop"));
-  EXPECT_EQ(tracking_explanation(SlaveMode::kFollowing, HoldReason::kNone, 0, true), "following");
-  EXPECT_TRUE(says(tracking_explanation(SlaveMode::kFollowing, HoldReason::kNone, 0, false), "still on its way"));
+  EXPECT_TRUE(says(tracking_explanation(SlaveMode::kWaiting, HoldReason::kNotEngaged, 0, false),
+                   "no master has engaged"));
   EXPECT_TRUE(
-      says(tracking_explanation(SlaveMode::kFollowing, HoldReason::kNone, laser::guard_bit("sample"), false), "has not come"));
+      says(tracking_explanation(SlaveMode::kHolding, HoldReason::kSilent, 0, false), "no commands arrive"));
+  EXPECT_TRUE(
+      says(tracking_explanation(SlaveMode::kStopped, HoldReason::kStopped, 0, false), "emergency stop"));
+  EXPECT_EQ(tracking_explanation(SlaveMode::kFollowing, HoldReason::kNone, 0, true), "following");
+  EXPECT_TRUE(
+      says(tracking_explanation(SlaveMode::kFollowing, HoldReason::kNone, 0, false), "still on its way"));
+  EXPECT_TRUE(
+      says(tracking_explanation(SlaveMode::kFollowing, HoldReason::kNone, laser::guard_bit("sample"), false),
+           "has not come"));
 }
 
 TEST_F(SlaveNodeTest, AtEachStepItCanBeSaid) {
@@ -42,7 +47,8 @@ TEST_F(SlaveNodeTest, AtEachStepItCanBeSaid) {
   EXPECT_TRUE(out_.laser_w == 0.0 && !out_.button);
   EXPECT_TRUE(says(explanation(out_), "following; beam off: nobody asks for it")) << explanation(out_);
   for (int n = 0; n < 20; ++n) run(std::nullopt);
-  EXPECT_TRUE(says(explanation(out_), "holding its place: no commands arrive; beam off: the slave does not follow"))
+  EXPECT_TRUE(
+      says(explanation(out_), "holding its place: no commands arrive; beam off: the slave does not follow"))
       << explanation(out_);
 }
 

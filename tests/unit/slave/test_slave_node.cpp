@@ -73,7 +73,7 @@ TEST_F(SlaveNodeTest, EmergencyStopLatchesUntilItIsCleared) {
   EXPECT_LT(out_.reference.velocity_m_per_s.norm(), 2e-6);
   EXPECT_LT(largest_step_, 1.01e-3 * 20.0) << "braked at the robot's limit";
   largest_step_ = 0.0;
-  stop_ = {.number = 0, .cleared = 9};
+  stop_ = {.number = 0, .cleared = {9}};
   follow(2.0);
   EXPECT_EQ(out_.mode, SlaveMode::kHolding) << "nothing moves by itself";
   EXPECT_EQ(out_.reason, HoldReason::kNeedsEngage);

@@ -160,9 +160,7 @@ class StationOfADrive : public testing::Test {
     station_.emplace(StationSettings{}, robot::Drive{std::move(robot), nullptr},
                      std::make_unique<ToldLaser>(told_w_));
   }
-  SlaveOutputs step(const StopOrder& stop = {}) {
-    return station_->step(now_ns_ += kMs, nullptr, {}, stop);
-  }
+  SlaveOutputs step(const StopOrder& stop = {}) { return station_->step(now_ns_ += kMs, nullptr, {}, stop); }
 
   std::vector<double> told_w_;
   ToldRobot* robot_ = nullptr;

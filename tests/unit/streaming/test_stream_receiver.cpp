@@ -200,7 +200,8 @@ TYPED_TEST(StreamReceiverTest, AStampMayBeASecondAheadOfWhatTheTimeAllows) {
   }
 }
 
-/// A forged number must not silence the true sender: it may be ahead by the time that has passed and 64 blocks.
+/// A forged number must not silence the true sender: it may be ahead by the time that has passed and 64
+/// blocks.
 TYPED_TEST(StreamReceiverTest, ANumberFarAheadIsRefusedAndTheStreamGoesOn) {
   ASSERT_EQ(this->take(this->sender_.next()), Kind::kNew);
   TypeParam forged = this->sender_.next();
@@ -217,7 +218,8 @@ TYPED_TEST(StreamReceiverTest, ANumberFarAheadIsRefusedAndTheStreamGoesOn) {
   jumped.sequence += 64;
   EXPECT_EQ(this->take(jumped), Kind::kNew) << "delay that became less";
   for (int n = 0; n < 64; ++n) (void)this->take(this->sender_.next());
-  EXPECT_EQ(this->take(this->sender_.next()), Kind::kNew) << "the true sender has caught up, or its lease has begun";
+  EXPECT_EQ(this->take(this->sender_.next()), Kind::kNew)
+      << "the true sender has caught up, or its lease has begun";
 }
 
 TYPED_TEST(StreamReceiverTest, ASenderWhoseCountBeganAnewIsTakenAfterASecond) {
@@ -240,14 +242,16 @@ TYPED_TEST(StreamReceiverTest, WhatNoArithmeticBearsIsRefused) {
   };
   EXPECT_FALSE(refused([](auto&) {}));
   EXPECT_TRUE(refused([](auto& block) { block.first_tick = ~Tick{0}; }));
-  EXPECT_TRUE(refused([](auto& block) { block.first_tick = Tick{1} << 48U; }));
-  EXPECT_FALSE(refused([](auto& block) { block.first_tick = (Tick{1} << 48U) - 1; }));
+  // A thousand million seconds of a millisecond each.
+  EXPECT_TRUE(refused([](auto& block) { block.first_tick = Tick{1'000'000'000'016}; }));
+  EXPECT_FALSE(refused([](auto& block) { block.first_tick = Tick{999'999'999'984}; }));
   for (const std::uint32_t period_ns : {0U, 9'999U, 100'000'001U, 0xFFFFFFFFU})
     EXPECT_TRUE(refused([&](auto& block) { block.sample_period_ns = period_ns; })) << period_ns;
   for (const std::uint32_t period_ns : {10'000U, 100'000'000U})
     EXPECT_FALSE(refused([&](auto& block) { block.sample_period_ns = period_ns; })) << period_ns;
   for (const int ticks : {0, 1001, 65535})
-    EXPECT_TRUE(refused([&](auto& block) { block.ticks_per_sample = static_cast<std::uint16_t>(ticks); })) << ticks;
+    EXPECT_TRUE(refused([&](auto& block) { block.ticks_per_sample = static_cast<std::uint16_t>(ticks); }))
+        << ticks;
   EXPECT_FALSE(refused([](auto& block) { block.ticks_per_sample = 1000; }));
 }
 
