@@ -52,8 +52,8 @@ std::string run_table(const Json& r) {
   line("round trip", fmt::format("p50 {} ms, p95 {} ms, p99 {} ms; with blocks and play-out {} ms",
                                  cell(r["link"]["rtt_ms"]["p50"], 1), cell(r["link"]["rtt_ms"]["p95"], 1),
                                  cell(r["link"]["rtt_ms"]["p99"], 1), cell(r["link"]["total_ms"], 1)));
-  const auto& age = r["link"]["command_age_ms"];
-  if (age["mean"].is_number() && age["beam"].is_number()) {
+  const Json age = r["link"].value("command_age_ms", Json::object());
+  if (age.contains("mean") && age["mean"].is_number() && age["beam"].is_number()) {
     line("age of commands, both ways",
          fmt::format("mean {} ms, max {} ms; light up to {} ms{}", cell(age["mean"], 0), cell(age["max"], 0),
                      cell(age["beam"], 0),

@@ -13,6 +13,10 @@ namespace {
 /// Gaps up to this many samples are concealed where both ends are known.
 constexpr int kReach = 400;
 
+/// A step that comes later than this was no late step: the process was asleep, and what queued up meanwhile
+/// says nothing about the link.
+constexpr std::int64_t kAsleep_ns = 100'000'000;
+
 /// Commands are held from their sample to the next.
 std::int64_t held_sample(double cursor) noexcept {
   return static_cast<std::int64_t>(std::floor(cursor + 1e-6));
@@ -41,6 +45,7 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
   const CommandHeader& header = received.value;
   const PacketSamples samples(*arrival.packet, arrival.first);
   buffer_->store(samples, header, stream_.generation());
+  if (asleep(now_ns)) clock_.reset();  // of a queue, the newest alone counts
   clock_.arrived({.now_ns = received.received_ns - lost_ns(now_ns),
                   .last = samples.last(),
                   .count = static_cast<int>(samples.size()),
@@ -50,8 +55,12 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
                   .lost = arrival.missing > 0});
 }
 
+bool CommandReceiver::asleep(std::int64_t now_ns) const noexcept {
+  return time_ns_ && now_ns - *time_ns_ > settings_.control_period_ns + kAsleep_ns;
+}
+
 std::int64_t CommandReceiver::lost_ns(std::int64_t now_ns) const noexcept {
-  return time_ns_ ? now_ns - (*time_ns_ + settings_.control_period_ns) : 0;
+  return time_ns_ && !asleep(now_ns) ? now_ns - (*time_ns_ + settings_.control_period_ns) : 0;
 }
 
 std::optional<KinematicState> CommandReceiver::state_at(double cursor,
@@ -69,7 +78,7 @@ std::optional<KinematicState> CommandReceiver::state_at(double cursor,
 }
 
 Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) noexcept {
-  time_ns_ = time_ns_ ? *time_ns_ + settings_.control_period_ns : now_ns;
+  time_ns_ = time_ns_ && !asleep(now_ns) ? *time_ns_ + settings_.control_period_ns : now_ns;
   Played out;
   out.begins = begins_;
   begins_ = false;

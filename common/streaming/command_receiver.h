@@ -62,6 +62,8 @@ class CommandReceiver {
  private:
   /// By how much this side's steps are behind the clock at the step that comes next.
   std::int64_t lost_ns(std::int64_t now_ns) const noexcept;
+  /// No step was made for so long that its time is given up.
+  bool asleep(std::int64_t now_ns) const noexcept;
   std::optional<KinematicState> state_at(double cursor, const KinematicState& tool) const noexcept;
 
   CommandReceiverSettings settings_;

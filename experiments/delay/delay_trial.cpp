@@ -98,6 +98,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   slave::StationSettings slave_settings = trial.slave;
   slave_settings.seed = trial.seed;
   slave_settings.record_s = 1.0;
+  slave_settings.node.interlock.beam_age_s = 2.0;  // it is motion that is measured, on slow networks too
   slave::Station slave(slave_settings);
   const auto corridor = slave.prepare(hand.contour);
 
@@ -113,6 +114,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   result.error_m.assign(hand.tool.size(), std::numeric_limits<double>::quiet_NaN());
   result.prediction_error_m = result.error_m;
   bool heard = false;
+  std::uint32_t engage = 0;
   bool joined = false;  // the first approach has ended, on both sides
   std::uint64_t payload_bytes = 0;
   std::uint64_t on_wire = 0;
@@ -122,9 +124,16 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     backward.deliver(now_ns, states);
     for (const auto& state : states) stream.received(feedback.receive(state));
     heard = heard || !states.empty();
-    const auto block = stream.step(
-        now_ns, tick,
-        {.tool = hand.tool[tick], .beta = hand.beta, .contour_id = hand.contour.id, .engaged = heard});
+    // An operator who engages anew whenever the slave asks for it.
+    if (heard) engage = std::max(engage, feedback.header().engage + 1);
+    const auto block = stream.step(now_ns, tick,
+                                   {.tool = hand.tool[tick],
+                                    .beta = hand.beta,
+                                    .contour_id = hand.contour.id,
+                                    .engaged = heard,
+                                    .engage = engage,
+                                    .echo_sequence = feedback.heard() ? feedback.header().sequence : 0,
+                                    .echo_sent_ns = feedback.heard() ? feedback.header().sent_ns : 0});
     predicted[tick] = stream.observed().slave.position_m;
     aligned[tick] = stream.observed().aligned;
     if (block) {

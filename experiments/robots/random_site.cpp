@@ -109,6 +109,7 @@ RandomSite random_site(std::uint64_t seed, double duration_s, const std::filesys
   s.master.robot = write_robot(master, folder / fmt::format("{}-master.toml", seed));
   s.slave.robot = write_robot(random_robot(draw), folder / fmt::format("{}-slave.toml", seed));
   s.master.mismatch = draw.between(0.0, 0.3);
+  s.slave.node.interlock.beam_age_s = 2.0;  // slow networks, too, are to cut
   s.slave.mismatch = draw.between(0.0, 0.3);
   s.master.hand_speed_mm_s = draw.factor(5.0, 40.0);
   const double strongest_n = draw.one_in(3) ? kStrongest_n : 0.5 * master.motor.peak_force_n;

@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
   const uint16_t contract = state->contract;
   telekerf_wire_StateBlock_free(sample, DDS_FREE_ALL);
 
-  telekerf_wire_Event event = {.contract = contract, .epoch = 7, .kind = 4, .value = 0.5, .text = "from elsewhere"};
+  telekerf_wire_Event event = {.contract = contract, .epoch = 7, .kind = 2, .value = 0.5, .text = "from elsewhere"};
   for (int i = 0; i < 2000; ++i) {
     dds_publication_matched_status_t status;
     dds_get_publication_matched_status(event_writer, &status);

@@ -174,7 +174,10 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
                                    {.tool = hand().tool[tick],
                                     .beta = hand().beta,
                                     .contour_id = hand().contour.id,
-                                    .engaged = tick > 500});
+                                    .engaged = tick > 500,
+                                    .engage = tick > 500 ? 1U : 0U,
+                                    .echo_sequence = feedback.heard() ? feedback.header().sequence : 0,
+                                    .echo_sent_ns = feedback.heard() ? feedback.header().sent_ns : 0});
     if (block) {
       const auto packet = listener.decode(block->payload.view(), {});
       ASSERT_TRUE(packet);
