@@ -9,6 +9,8 @@ namespace {
 
 /// In which the pace changes, and in which the rest of a correction fades.
 constexpr double kCorrection_s = 0.02;
+/// Delay that was longer than any lately by this much is no jitter: it is over.
+constexpr std::int64_t kOver_ns = 250'000'000;
 
 }  // namespace
 
@@ -34,7 +36,22 @@ void PlayoutClock::arrived(const BlockArrival& block) noexcept {
   choose_depth(block);
 }
 
+void PlayoutClock::forget_what_is_over() noexcept {
+  if (transits_ <= kRecent) return;
+  std::array<std::int64_t, kRecent> recent{};
+  for (int n = 0; n < kRecent; ++n)
+    recent[static_cast<std::size_t>(n)] =
+        transit_ns_[static_cast<std::size_t>((next_ + kHistory - kRecent + n) % kHistory)];
+  const auto latest = [](auto begin, auto end) { return *std::max_element(begin, end); };
+  if (latest(transit_ns_.begin(), transit_ns_.begin() + transits_) - latest(recent.begin(), recent.end()) <
+      kOver_ns)
+    return;
+  std::copy(recent.begin(), recent.end(), transit_ns_.begin());
+  transits_ = next_ = kRecent;
+}
+
 void PlayoutClock::choose_depth(const BlockArrival& newest) noexcept {
+  forget_what_is_over();
   // The newest transits at block rate: 512 blocks of 16 ms are 8 s, so the envelope follows the clocks' skew.
   std::array<std::int64_t, kHistory> sorted = transit_ns_;
   const auto begin = sorted.begin();
@@ -61,7 +78,7 @@ std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t co
   const double wanted = target(now_ns);
   // Beyond a quarter of a second nothing can be won by slow correction.
   const double give_up = 0.25e9 / static_cast<double>(period_ns_);
-  if (!synchronized_ || std::abs(wanted - cursor_) > give_up) {
+  if (!synchronized_ || std::abs(wanted - cursor_) > give_up || ahead_ < -give_up) {
     resyncs_ += synchronized_ ? 1 : 0;
     cursor_ = std::floor(wanted);
     ahead_ = slowing_ = 0.0;

@@ -56,10 +56,13 @@ class PlayoutClock {
 
  private:
   void choose_depth(const BlockArrival& newest) noexcept;
+  /// A delay that has gone must not be waited for as long as the history lasts.
+  void forget_what_is_over() noexcept;
   double target(std::int64_t now_ns) const noexcept;
   double catch_up(double step) noexcept;
 
   static constexpr int kHistory = 512;
+  static constexpr int kRecent = 96;  ///< 1.5 s of blocks of 16 ms
   PlayoutSettings settings_;
   std::array<std::int64_t, kHistory> transit_ns_{};  ///< arrival - last * period, newest overwrite oldest
   int transits_ = 0;

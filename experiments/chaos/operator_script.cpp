@@ -12,6 +12,8 @@ constexpr double kFirstPatience_s = 0.3;
 /// From engaging until the button is seen released and pressed again.
 constexpr double kRelease_s = 0.3;
 constexpr double kPress_s = 0.6;
+/// Without light although the button is held, until it is let go and pressed again.
+constexpr double kDark_s = 1.0;
 /// From a trouble that has passed by itself until the button is pressed again.
 constexpr double kAgain_s = 0.3;
 /// Shorter ones nobody sees.
@@ -63,11 +65,24 @@ void OperatorScript::step(const OperatorView& view, Said& out) {
     if (!pressed_ && press_at_s_ < 0.0) press_at_s_ = now_s + kAgain_s;
     unready_since_s_.reset();
     trouble_since_s_.reset();
+    look_for_light(now_s, view);
     return;
   }
   if (!unready_since_s_) unready_since_s_ = now_s;
   if (now_s - *unready_since_s_ < kNoticed_s) return;
   meet_trouble(now_s, view, out);
+}
+
+void OperatorScript::look_for_light(double now_s, const OperatorView& view) {
+  if (!pressed_ || view.slave->laser_on || press_at_s_ >= 0.0) {
+    dark_since_s_.reset();
+    return;
+  }
+  if (!dark_since_s_) dark_since_s_ = now_s;
+  if (now_s - *dark_since_s_ < kDark_s) return;
+  dark_since_s_.reset();
+  release_at_s_ = now_s;
+  press_at_s_ = now_s + kRelease_s;
 }
 
 void OperatorScript::meet_trouble(double now_s, const OperatorView& view, Said& out) {

@@ -43,6 +43,8 @@ class OperatorScript {
   int engages() const noexcept { return engages_; }
 
  private:
+  /// Whoever sees no light lets the button go and presses it again.
+  void look_for_light(double now_s, const OperatorView& view);
   void meet_trouble(double now_s, const OperatorView& view, Said& out);
 
   Draw draw_;
@@ -52,6 +54,7 @@ class OperatorScript {
   bool engaged_since_heal_ = false;
   int engages_ = 0;
   std::optional<double> unready_since_s_;
+  std::optional<double> dark_since_s_;
   std::optional<double> trouble_since_s_;
   double patience_s_ = 0.0;
   double release_at_s_ = -1.0;

@@ -126,6 +126,16 @@ void arrive(PlayoutClock& clock, std::initializer_list<double> transits_ms, bool
   }
 }
 
+/// A network that was a second late for a while: what it queued is no jitter to be waited for.
+TEST(PlayoutClock, ADelayThatHasGoneIsForgottenWithinThreeSeconds) {
+  LinkRun link;
+  link.run(500, [](int b) { return (b < 200 || b > 280 ? 50 : 1250) * kMs; });
+  EXPECT_NEAR(link.lag_late, link.lag_early, 5.0);
+  LinkRun soon;
+  soon.run(281 + 190, [](int b) { return (b < 200 || b > 280 ? 50 : 1250) * kMs; });
+  EXPECT_NEAR(soon.lag_late, soon.lag_early, 5.0) << "3 s after its end, 1.8 s after the last late block";
+}
+
 TEST(PlayoutClock, TheDepthIsBlockFillingMarginAndTheQuantileOfTheJitter) {
   for (const int blocks : {1, 2, 100, 200, 512, 700}) {
     PlayoutClock clock{PlayoutSettings{.max_depth_s = 10.0}};
