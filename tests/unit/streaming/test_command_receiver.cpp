@@ -229,6 +229,20 @@ TEST_F(CommandReceiverTest, SaysOfTheStreamWhatItsNewestBlockSaid) {
   EXPECT_EQ(header.echo_received_ns, now_ns_ - kBlock * kMs);
 }
 
+/// Stopped for two seconds, as by SIGSTOP: what has queued up is stamped when it wakes.
+TEST_F(CommandReceiverTest, AQueueFromASleepIsNotTakenForTheLink) {
+  run(200);
+  const int depth = receiver_.clock().depth_samples();
+  constexpr int kMissed = 125;
+  now_ns_ += kMissed * kBlock * kMs;
+  for (int n = 0; n < kMissed; ++n) receiver_.receive({next(), now_ns_}, 4, now_ns_);
+  run(3);
+  EXPECT_EQ(receiver_.clock().depth_samples(), depth);
+  const double made = static_cast<double>(now_ns_) / kMs;
+  EXPECT_NEAR(played_.tick, made - depth, 32.0) << "and not two seconds ago";
+  EXPECT_EQ(receiver_.counters().refused + receiver_.counters().lost, 0u);
+}
+
 TEST(Played, WhatNobodyHasSaidAllowsNothing) {
   const StreamSample sample;
   EXPECT_FALSE(sample.button || sample.engaged || sample.concealed);
