@@ -32,6 +32,8 @@ class Explainer {
  private:
   void run(const std::stop_token& stop, StatusReporter& status) {
     std::string said;
+    std::uint32_t before = 0;  ///< what forbade a second ago
+    bool dark = true;          ///< as far as has been said
     for (int n = 0; !stop.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(50))) {
       if (++n % 20 != 0) continue;
       const std::uint64_t now = now_.load(std::memory_order_relaxed);
@@ -43,6 +45,14 @@ class Explainer {
       out.settled = (now & 4U) != 0;
       out.button = (now & 2U) != 0;
       out.laser_w = (now & 1U) != 0 ? 1.0 : 0.0;
+      const bool lit = out.laser_w > 0.0;
+      // A beam that nobody asks for needs no word, unless nobody could have it.
+      const std::uint32_t lasting = out.forbidden & before & ~kButtonGuard;
+      before = out.forbidden;
+      const bool missed =
+          lasting != 0 || (out.forbidden != 0 && (out.button || out.mode != SlaveMode::kFollowing));
+      if (!missed && !(lit && dark)) continue;
+      dark = !lit;
       std::string sentence = explanation(out);
       if (sentence != said) status.say(sentence);
       said = std::move(sentence);
