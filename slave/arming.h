@@ -22,6 +22,7 @@ struct Circumstances {
   std::uint32_t master_epoch = 0;   ///< of whom they are
   std::uint32_t contour_id = 0;     ///< 0: none is known
   std::uint32_t newest_engage = 0;  ///< of the newest block that came
+  double silent_s = 0.0;            ///< before this step nothing had come for so long
 };
 
 /// Engagements are counted by the master; each may lead until it is spent.

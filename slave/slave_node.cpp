@@ -142,6 +142,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   const KinematicState tool = observe(inputs.joints);
   std::optional<std::uint32_t> contour_id;
   if (inputs.corridor != nullptr) contour_id = inputs.corridor->contour_id;
+  const double silent_s = commands_.heard() ? commands_.silent_s(now_ns) : 0.0;
   for (const auto& command : inputs.commands) commands_.receive(command, contour_id, now_ns);
   const bool heard = commands_.heard();
   const std::uint32_t stop = inputs.stop.in_force(heard ? commands_.header().stop : 0);
@@ -152,7 +153,8 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
                                                     .heard = heard,
                                                     .master_epoch = heard ? commands_.header().epoch : 0,
                                                     .contour_id = contour_id.value_or(0),
-                                                    .newest_engage = heard ? commands_.header().engage : 0});
+                                                    .newest_engage = heard ? commands_.header().engage : 0,
+                                                    .silent_s = silent_s});
 
   if (joints_.posed()) out.force_n = joints_.reaction_force_n();
   out.currents_a = joints_.currents(track(selected, tool));

@@ -52,6 +52,8 @@ class CommandReceiver {
   void state_sent(std::uint32_t sequence, std::int64_t sent_ns) noexcept { echoes_.sent(sequence, sent_ns); }
 
   bool heard() const noexcept { return stream_.heard(); }
+  /// Since the newest block came.
+  double silent_s(std::int64_t now_ns) const noexcept { return stream_.silent_s(now_ns); }
   /// Of the newest block.
   const CommandHeader& header() const noexcept { return stream_.header(); }
   const PlayoutClock& clock() const noexcept { return clock_; }

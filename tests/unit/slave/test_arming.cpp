@@ -117,6 +117,17 @@ TEST_F(ArmingTest, AnOutageLongerThanTheBeamsAgeEndsItAndAShorterOneDoesNot) {
   needs_both();
 }
 
+TEST_F(ArmingTest, ASilenceThatThePlayOutHidesIsAnOutage) {
+  begin();
+  now_.silent_s = 0.349;
+  EXPECT_TRUE(lead(1));
+  EXPECT_TRUE(arming_.button_armed());
+  now_.silent_s = 0.351;
+  EXPECT_FALSE(lead(1));
+  now_.silent_s = 0.0;
+  needs_both();
+}
+
 TEST_F(ArmingTest, CommandsTooOldToFollowAreAnOutage) {
   begin();
   age_s_ = 2.6;
