@@ -65,6 +65,15 @@ Arrival StreamReceiver<Block>::refuse() noexcept {
 }
 
 template <class Block>
+bool StreamReceiver<Block>::too_far_ahead(const Header& header, std::int64_t first,
+                                          std::int64_t now_ns) const noexcept {
+  const double sample_s = 1e-9 * header.sample_period_ns;
+  const double passed_s = silent_s(now_ns);
+  return static_cast<double>(first - newest_) * sample_s > passed_s + kFuture_s ||
+         ahead(header.sequence, header_.sequence) > passed_s / (block_size_ * sample_s) + kFutureBlocks;
+}
+
+template <class Block>
 Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int64_t useful_from,
                                        std::optional<std::uint32_t> contour_id) noexcept {
   const Block& block = received.value;
@@ -75,23 +84,23 @@ Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int
   }
   if (!within_bounds<Header>(block)) return refuse();
   if (contour_id && block.contour_id != *contour_id) return refuse();
-  if (heard_ && ahead(block.sequence, header_.sequence) <= 0) {
-    if (!(silent_s(received.received_ns) > std::max(silence_s_, kLease_s)))
-      return overtaken(block, useful_from);
+  // Whoever has said nothing acceptable for so long may have begun to count anew, or the one before was a
+  // forger.
+  const bool given_up = heard_ && silent_s(received.received_ns) > std::max(silence_s_, kLease_s);
+  const auto begin_anew = [&] {
     heard_ = false;
     decoder_.reset();
+  };
+  if (heard_ && ahead(block.sequence, header_.sequence) <= 0) {
+    if (!given_up) return overtaken(block, useful_from);
+    begin_anew();
   }
-
   const std::int64_t first = first_index(block);
-  const bool begins = !heard_ || !same_count<Header>(block, header_);
-  if (!begins && static_cast<double>(first - newest_) * block.sample_period_ns * 1e-9 >
-                     silent_s(received.received_ns) + kFuture_s) {
-    return refuse();
+  if (heard_ && same_count<Header>(block, header_) && too_far_ahead(block, first, received.received_ns)) {
+    if (!given_up) return refuse();
+    begin_anew();
   }
-  const double block_s = block_size_ * 1e-9 * block.sample_period_ns;
-  if (heard_ &&
-      ahead(block.sequence, header_.sequence) > silent_s(received.received_ns) / block_s + kFutureBlocks)
-    return refuse();
+  const bool begins = !heard_ || !same_count<Header>(block, header_);
   const auto decoded = decoder_.decode(block.payload.view(), trend_of(block));
   if (!decoded) return refuse();
 

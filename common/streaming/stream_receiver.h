@@ -65,6 +65,8 @@ class StreamReceiver {
 
  private:
   Arrival refuse() noexcept;
+  /// Of what the time that has passed allows, in numbers or ticks.
+  bool too_far_ahead(const Header& header, std::int64_t first, std::int64_t now_ns) const noexcept;
   Arrival overtaken(const Block& block, std::int64_t useful_from) noexcept;
 
   double silence_s_;

@@ -38,6 +38,12 @@ bool ready(const OperatorView& view) {
          view.slave->interlock == Interlock::kReady;
 }
 
+/// The slave follows, and counts the button only once it was let go.
+bool asks_for_release(const OperatorView& view) {
+  return view.mode == MasterMode::kEngaged && view.slave != nullptr &&
+         view.slave->mode == SlaveMode::kFollowing && (view.slave->guards & kButtonGuard) != 0;
+}
+
 bool may_engage(const OperatorView& view) {
   return (view.mode == MasterMode::kGuiding || view.mode == MasterMode::kEngaged) && view.slave != nullptr;
 }
@@ -61,6 +67,7 @@ void OperatorScript::step(const OperatorView& view, Said& out) {
     pressed_ = true;
     press_at_s_ = -1.0;
   }
+  if (asks_for_release(view)) look_for_light(now_s, view);
   if (ready(view)) {
     if (!pressed_ && press_at_s_ < 0.0) press_at_s_ = now_s + kAgain_s;
     unready_since_s_.reset();

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "common/streaming/stream_receiver.h"
 #include "tests/unit/streaming/blocks.h"
@@ -63,6 +64,25 @@ TYPED_TEST(StreamBounds, ASenderWhoseCountBeganAnewIsTakenAfterASecond) {
   this->now_ns_ += kBlock * kMs;
   EXPECT_EQ(this->take(again.next()), Kind::kNew);
   EXPECT_TRUE(this->last_.begins);
+}
+
+/// A tape of five seconds ago, played during an outage: the true sender is heard again a second after its
+/// end.
+TYPED_TEST(StreamBounds, WhoFollowsATapeIsHeardAgainAfterASecond) {
+  std::vector<TypeParam> tape;
+  for (int n = 0; n < 400; ++n) {
+    tape.push_back(this->sender_.next());
+    ASSERT_EQ(this->take(tape.back()), Kind::kNew);
+  }
+  this->now_ns_ += 1100 * kMs;
+  for (int n = 0; n < 60; ++n) (void)this->take(tape[static_cast<std::size_t>(n)]);
+  const std::uint64_t taken = this->receiver_.counters().blocks;
+  int deaf = 0;
+  for (int n = 0; n < 129; ++n) (void)this->sender_.next();  // sent meanwhile
+  while (this->take(this->sender_.next()) != Kind::kNew && deaf < 1000) ++deaf;
+  EXPECT_GT(taken, 400U) << "nobody can tell the tape from a sender that began anew";
+  EXPECT_NEAR(deaf, 62, 3) << "blocks";
+  for (int n = 0; n < 10; ++n) EXPECT_EQ(this->take(this->sender_.next()), Kind::kNew);
 }
 
 TYPED_TEST(StreamBounds, WhatNoArithmeticBearsIsRefused) {
