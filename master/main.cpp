@@ -38,32 +38,10 @@ struct Flags {
   void validate() const { (void)station.validated(); }
 };
 
-const char* not_following(HoldReason reason) {
-  switch (reason) {
-    case HoldReason::kNotEngaged:
-    case HoldReason::kNone:
-      return "engaged: the slave is being taken hold of";
-    case HoldReason::kNeedsEngage:
-      return "engaged, but the slave holds until it is engaged anew";
-    case HoldReason::kTooOld:
-      return "engaged, but the slave holds: the commands reach it too late";
-    case HoldReason::kClockWrong:
-      return "engaged, but the slave holds: it cannot tell how old the commands are";
-    case HoldReason::kLimits:
-      return "engaged, but the slave holds: it is led out of its bounds";
-    case HoldReason::kStopped:
-      return "engaged, but the slave is stopped";
-    case HoldReason::kSilent:
-    case HoldReason::kNoCommands:
-      return "engaged, but no commands reach the slave";
-  }
-  return "engaged, but the slave does not follow";
-}
-
 /// What the slave makes of being led is said by the slave.
 const char* text_of(MasterMode mode, const StateHeader* slave, bool ours) {
   if (mode == MasterMode::kEngaged && slave != nullptr && (!ours || slave->mode != SlaveMode::kFollowing))
-    return !ours ? "engaged, but the slave does not answer to this master" : not_following(slave->reason);
+    return !ours ? "engaged, but the slave does not answer to this master" : led_sentence_of(slave->reason);
   switch (mode) {
     case MasterMode::kIdle:
       return "waiting for a contour";

@@ -9,6 +9,14 @@
 #include "master/constraint/reach.h"
 
 namespace telekerf::master {
+namespace {
+
+/// The slave waits for the button to be let go before it counts.
+bool wants_release(const StateHeader* slave) noexcept {
+  return slave != nullptr && (slave->guards & kButtonGuard) != 0;
+}
+
+}  // namespace
 
 Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> input)
     : settings_(settings.validated()),
@@ -51,15 +59,6 @@ HandSample Station::hand(GuidedContour& task) noexcept {
   const double now_s = static_cast<double>(node_.tick()) * control_period_s();
   return task.hand.sample(now_s, *tool_m, *velocity, guided_);
 }
-
-namespace {
-
-/// The slave waits for the button to be let go before it counts.
-bool wants_release(const StateHeader* slave) noexcept {
-  return slave != nullptr && (slave->guards & kButtonGuard) != 0;
-}
-
-}  // namespace
 
 StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                              std::span<const Received<StateBlock>> states,

@@ -10,10 +10,8 @@ std::int32_t after(std::uint32_t a, std::uint32_t b) noexcept { return static_ca
 }  // namespace
 
 void Arming::step(const streaming::Played& played, const Circumstances& now) noexcept {
-  if (now.heard &&
-      (!known_ ||
-       now.master_epoch !=
-           master_epoch_)) {  // another master counts anew, and what it began before it was heard is spent
+  // Another master counts anew, and what it began before it was heard is spent.
+  if (now.heard && (!known_ || now.master_epoch != master_epoch_)) {
     known_ = true;
     master_epoch_ = now.master_epoch;
     spent_ = leading_ = now.newest_engage;

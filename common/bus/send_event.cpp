@@ -10,17 +10,21 @@
 
 namespace telekerf {
 
+StartupError nobody_listens(const Bus& bus) {
+  return environment_error(
+      fmt::format("nobody listens in cell '{}' of domain {}: start its processes first, or give "
+                  "their --cell and --domain",
+                  bus.settings().cell, bus.settings().domain));
+}
+
 std::size_t tell(Bus& bus, const EventMessage& event) {
   Writer<EventMessage> writer(bus);
   constexpr std::chrono::seconds kPatience{5};
   const std::size_t others = bus.others().size();
   if (others == 0 || !writer.wait_for_reader(kPatience)) {
-    throw environment_error(
-        fmt::format("nobody listens in cell '{}' of domain {}: start its processes first, or give "
-                    "their --cell and --domain",
-                    bus.settings().cell, bus.settings().domain));
+    throw nobody_listens(bus);
   }
-  // A stop waits for nobody: who is there hears it at once, the rest as soon as they are found.
+  // Who is there hears it at once, the rest as soon as they are found.
   const int first = writer.readers();
   bool sent = writer.write(event);
   (void)writer.wait_for_reader(kPatience, static_cast<int>(others));

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "common/bus/endpoints.h"
+#include "common/bus/send_event.h"
 #include "common/protocol/stop_latch.h"
 #include "common/runtime/startup_error.h"
 
@@ -63,13 +64,6 @@ class Answers {
   Reader<StopMessage> reader_;  ///< last: hears from its construction on
 };
 
-[[noreturn]] void nobody(const Bus& bus) {
-  throw environment_error(
-      fmt::format("nobody listens in cell '{}' of domain {}: start its processes first, or give their --cell "
-                  "and --domain",
-                  bus.settings().cell, bus.settings().domain));
-}
-
 /// Says `message` again and again until every station has answered.
 std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMessage& message) {
   Writer<StopMessage> writer(bus);
@@ -83,7 +77,7 @@ std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMess
     if (missing.empty() && !told.empty() && all_found) return told;
     std::this_thread::sleep_for(kAgain);
   }
-  if (told.empty() && missing.empty()) nobody(bus);
+  if (told.empty() && missing.empty()) throw nobody_listens(bus);
   throw environment_error(
       fmt::format("{} of cell '{}' has not confirmed it within {} s{}: see to it at the machine",
                   fmt::join(missing, ", "), bus.settings().cell, kPatience.count(),
@@ -114,7 +108,7 @@ std::vector<std::string> clear_stop(Bus& bus, const std::string& source) {
   if (stops.empty()) {
     bool anyone = false;
     for (const PresenceMessage& other : bus.others()) anyone = anyone || is_station(other);
-    if (!anyone) nobody(bus);
+    if (!anyone) throw nobody_listens(bus);
     throw usage_error(fmt::format("no stop is in force in cell '{}'", bus.settings().cell));
   }
   bool cleared = false;

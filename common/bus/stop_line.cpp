@@ -22,12 +22,16 @@ bool contains(const std::vector<std::uint32_t>& numbers, std::uint32_t number) {
   return std::find(numbers.begin(), numbers.end(), number) != numbers.end();
 }
 
+/// Empty: not set.
+std::filesystem::path from_environment(const char* name) {
+  const char* const value = std::getenv(name);  // NOLINT
+  return value == nullptr ? "" : value;
+}
+
 std::filesystem::path state_folder() {
-  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != 0)
-    return state;                                                             // NOLINT
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0)  // NOLINT
-    return std::filesystem::path(home) / ".local" / "state";
-  return {};
+  if (const auto state = from_environment("XDG_STATE_HOME"); !state.empty()) return state;
+  const auto home = from_environment("HOME");
+  return home.empty() ? home : home / ".local" / "state";
 }
 
 std::string read(const std::string& path) {

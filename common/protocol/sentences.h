@@ -32,4 +32,27 @@ constexpr const char* sentence_of(HoldReason reason) noexcept {
   return "unknown";
 }
 
+/// The same, as the side that leads says it.
+constexpr const char* led_sentence_of(HoldReason reason) noexcept {
+  switch (reason) {
+    case HoldReason::kNotEngaged:
+    case HoldReason::kNone:
+      return "engaged: the slave is being taken hold of";
+    case HoldReason::kNeedsEngage:
+      return "engaged, but the slave holds until it is engaged anew";
+    case HoldReason::kTooOld:
+      return "engaged, but the slave holds: the commands reach it too late";
+    case HoldReason::kClockWrong:
+      return "engaged, but the slave holds: it cannot tell how old the commands are";
+    case HoldReason::kLimits:
+      return "engaged, but the slave holds: it is led out of its bounds";
+    case HoldReason::kStopped:
+      return "engaged, but the slave is stopped";
+    case HoldReason::kSilent:
+    case HoldReason::kNoCommands:
+      return "engaged, but no commands reach the slave";
+  }
+  return "engaged, but the slave does not follow";
+}
+
 }  // namespace telekerf

@@ -1,37 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // What no true sender says is refused, and the true one goes on being heard.
-#include <gtest/gtest.h>
-
-#include <cstdint>
-#include <limits>
 #include <vector>
 
-#include "common/streaming/stream_receiver.h"
-#include "tests/unit/streaming/blocks.h"
+#include "tests/unit/streaming/stream_receiver_fixture.h"
 
 namespace telekerf::streaming {
 namespace {
 
-using Kind = Arrival::Kind;
-constexpr std::int64_t kAlways = std::numeric_limits<std::int64_t>::min();
-
 template <class Block>
-class StreamBounds : public testing::Test {
- protected:
-  /// Every 16 ms one.
-  Kind take(const Block& block, std::int64_t useful_from = kAlways) {
-    last_ = receiver_.receive({block, now_ns_}, useful_from);
-    now_ns_ += kBlock * kMs;
-    return last_.kind;
-  }
+class StreamBounds : public StreamReceiverTest<Block> {};
 
-  StreamReceiver<Block> receiver_{0.15};
-  Sender<Block> sender_{7};
-  Arrival last_;
-  std::int64_t now_ns_ = 1000 * kMs;
-};
-
-using Blocks = testing::Types<CommandBlock, StateBlock>;
 TYPED_TEST_SUITE(StreamBounds, Blocks);
 
 /// A forged number must not silence the true sender: it may be ahead by the time that has passed and 64

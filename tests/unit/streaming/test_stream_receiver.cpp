@@ -8,33 +8,13 @@
 
 #include "common/codec/settings.h"
 #include "common/streaming/packet_samples.h"
-#include "common/streaming/stream_receiver.h"
-#include "tests/unit/streaming/blocks.h"
+#include "tests/unit/streaming/stream_receiver_fixture.h"
 
 namespace telekerf::streaming {
 namespace {
 
-using Kind = Arrival::Kind;
-constexpr std::int64_t kAlways = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-template <class Block>
-class StreamReceiverTest : public testing::Test {
- protected:
-  /// Every 16 ms one.
-  Kind take(const Block& block, std::int64_t useful_from = kAlways) {
-    last_ = receiver_.receive({block, now_ns_}, useful_from);
-    now_ns_ += kBlock * kMs;
-    return last_.kind;
-  }
-
-  StreamReceiver<Block> receiver_{0.15};
-  Sender<Block> sender_{7};
-  Arrival last_;
-  std::int64_t now_ns_ = 1000 * kMs;
-};
-
-using Blocks = testing::Types<CommandBlock, StateBlock>;
 TYPED_TEST_SUITE(StreamReceiverTest, Blocks);
 
 TYPED_TEST(StreamReceiverTest, BlocksInOrderAreNewAndCarryTheirSamples) {
