@@ -14,7 +14,7 @@ namespace {
 
 using Points = std::vector<cv::Point>;
 
-struct Candidate {
+struct PointedCandidate {
   cv::Mat mask;
   double score = 0.0;
 };
@@ -35,10 +35,10 @@ class Search {
       : scene_(scene), at_(std::move(at)), away_(std::move(away)), backdrop_(backdrop_of(scene)) {}
 
   /// The best region that holds the points, found in several ways.
-  Candidate best() {
+  PointedCandidate best() {
     by_level(backdrop_.distance, false);
     by_level(distance_from_seeds(), true);
-    const Candidate first = best_;
+    const PointedCandidate first = best_;
     if (first.score > 0.0) consider(refined(first.mask));
     for (const double share : {0.22, 0.4, 0.65, 0.95}) consider(cut_out(around_points(share)));
     if (best_.score > 0.0) consider(grown(best_.mask));
@@ -46,13 +46,13 @@ class Search {
     return best_;
   }
 
-  Candidate in_box(const cv::Rect& box) {
+  PointedCandidate in_box(const cv::Rect& box) {
     cv::Mat labels(scene_.lab.size(), CV_8U, cv::Scalar(cv::GC_BGD));
     labels(box).setTo(cv::GC_PR_FGD);
     const cv::Mat cut = grab_cut(labels, 5);
     // All parts of a fair size are the thing, or things.
     const auto parts = outlines_of_mask(cut, 0.02 * box.area());
-    Candidate out{cv::Mat(cut.size(), CV_8U, cv::Scalar(0)), 0.0};
+    PointedCandidate out{cv::Mat(cut.size(), CV_8U, cv::Scalar(0)), 0.0};
     for (std::size_t i = 0; i < parts.size(); ++i) {
       cv::drawContours(out.mask, parts, static_cast<int>(i), cv::Scalar(255), cv::FILLED);
     }
@@ -190,7 +190,7 @@ class Search {
   Points at_;
   Points away_;
   Backdrop backdrop_;
-  Candidate best_;
+  PointedCandidate best_;
 };
 
 }  // namespace
@@ -207,7 +207,7 @@ tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing
                     why));
   };
   Search search(scene, in_scene(scene, pointing.at), in_scene(scene, pointing.away));
-  Candidate found;
+  PointedCandidate found;
   if (pointing.box) {
     const Vec2 first = scene.to_scene(pointing.box->head<2>());
     const Vec2 last = scene.to_scene(pointing.box->head<2>() + pointing.box->tail<2>());

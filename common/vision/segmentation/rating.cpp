@@ -17,7 +17,7 @@ double percentile(std::vector<double>& values, double fraction) {
   return *at;
 }
 
-cv::Vec3f colour_at(const cv::Mat& lab, const Vec2& p) {
+cv::Vec3f lab_at(const cv::Mat& lab, const Vec2& p) {
   const int x = std::clamp(static_cast<int>(std::lround(p.x())), 0, lab.cols - 1);
   const int y = std::clamp(static_cast<int>(std::lround(p.y())), 0, lab.rows - 1);
   return lab.at<cv::Vec3f>(y, x);
@@ -61,8 +61,7 @@ Rating rating_of(const Scene& scene, const std::vector<cv::Point>& outline) {
     const Vec2 normal = Vec2(-tangent.y(), tangent.x()).normalized();
     const Vec2 p(here.x, here.y);
     const auto contrast = [&](double off) {
-      return cv::norm(colour_at(lab, p + (off + kHalf) * normal) -
-                      colour_at(lab, p + (off - kHalf) * normal));
+      return cv::norm(lab_at(lab, p + (off + kHalf) * normal) - lab_at(lab, p + (off - kHalf) * normal));
     };
     across.push_back(std::max(contrast(0.5), contrast(-0.5)));
     beside.push_back(contrast(kParallel));

@@ -10,12 +10,6 @@
 namespace telekerf::vision {
 namespace {
 
-constexpr std::string_view kBlank = " \t\r\n";
-
-void skip_blanks(std::string_view& text) {
-  text.remove_prefix(std::min(text.size(), text.find_first_not_of(kBlank)));
-}
-
 std::string_view take_word(std::string_view& text) {
   skip_blanks(text);
   const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n>[]"));
@@ -24,6 +18,10 @@ std::string_view take_word(std::string_view& text) {
 }
 
 }  // namespace
+
+void skip_blanks(std::string_view& text) {
+  text.remove_prefix(std::min(text.size(), text.find_first_not_of(kBlanks)));
+}
 
 tl::expected<std::string, std::string> with_entities(std::string text, std::size_t max_bytes) {
   const auto doctype = text.find("<!DOCTYPE");

@@ -16,6 +16,10 @@ namespace telekerf::vision {
 /// make it larger than `max_bytes`, or are in another file.
 tl::expected<std::string, std::string> with_entities(std::string text, std::size_t max_bytes);
 
+inline constexpr std::string_view kBlanks = " \t\r\n\f";
+/// Takes them off the beginning.
+void skip_blanks(std::string_view& text);
+
 /// A name without its prefix.
 std::string_view local_name(std::string_view name);
 /// The local name of an element of SVG, whatever its prefix; empty: of another namespace. Without any
