@@ -6,6 +6,7 @@
 
 namespace telekerf::experiments {
 
+void add_autofocus_command(Program& program);
 void add_chaos_command(Program& program);
 void add_closed_contour_command(Program& program);
 void add_codec_command(Program& program);

@@ -4,6 +4,7 @@
 
 int main(int argc, char** argv) {
   telekerf::Program program("telekerf-experiment", "Experiments in virtual time");
+  telekerf::experiments::add_autofocus_command(program);
   telekerf::experiments::add_chaos_command(program);
   telekerf::experiments::add_closed_contour_command(program);
   telekerf::experiments::add_codec_command(program);

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "experiments/autofocus/focus_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/runtime/error_statistics.h"
+#include "experiments/parallel.h"
+
+namespace telekerf::experiments {
+namespace {
+
+using namespace imaging;
+using Json = nlohmann::ordered_json;
+
+constexpr std::array kTextures{Target::kRelief, Target::kTissue, Target::kLetter};
+constexpr int kZoomsAUnit = 5;
+
+int median(std::vector<int> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+FocusStart start_of(const FocusPlan& plan, StartKind kind, std::size_t i) {
+  return {kTextures[i % kTextures.size()], kind, plan.seed + i / kTextures.size()};
+}
+
+std::vector<FocusOutcome> outcomes(const FocusPlan& plan, StartKind kind, FocusStrategy strategy,
+                                   bool blank = false) {
+  std::vector<FocusOutcome> out(static_cast<std::size_t>(plan.starts) * kTextures.size());
+  for_each_parallel(
+      out.size(),
+      [&](std::size_t i) {
+        FocusStart start = start_of(plan, kind, i);
+        if (blank) start.target = Target::kBlank;
+        if (blank) start.seed = plan.seed + i;
+        DrawnStart drawn = draw_start(start);
+        out[i] = strategy(*drawn.unit, drawn.range);
+      },
+      plan.jobs);
+  return out;
+}
+
+StrategyRow row_of(std::string_view name, const std::vector<FocusOutcome>& outcomes) {
+  StrategyRow row{.name = std::string(name), .starts = outcomes.size()};
+  std::vector<int> pictures;
+  ErrorStatistics errors;
+  for (const FocusOutcome& outcome : outcomes) {
+    pictures.push_back(outcome.pictures);
+    row.false_locks += outcome.false_lock() ? 1U : 0U;
+    if (!outcome.success()) continue;
+    ++row.successes;
+    errors.add(outcome.error_dof);
+  }
+  row.pictures_p50 = median(pictures);
+  row.pictures_max = *std::max_element(pictures.begin(), pictures.end());
+  row.error_rms_dof = errors.rms();
+  row.error_max_dof = errors.max;
+  return row;
+}
+
+RefusedRow refused_of(std::string_view name, const std::vector<FocusOutcome>& outcomes) {
+  const auto refused =
+      std::count_if(outcomes.begin(), outcomes.end(), [](const auto& o) { return !o.claimed; });
+  return {std::string(name), outcomes.size(), static_cast<std::size_t>(refused)};
+}
+
+void add_zooms(const FocusPlan& plan, FocusFigures& figures) {
+  const Calibration calibration = calibrated_unit(plan.seed);
+  figures.calibration_residual = calibration.scale_residual;
+  const std::size_t units =
+      kTextures.size() * static_cast<std::size_t>(std::max(1, plan.starts / kZoomsAUnit));
+  std::vector<std::vector<ZoomStep>> steps(units);
+  for_each_parallel(
+      units,
+      [&](std::size_t i) {
+        steps[i] = zoom_steps(kTextures[i % kTextures.size()], plan.seed + i / kTextures.size(), kZoomsAUnit,
+                              calibration.model);
+      },
+      plan.jobs);
+  std::vector<int> pictures;
+  ErrorStatistics errors;
+  for (const auto& unit : steps) {
+    for (const ZoomStep& step : unit) {
+      ++figures.zooms;
+      pictures.push_back(step.pictures);
+      figures.scale_error_max = std::max(figures.scale_error_max, std::abs(step.scale_error));
+      if (!step.found || std::abs(step.error_dof) > 1.0) continue;
+      ++figures.zooms_found;
+      errors.add(step.error_dof);
+    }
+  }
+  figures.zoom_pictures_p50 = median(pictures);
+  figures.zoom_pictures_max = *std::max_element(pictures.begin(), pictures.end());
+  figures.zoom_error_rms_dof = errors.rms();
+}
+
+const StrategyRow* row_named(const FocusFigures& figures, std::string_view name) {
+  for (const StrategyRow& row : figures.rows) {
+    if (row.name == name) return &row;
+  }
+  return nullptr;
+}
+
+std::string percent(double share) { return fmt::format("{:.1f}", 100.0 * share); }
+
+}  // namespace
+
+double StrategyRow::success_rate() const noexcept {
+  return starts == 0 ? 0.0 : static_cast<double>(successes) / static_cast<double>(starts);
+}
+
+FocusFigures focus_figures(const FocusPlan& plan) {
+  FocusFigures figures;
+  figures.law = plan.thesis_only ? "thesis" : "search";
+  const ImagingModel model = simulated_model();
+  figures.depth_of_field_m = model.depth_of_field_m(0.5 * model.magnification_travel_m);
+  for (const auto& strategy : kFocusStrategies) {
+    if (plan.thesis_only && strategy.value != by_printed_law) continue;
+    figures.rows.push_back(row_of(strategy.word, outcomes(plan, StartKind::kUsual, strategy.value)));
+  }
+  if (plan.thesis_only) return figures;
+  figures.refused.push_back(refused_of("blank", outcomes(plan, StartKind::kUsual, by_search, true)));
+  figures.refused.push_back(refused_of("out_of_range", outcomes(plan, StartKind::kOutOfRange, by_search)));
+  figures.refused.push_back(refused_of("moving", outcomes(plan, StartKind::kMoving, by_search)));
+  add_zooms(plan, figures);
+  return figures;
+}
+
+Json json_of(const FocusFigures& figures, const FocusPlan& plan) {
+  const StrategyRow& chosen = figures.rows.front();
+  Json json{{"experiment", "autofocus"},
+            {"law", figures.law},
+            {"seed", plan.seed},
+            {"starts", chosen.starts},
+            {"depth_of_field_um", 1e6 * figures.depth_of_field_m},
+            {"success_rate", chosen.success_rate()},
+            {"false_locks", chosen.false_locks},
+            {"images_used", chosen.pictures_p50},
+            {"focus_error_dof", chosen.error_rms_dof}};
+  if (figures.zooms > 0) {
+    json["images_after_zoom"] = figures.zoom_pictures_p50;
+    json["zoom"] = {{"steps", figures.zooms},
+                    {"found", figures.zooms_found},
+                    {"images_max", figures.zoom_pictures_max},
+                    {"focus_error_dof", figures.zoom_error_rms_dof},
+                    {"scale_error_max", figures.scale_error_max},
+                    {"calibration_residual", figures.calibration_residual}};
+  }
+  for (const RefusedRow& row : figures.refused)
+    json["no_focus"][row.name] = {{"starts", row.starts}, {"refused", row.refused}};
+  if (const StrategyRow* thesis = row_named(figures, "thesis_law"))
+    json["thesis_law"] = {{"success_rate", thesis->success_rate()}, {"false_locks", thesis->false_locks}};
+  json["rows"] = Json::array();
+  for (const StrategyRow& row : figures.rows) {
+    json["rows"].push_back({{"strategy", row.name},
+                            {"success_rate", row.success_rate()},
+                            {"false_locks", row.false_locks},
+                            {"images_used", row.pictures_p50},
+                            {"images_max", row.pictures_max},
+                            {"focus_error_dof", row.error_rms_dof},
+                            {"focus_error_max_dof", row.error_max_dof}});
+  }
+  return json;
+}
+
+std::vector<reporting::PageTable> page_tables(const FocusFigures& figures) {
+  reporting::TableRows strategies{{"strategy", "success, %", "false locks", "pictures, median", "most",
+                                   "error rms, dof", "largest, dof"}};
+  for (const StrategyRow& row : figures.rows) {
+    strategies.push_back(
+        {row.name, percent(row.success_rate()), fmt::format("{} of {}", row.false_locks, row.starts),
+         std::to_string(row.pictures_p50), std::to_string(row.pictures_max),
+         fmt::format("{:.3f}", row.error_rms_dof), fmt::format("{:.3f}", row.error_max_dof)});
+  }
+  reporting::TableRows refused{{"start", "no focus found"}};
+  for (const RefusedRow& row : figures.refused)
+    refused.push_back({row.name, fmt::format("{} of {}", row.refused, row.starts)});
+  const reporting::TableRows zoom{
+      {"zoom steps", "found", "pictures, median", "most", "error rms, dof", "scale off at the most, %"},
+      {std::to_string(figures.zooms), std::to_string(figures.zooms_found),
+       std::to_string(figures.zoom_pictures_p50), std::to_string(figures.zoom_pictures_max),
+       fmt::format("{:.3f}", figures.zoom_error_rms_dof),
+       fmt::format("{:.3f}", 100.0 * figures.scale_error_max)}};
+  return {{"strategies", reporting::markdown_table(strategies)},
+          {"refused", reporting::markdown_table(refused)},
+          {"zoom", reporting::markdown_table(zoom)}};
+}
+
+std::vector<Acceptance> acceptance(const FocusFigures& figures) {
+  const StrategyRow& row = figures.rows.front();
+  std::size_t found_in_nothing = 0;
+  for (const RefusedRow& refused : figures.refused) found_in_nothing += refused.starts - refused.refused;
+  return {{"starts not in focus", 1.0 - row.success_rate(), 0.005, 100.0, "%"},
+          {"false locks", static_cast<double>(row.false_locks), 0.0, 1.0, ""},
+          {"pictures, median", static_cast<double>(row.pictures_p50), 26.0, 1.0, ""},
+          {"error rms", row.error_rms_dof, 0.1, 1.0, "dof"},
+          {"found where nothing is", static_cast<double>(found_in_nothing), 0.0, 1.0, ""},
+          {"pictures after a zoom", static_cast<double>(figures.zoom_pictures_p50), 8.0, 1.0, ""},
+          {"zooms not in focus", static_cast<double>(figures.zooms - figures.zooms_found), 0.0, 1.0, ""},
+          {"scale after a zoom", figures.scale_error_max, 0.002, 100.0, "%"}};
+}
+
+}  // namespace telekerf::experiments

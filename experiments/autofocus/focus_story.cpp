@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "experiments/autofocus/focus_story.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "common/reporting/picture_file.h"
+#include "common/reporting/plot.h"
+#include "experiments/autofocus/virtual_unit.h"
+#include "slave/vision/imaging/autofocus.h"
+#include "slave/vision/imaging/targets.h"
+
+namespace telekerf::experiments {
+namespace {
+
+using namespace imaging;
+using reporting::Line;
+using reporting::Panel;
+
+constexpr double kZoomFrom_s = 1.0;
+constexpr double kZoomTime_s = 2.0;
+constexpr double kDuration_s = 10.0;
+constexpr int kStrip = 8;
+
+VirtualUnit unit_for(std::uint64_t seed, double magnification_m, double defocus_dof) {
+  VirtualUnitSettings settings;
+  settings.seed = settings.microscope.seed = seed;
+  settings.magnification_m = magnification_m;
+  const ImagingModel& model = settings.microscope.model;
+  settings.focus_m =
+      model.best_focus_m(magnification_m) + defocus_dof * model.depth_of_field_m(magnification_m);
+  Object object;
+  object.metres_per_texel = 1e-5;
+  object.texture = draw_target(Target::kRelief, 768, 1.5, seed);
+  return {settings, object};
+}
+
+/// The magnification axis follows a smooth reference that a computer made.
+double magnification_at(double time_s, double from_m, double to_m) {
+  const double s = std::clamp((time_s - kZoomFrom_s) / kZoomTime_s, 0.0, 1.0);
+  return from_m + (to_m - from_m) * s * s * (3.0 - 2.0 * s);
+}
+
+/// The ridge has been learnt at four magnifications, on this very object.
+Autofocus taught(std::uint64_t seed) {
+  VirtualUnit unit = unit_for(seed, 0.01, 3.0);
+  Autofocus autofocus({}, unit.microscope().settings().model, unit.control().lowest_m(),
+                      unit.control().highest_m(kFocus));
+  for (const double magnification_m : {0.01, 0.03, 0.05, 0.07}) {
+    unit.control().move_to(kMagnification, magnification_m);
+    unit.settle();
+    focus_now(unit, autofocus);
+  }
+  return autofocus;
+}
+
+void add_frame(StoryRun& run, VirtualUnit& unit, const cv::Mat& picture) {
+  run.frames.push_back({unit.time_s(), unit.measured_m().magnification_m,
+                        normalised_variance(grey_sums(picture)), unit.defocus_dof()});
+  const double next_s = static_cast<double>(run.strip.size()) * kDuration_s / kStrip;
+  if (unit.time_s() < next_s) return;
+  run.strip.push_back(picture);
+  run.strip_time_s.push_back(unit.time_s());
+}
+
+}  // namespace
+
+StoryRun run_story(FocusStory story, FocusLaw law, std::uint64_t seed) {
+  const bool in = story == FocusStory::kZoomIn;
+  const double from_m = in ? 0.024 : 0.056;
+  const double to_m = in ? 0.048 : 0.028;
+  VirtualUnit unit = unit_for(seed, from_m, in ? -5.0 : 0.0);
+  const double dof_m = unit.microscope().settings().model.depth_of_field_m(0.5 * (from_m + to_m));
+  Autofocus autofocus = taught(seed);
+  PrintedFocusLaw printed(
+      {.mu_0_m_per_s = dof_m / unit.frame_period_s(), .alpha = dof_m, .window_m = 0.5 * dof_m});
+  StoryRun run;
+  bool arrived = false;
+  while (unit.time_s() < kDuration_s) {
+    const cv::Mat picture = unit.next_frame();
+    add_frame(run, unit, picture);
+    unit.control().move_to(kMagnification, magnification_at(unit.time_s(), from_m, to_m));
+    const bool zooming = unit.time_s() >= kZoomFrom_s && unit.time_s() < kZoomFrom_s + kZoomTime_s + 0.3;
+    if (law == FocusLaw::kThesis) {
+      const double velocity = printed.step(unit.measured_m().focus_m, run.frames.back().sharpness);
+      // It starts once the magnification is changed (8.5): the motion shakes the focus by a window.
+      const double since_s = unit.time_s() - kZoomFrom_s;
+      const bool shaken = since_s > 0.0 && since_s < 2.5 * unit.frame_period_s();
+      unit.control().drive(kFocus, shaken ? dof_m / unit.frame_period_s() : velocity);
+      continue;
+    }
+    // A picture counts where both axes stood still since the one before.
+    if (arrived && !zooming) autofocus.seen(picture, unit.measured_m());
+    const double goal_m = autofocus.goal_m(unit.measured_m(), zooming);
+    if (std::abs(goal_m - unit.control().goal_m(kFocus)) > 1e-7) unit.control().approach(kFocus, goal_m);
+    arrived = unit.control().settled();
+  }
+  return run;
+}
+
+SharpnessSurface sharpness_surface(std::uint64_t seed, int magnifications, int focuses) {
+  VirtualUnit unit = unit_for(seed, 0.04, 0.0);
+  const ImagingModel& model = unit.microscope().settings().model;
+  SharpnessSurface out;
+  for (int j = 0; j < focuses; ++j)
+    out.focus_m.push_back(0.008 + 0.014 * static_cast<double>(j) / (focuses - 1));
+  for (int i = 0; i < magnifications; ++i) {
+    out.magnification_m.push_back(model.magnification_travel_m * static_cast<double>(i) /
+                                  (magnifications - 1));
+    auto& row = out.sharpness.emplace_back();
+    for (const double focus_m : out.focus_m) {
+      const cv::Mat picture = unit.microscope().picture({out.magnification_m.back(), focus_m}, 0.0);
+      row.push_back(normalised_variance(grey_sums(picture)));
+    }
+  }
+  return out;
+}
+
+namespace {
+
+Line line_of(const StoryRun& run, double StoryFrame::*value, double unit, const std::string& label) {
+  Line line{.label = label};
+  for (const StoryFrame& frame : run.frames) {
+    line.x.push_back(frame.time_s);
+    line.y.push_back(unit * frame.*value);
+  }
+  return line;
+}
+
+void draw_story(FocusStory story, std::uint64_t seed, const std::string& number,
+                const std::filesystem::path& folder) {
+  const StoryRun ours = run_story(story, FocusLaw::kSearch, seed);
+  const StoryRun printed = run_story(story, FocusLaw::kThesis, seed);
+  const auto panel = [&](const char* title, const char* label, double StoryFrame::*value, double unit) {
+    return Panel{.title = title,
+                 .x_label = "time, s",
+                 .y_label = label,
+                 .lines = {line_of(ours, value, unit, "search and track"),
+                           line_of(printed, value, unit, "as printed")}};
+  };
+  reporting::draw_figure(
+      {.title = number +
+                (story == FocusStory::kZoomIn ? " defocused, then zoomed in" : " in focus, then zoomed out"),
+       .panels = {panel("A: magnification axis", "mm", &StoryFrame::magnification_m, 1e3),
+                  panel("B: sharpness (eq. 155)", "grey levels", &StoryFrame::sharpness, 1.0),
+                  panel("defocus", "depths of field", &StoryFrame::defocus_dof, 1.0)},
+       .columns = 3},
+      folder / ("figure-" + number + ".png"));
+  if (story != FocusStory::kZoomOut) return;
+  cv::Mat strip;
+  std::vector<cv::Mat> pictures;
+  for (std::size_t i = 0; i < ours.strip.size(); ++i) {
+    cv::Mat picture;
+    cv::cvtColor(ours.strip[i], picture, cv::COLOR_GRAY2BGR);
+    cv::putText(picture, fmt::format("{:.1f} s", ours.strip_time_s[i]), {4, 122}, cv::FONT_HERSHEY_SIMPLEX,
+                0.4, {0, 255, 255}, 1, cv::LINE_AA);
+    pictures.push_back(picture);
+  }
+  cv::hconcat(pictures, strip);
+  reporting::write_picture(folder / ("figure-" + number + "-c.png"), strip);
+}
+
+void draw_surface(const SharpnessSurface& surface, const std::filesystem::path& folder) {
+  // 7.12 seen from above: focus to the right, magnification upwards.
+  cv::Mat values(static_cast<int>(surface.magnification_m.size()), static_cast<int>(surface.focus_m.size()),
+                 CV_32F);
+  Panel along_focus{
+      .title = "B: focus, at several magnifications", .x_label = "focus axis, mm", .y_label = "sharpness"};
+  Panel along_zoom{.title = "A: magnification, at several focuses",
+                   .x_label = "magnification axis, mm",
+                   .y_label = "sharpness"};
+  Line ridge;
+  Line heights;
+  for (std::size_t i = 0; i < surface.magnification_m.size(); ++i) {
+    const auto& row = surface.sharpness[i];
+    const auto top = static_cast<std::size_t>(std::max_element(row.begin(), row.end()) - row.begin());
+    ridge.x.push_back(1e3 * surface.magnification_m[i]);
+    ridge.y.push_back(1e3 * surface.focus_m[top]);
+    heights.x.push_back(1e3 * surface.magnification_m[i]);
+    heights.y.push_back(row[top]);
+    Line line;
+    for (std::size_t j = 0; j < row.size(); ++j) {
+      values.at<float>(values.rows - 1 - static_cast<int>(i), static_cast<int>(j)) =
+          static_cast<float>(row[j]);
+      line.x.push_back(1e3 * surface.focus_m[j]);
+      line.y.push_back(row[j]);
+    }
+    if (i % 6 == 0) along_focus.lines.push_back(line);
+  }
+  for (std::size_t j = 0; j < surface.focus_m.size();
+       j += std::max<std::size_t>(1, surface.focus_m.size() / 7)) {
+    Line line;
+    for (std::size_t i = 0; i < surface.magnification_m.size(); ++i) {
+      line.x.push_back(1e3 * surface.magnification_m[i]);
+      line.y.push_back(surface.sharpness[i][j]);
+    }
+    along_zoom.lines.push_back(line);
+  }
+  cv::Mat eight;
+  cv::normalize(values, eight, 0, 255, cv::NORM_MINMAX, CV_8U);
+  cv::resize(eight, eight, {640, 480}, 0, 0, cv::INTER_CUBIC);
+  cv::applyColorMap(eight, eight, cv::COLORMAP_VIRIDIS);
+  reporting::write_picture(folder / "figure-7.12.png", eight);
+  reporting::draw_figure({.title = "7.13 sharpness (eq. 155) along each axis",
+                          .panels = {along_zoom, along_focus},
+                          .columns = 2},
+                         folder / "figure-7.13.png");
+  reporting::draw_figure({.title = "7.14 the ridge",
+                          .panels = {{.title = "where it is sharpest",
+                                      .x_label = "magnification axis, mm",
+                                      .y_label = "focus axis, mm",
+                                      .lines = {ridge}},
+                                     {.title = "how sharp it is there",
+                                      .x_label = "magnification axis, mm",
+                                      .y_label = "sharpness",
+                                      .lines = {heights}}},
+                          .columns = 2},
+                         folder / "figure-7.14.png");
+}
+
+}  // namespace
+
+void draw_focus_figures(std::uint64_t seed, const std::filesystem::path& folder) {
+  draw_story(FocusStory::kZoomIn, seed, "8.11", folder);
+  draw_story(FocusStory::kZoomOut, seed, "8.12", folder);
+  draw_surface(sharpness_surface(seed, 41, 61), folder);
+}
+
+}  // namespace telekerf::experiments

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/vision/imaging/axes_control.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace telekerf::imaging {
+namespace {
+
+/// Beyond the play by this much an axis goes below a goal that it approaches from above.
+constexpr double kOverTravel_m = 0.15e-3;
+
+control::DisturbanceObserver::Gains gains_of(const AxesControlSettings& settings) {
+  return {.period_s = settings.period_s,
+          .bandwidth_rad_per_s = settings.observer_rad_per_s,
+          .velocity_bandwidth_rad_per_s = settings.velocity_observer_rad_per_s,
+          .loop_delay = settings.loop_delay};
+}
+
+}  // namespace
+
+AxesControl::AxesControl(const AxesModel& model, const AxesControlSettings& settings) noexcept
+    : model_(model), settings_(settings), observer_(gains_of(settings)) {}
+
+AxisPositions AxesControl::positions_m() const noexcept {
+  return {position_m(kMagnification), position_m(kFocus)};
+}
+
+double AxesControl::velocity_m_per_s(std::size_t axis) const noexcept {
+  return observer_.joint_velocity_m_per_s()[static_cast<Eigen::Index>(axis)];
+}
+
+void AxesControl::move_to(std::size_t axis, double position_m) noexcept {
+  goals_[axis].position_m = std::clamp(position_m, lowest_m(), highest_m(axis));
+  goals_[axis].first_m.reset();
+  goals_[axis].velocity_m_per_s.reset();
+}
+
+void AxesControl::approach(std::size_t axis, double position_m) noexcept {
+  move_to(axis, position_m);
+  Goal& goal = goals_[axis];
+  if (goal.position_m < this->position_m(axis) - settings_.settled_m) {
+    goal.first_m = std::max(lowest_m(), goal.position_m - model_[axis].backlash_m - kOverTravel_m);
+  }
+}
+
+void AxesControl::drive(std::size_t axis, double velocity_m_per_s) noexcept {
+  const double most = model_[axis].speed_m_per_s;
+  goals_[axis].velocity_m_per_s =
+      std::isfinite(velocity_m_per_s) ? std::clamp(velocity_m_per_s, -most, most) : 0.0;
+}
+
+bool AxesControl::near(std::size_t axis, double position_m) const noexcept {
+  return std::abs(position_m - this->position_m(axis)) <= settings_.settled_m &&
+         std::abs(velocity_m_per_s(axis)) <= settings_.settled_m_per_s;
+}
+
+bool AxesControl::settled(std::size_t axis) const noexcept {
+  const Goal& goal = goals_[axis];
+  return state_ == State::kReady && !goal.velocity_m_per_s && !goal.first_m && near(axis, goal.position_m);
+}
+
+double AxesControl::velocity_to(std::size_t axis, double position_m) const noexcept {
+  const double way_m = position_m - this->position_m(axis);
+  // Along a parabola of constant braking from afar, exponentially at the end, critically damped by C = 4 l.
+  const double braking = std::sqrt(model_[axis].acceleration_m_per_s2 * std::abs(way_m));
+  const double ending = 0.25 * settings_.convergence_rad_per_s * std::abs(way_m);
+  return std::copysign(std::min({braking, ending, model_[axis].speed_m_per_s}), way_m);
+}
+
+double AxesControl::wanted_velocity(std::size_t axis, const AxesReading& reading) noexcept {
+  Goal& goal = goals_[axis];
+  if (!homed_[axis]) {
+    if (!reading.valid) return 0.0;
+    if (!reading.at_lower_end[axis]) released_[axis] = true;
+    if (!released_[axis]) return settings_.homing_m_per_s;
+    if (!reading.at_lower_end[axis]) return -settings_.homing_m_per_s;
+    homed_[axis] = true;
+    zero_m_[axis] = observed_m(axis);
+    move_to(axis, lowest_m());
+  }
+  if (goal.velocity_m_per_s) {
+    // No further than from where it can still brake before the end.
+    const double wanted = *goal.velocity_m_per_s;
+    const double room = velocity_to(axis, wanted < 0.0 ? lowest_m() : highest_m(axis));
+    return wanted < 0.0 ? std::max(wanted, std::min(room, 0.0)) : std::min(wanted, std::max(room, 0.0));
+  }
+  if (goal.first_m && near(axis, *goal.first_m)) goal.first_m.reset();
+  return velocity_to(axis, goal.first_m.value_or(goal.position_m));
+}
+
+PerAxis AxesControl::step(const AxesReading& reading) noexcept {
+  missing_ = reading.valid ? 0 : missing_ + 1;
+  if (state_ == State::kLost || missing_ > kMaxMissing) {
+    state_ = State::kLost;
+    return {};
+  }
+  if (!started_ && !reading.valid) return {};
+  const Vec3 encoders_m(reading.encoders_m[0], reading.encoders_m[1], 0.0);
+  if (!started_) observer_.reset(encoders_m);
+  started_ = true;
+  observer_.update(encoders_m, reading.valid);
+
+  Vec3 force_n = Vec3::Zero();
+  Vec3 mass_kg = Vec3::Ones();
+  PerAxis currents_a{};
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    Goal& goal = goals_[i];
+    const AxisModel& axis = model_[i];
+    // The reference's own acceleration is bounded, so that its derivative in eq. 161 is, too.
+    const double most = axis.acceleration_m_per_s2 * settings_.period_s;
+    const double change = std::clamp(wanted_velocity(i, reading) - goal.reference_m_per_s, -most, most);
+    goal.reference_m_per_s += change;
+    // Eq. 161: q''_des = q''_ref + C q'_ref - C q'.
+    const double wanted = change / settings_.period_s +
+                          settings_.convergence_rad_per_s * (goal.reference_m_per_s - velocity_m_per_s(i));
+    const auto k = static_cast<Eigen::Index>(i);
+    mass_kg[k] = axis.moving_mass_kg;
+    force_n[k] = std::clamp(axis.moving_mass_kg * wanted + observer_.disturbance_n()[k], -axis.peak_force_n,
+                            axis.peak_force_n);
+    currents_a[i] = force_n[k] / axis.force_constant_n_per_a;
+  }
+  observer_.applied(force_n, mass_kg.asDiagonal());
+  if (homed_[kMagnification] && homed_[kFocus]) state_ = State::kReady;
+  return currents_a;
+}
+
+}  // namespace telekerf::imaging

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// The controller of the two axes: a disturbance observer (eq. 23) makes each an integrator of accelerations,
+// and a velocity reference is tracked by eq. 159-161. Positions, homing and the focusing law all ask for
+// velocities.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "common/control/disturbance_observer.h"
+#include "slave/vision/imaging/axes.h"
+#include "slave/vision/imaging/optics.h"
+
+namespace telekerf::imaging {
+
+struct AxesControlSettings {
+  double period_s = 1e-3;
+  double loop_delay = 0.0;  ///< periods from a reading to the effect of the currents that answer it
+  double observer_rad_per_s = 400.0;
+  double velocity_observer_rad_per_s = 1200.0;
+  double convergence_rad_per_s = 120.0;  ///< C of eq. 160
+  double homing_m_per_s = 0.01;
+  double settled_m = 5e-6;  ///< nearer than this to its goal and this slow an axis has arrived
+  double settled_m_per_s = 5e-4;
+};
+
+/// Order within one step: step(reading), write the currents that it returns.
+class AxesControl {
+ public:
+  enum class State : std::uint8_t { kHoming, kReady, kLost };
+
+  AxesControl(const AxesModel& model, const AxesControlSettings& settings) noexcept;
+
+  /// One control step; an invalid reading is bridged by the model, up to kMaxMissing in a row.
+  PerAxis step(const AxesReading& reading) noexcept;
+
+  /// Goes to `position_m`, clamped to the travel less a margin before the end stops.
+  void move_to(std::size_t axis, double position_m) noexcept;
+  /// The same, but arrives from below: over-travels first where it lies below, so that play is always taken
+  /// up on the same side.
+  void approach(std::size_t axis, double position_m) noexcept;
+  /// Follows a velocity (eq. 158) until the next order; stops at the ends of the travel.
+  void drive(std::size_t axis, double velocity_m_per_s) noexcept;
+
+  State state() const noexcept { return state_; }
+  bool settled(std::size_t axis) const noexcept;
+  bool settled() const noexcept { return settled(kMagnification) && settled(kFocus); }
+  /// Measured, metres from the lower end; meaningless while homing.
+  AxisPositions positions_m() const noexcept;
+  double position_m(std::size_t axis) const noexcept { return observed_m(axis) - zero_m_[axis]; }
+  double velocity_m_per_s(std::size_t axis) const noexcept;
+  double goal_m(std::size_t axis) const noexcept { return goals_[axis].position_m; }
+  double lowest_m() const noexcept { return kMargin_m; }
+  double highest_m(std::size_t axis) const noexcept { return model_[axis].travel_m - kMargin_m; }
+
+  static constexpr double kMargin_m = 0.5e-3;  ///< kept from the end stops
+  static constexpr int kMaxMissing = 50;       ///< readings in a row; then the axes are lost
+
+ private:
+  struct Goal {
+    double position_m = 0.0;
+    std::optional<double> first_m;  ///< the over-travel that comes before
+    std::optional<double> velocity_m_per_s;
+    double reference_m_per_s = 0.0;  ///< of the last step
+  };
+  double observed_m(std::size_t axis) const noexcept {
+    return observer_.joints_m()[static_cast<Eigen::Index>(axis)];
+  }
+  double wanted_velocity(std::size_t axis, const AxesReading& reading) noexcept;
+  double velocity_to(std::size_t axis, double position_m) const noexcept;
+  bool near(std::size_t axis, double position_m) const noexcept;
+
+  AxesModel model_;
+  AxesControlSettings settings_;
+  /// Two axes in an observer of three: the third rests.
+  control::DisturbanceObserver observer_;
+  State state_ = State::kHoming;
+  bool started_ = false;
+  int missing_ = 0;
+  std::array<bool, kAxes> released_{};  ///< the switch has been seen open: what it says next is its edge
+  std::array<bool, kAxes> homed_{};
+  PerAxis zero_m_{};
+  std::array<Goal, kAxes> goals_;
+};
+
+}  // namespace telekerf::imaging
