@@ -23,7 +23,7 @@ void blur(cv::Mat& image, double deviation_px) {
 ImagingModel simulated_model() {
   ImagingModel model;
   model.distortion = -0.01;
-  model.flat_field = {0.0, 0.0, -0.22, 0.045};
+  model.flat_field = {0.0, 0.0, -0.24, 0.03};
   return model;
 }
 

@@ -14,7 +14,7 @@ namespace telekerf::imaging {
 ImagingModel simulated_model();
 
 struct MicroscopeSettings {
-  /// The truth; 35 % of the light are lost in the corners.
+  /// The truth; a third of the light is lost in the corners.
   ImagingModel model = simulated_model();
   /// What no quadratic ridge holds: this times s (1 - s) (1 - 2 s) is added to it, m.
   double ridge_cubic_m = 0.003;

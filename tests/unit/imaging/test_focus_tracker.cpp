@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "slave/vision/imaging/focus_tracker.h"
+#include "slave/vision/imaging/targets.h"
+
+namespace telekerf::imaging {
+namespace {
+
+constexpr double kDof_m = 0.5e-3;
+
+/// A texture whose focus wanders; the tracker's next picture is taken exactly where it asks for it.
+class Tracking : public ::testing::Test {
+ protected:
+  cv::Mat at(double position_m) {
+    const double z = (position_m - focus_m_) / kDof_m;
+    cv::Mat out;
+    cv::GaussianBlur(texture_, out, {}, std::hypot(0.6, 0.9 * z));
+    cv::Mat noise(out.size(), CV_32F);
+    random_.fill(noise, cv::RNG::NORMAL, 0.0, 2.0);
+    out += noise;
+    out.convertTo(out, CV_8U);
+    return out;
+  }
+  FocusTracker locked(const FocusTrackerSettings& settings = {}, double off_dof = 0.0) {
+    Background background;
+    background.noise_variance = 4.0;
+    const Sharpness sharpness = sharpness_of(at(focus_m_), background);
+    FocusResult lock;
+    lock.verdict = FocusVerdict::kFound;
+    lock.position_m = focus_m_ + off_dof * kDof_m;
+    lock.width_dof = 1.2;
+    lock.tenengrad = sharpness.tenengrad;
+    return {settings,
+            {.start_m = 0.015, .lowest_m = 0.01, .highest_m = 0.02, .depth_of_field_m = kDof_m},
+            lock,
+            background};
+  }
+  void look(FocusTracker& tracker) {
+    const double next_m = tracker.next_m();
+    tracker.seen(at(next_m), next_m);
+  }
+  double off_dof(const FocusTracker& tracker) const { return (tracker.centre_m() - focus_m_) / kDof_m; }
+
+  double focus_m_ = 0.015;
+
+ private:
+  cv::Mat texture_ = draw_target(Target::kRelief, 128, 1.0, 3);
+  cv::RNG random_{9};
+};
+
+TEST_F(Tracking, RestsAndTriesNowAndThen) {
+  FocusTracker tracker = locked();
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(tracker.resting());
+    EXPECT_EQ(tracker.next_m(), focus_m_);
+    look(tracker);
+  }
+  // Half a window below, then half a window above.
+  EXPECT_FALSE(tracker.resting());
+  EXPECT_NEAR(tracker.next_m(), focus_m_ - 0.5 * kDof_m, 1e-12);
+  look(tracker);
+  EXPECT_NEAR(tracker.next_m(), focus_m_ + 0.5 * kDof_m, 1e-12);
+  look(tracker);
+  EXPECT_TRUE(tracker.resting());
+  EXPECT_NEAR(off_dof(tracker), 0.0, 0.1);
+  EXPECT_EQ(tracker.pictures(), 22);
+  EXPECT_GT(tracker.sharpness().tenengrad, 0.0);
+}
+
+TEST_F(Tracking, GoesBackToThePeakFromBothSides) {
+  for (const double off : {-1.5, -0.6, 0.4, 1.5}) {
+    FocusTracker tracker = locked({}, off);
+    for (int i = 0; i < 40; ++i) look(tracker);
+    EXPECT_NEAR(off_dof(tracker), 0.0, 0.12) << off;
+    EXPECT_FALSE(tracker.lost());
+  }
+}
+
+TEST_F(Tracking, FollowsAFocusThatCreeps) {
+  FocusTracker tracker = locked();
+  for (int i = 0; i < 400; ++i) {
+    focus_m_ += 0.01 * kDof_m;
+    look(tracker);
+    EXPECT_LT(std::abs(off_dof(tracker)), 0.6) << i;
+  }
+  EXPECT_FALSE(tracker.lost());
+}
+
+TEST_F(Tracking, EndsItsRestWhereTheSharpnessFalls) {
+  FocusTracker tracker = locked();
+  look(tracker);
+  look(tracker);
+  focus_m_ += 0.8 * kDof_m;
+  look(tracker);
+  EXPECT_FALSE(tracker.resting());
+}
+
+TEST_F(Tracking, SaysWhenTheFocusIsLost) {
+  FocusTracker tracker = locked();
+  look(tracker);
+  EXPECT_FALSE(tracker.lost());
+  focus_m_ += 5.0 * kDof_m;
+  look(tracker);
+  EXPECT_TRUE(tracker.lost());
+}
+
+TEST_F(Tracking, NeverLeavesTheAxis) {
+  FocusTracker tracker = locked();
+  for (int i = 0; i < 600; ++i) {
+    focus_m_ += 0.03 * kDof_m;  // on and on
+    EXPECT_LE(tracker.next_m(), 0.02);
+    look(tracker);
+  }
+  EXPECT_LE(tracker.centre_m(), 0.02);
+}
+
+TEST_F(Tracking, AStepIsBounded) {
+  FocusTrackerSettings settings;
+  settings.mu_0_dof = 0.2;
+  FocusTracker tracker = locked(settings, 1.5);
+  double before = tracker.centre_m();
+  for (int i = 0; i < 30; ++i) {
+    look(tracker);
+    EXPECT_LE(std::abs(tracker.centre_m() - before), 0.2 * kDof_m + 1e-12);
+    before = tracker.centre_m();
+  }
+}
+
+}  // namespace
+}  // namespace telekerf::imaging

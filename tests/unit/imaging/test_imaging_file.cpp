@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "common/runtime/startup_error.h"
+#include "slave/vision/imaging/imaging_file.h"
+
+namespace telekerf::imaging {
+namespace {
+
+std::string refusal(const std::string& toml) {
+  try {
+    parse_imaging(toml, "unit.toml");
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ImagingFile, EmptyIsTheDefaultUnit) {
+  const ImagingFile file = parse_imaging("", "unit.toml");
+  EXPECT_EQ(file.model.log_scale, ImagingModel{}.log_scale);
+  EXPECT_EQ(file.axes[kFocus].backlash_m, default_axes()[kFocus].backlash_m);
+}
+
+TEST(ImagingFile, IsReadBackFigureByFigure) {
+  ImagingFile file;
+  file.model.optics.numerical_aperture = 0.08;
+  file.model.optics.sharpest_px = 0.71;
+  file.model.log_scale = {-10.123456789012345, -0.9, 1e-3, -2e-5};
+  file.model.ridge_m = {0.0123, 0.0045, -0.0026};
+  file.model.focus_scale_per_m = 1.25;
+  file.model.distortion = -0.0125;
+  file.model.flat_field = {1e-3, -2e-3, -0.2, 0.04};
+  file.axes[kMagnification].travel_m = file.model.magnification_travel_m = 0.07;
+  file.axes[kFocus].travel_m = file.model.focus_travel_m = 0.025;
+  file.axes[kFocus].backlash_m = 0.3e-3;
+  file.axes[kFocus].peak_force_n = 17.0;
+  const ImagingFile back = parse_imaging(imaging_toml(file), "unit.toml");
+  EXPECT_EQ(back.model.optics.numerical_aperture, 0.08);
+  EXPECT_EQ(back.model.optics.sharpest_px, 0.71);
+  EXPECT_EQ(back.model.log_scale, file.model.log_scale);
+  EXPECT_EQ(back.model.ridge_m, file.model.ridge_m);
+  EXPECT_EQ(back.model.focus_scale_per_m, 1.25);
+  EXPECT_EQ(back.model.distortion, -0.0125);
+  EXPECT_EQ(back.model.flat_field, file.model.flat_field);
+  EXPECT_EQ(back.model.magnification_travel_m, 0.07);
+  EXPECT_EQ(back.model.focus_travel_m, 0.025);
+  EXPECT_EQ(back.axes[kFocus].backlash_m, 0.3e-3);
+  EXPECT_EQ(back.axes[kFocus].peak_force_n, 17.0);
+  EXPECT_EQ(imaging_toml(back), imaging_toml(file));
+}
+
+TEST(ImagingFile, RefusesWhatItDoesNotKnow) {
+  EXPECT_NE(refusal("[optics]\naperture = 0.1\n").find("optics.aperture"), std::string::npos);
+  EXPECT_NE(refusal("[focus]\nbacklash_m = 0.5\n").find("focus.backlash_m"), std::string::npos);
+  EXPECT_NE(refusal("[coupling]\nridge_m = [0.01, 0.02]\n").find("coupling.ridge_m"), std::string::npos);
+  EXPECT_NE(refusal("[picture]\ndistortion = 0.9\n").find("picture.distortion"), std::string::npos);
+  EXPECT_THROW(load_imaging("no-such-unit.toml"), StartupError);
+}
+
+}  // namespace
+}  // namespace telekerf::imaging
