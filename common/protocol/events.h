@@ -11,7 +11,7 @@ namespace telekerf {
 
 /// Modes and events, reliable.
 struct EventMessage {
-  enum class Kind : std::uint8_t { kEngage, kDisengage, kSetBeta, kFinished, kSetNetem };
+  enum class Kind : std::uint8_t { kEngage, kDisengage, kSetBeta, kFinished, kSetNetem, kSetZoom, kRefocus };
   std::uint32_t epoch = 0;
   Kind kind = Kind::kDisengage;
   double value = 0.0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -21,10 +22,14 @@
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
 #include "slave/vision/cameras/cameras.h"
+#include "slave/vision/imaging_flags.h"
 #include "slave/vision/vision_node.h"
 
 namespace telekerf::vision_process {
 namespace {
+
+constexpr std::chrono::milliseconds kReport{1000};
+constexpr std::chrono::milliseconds kImagingReport{200};  ///< a focus is watched while it is sought
 
 struct Flags {
   BusFlags bus;
@@ -34,6 +39,7 @@ struct Flags {
   vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
   vision::AnchorMode anchor = vision::AnchorMode::kBoundingBox;
   vision::PictureFlags picture;
+  ImagingFlags imaging;
   int select = 0;
   double width_mm = 0.0;
   bool fit_all = false;
@@ -85,9 +91,26 @@ void say(const ContourMessage& contour, StatusReporter& status) {
   if (!contour.further.empty()) status.say(fmt::format("{} further contours", contour.further.size()));
 }
 
+/// What the cell says to the imaging unit.
+void obey(Reader<EventMessage>& events, ImagingCamera& camera) {
+  while (const auto event = events.take()) {
+    if (event->value.kind == EventMessage::Kind::kSetZoom) camera.zoom(event->value.value);
+    if (event->value.kind == EventMessage::Kind::kRefocus) camera.refocus();
+  }
+}
+
 int run(const Flags& flags) {
-  const bool live = flags.camera != "none";
-  const auto camera = live ? open_camera(flags.camera) : open_image(path_of(flags.image));
+  if (!flags.imaging.calibrate.empty()) {
+    run_calibration(flags.imaging, flags.camera);
+    return 0;
+  }
+  const bool live = flags.camera != "none" || flags.imaging.wanted();
+  std::unique_ptr<ImagingCamera> unit;
+  if (flags.imaging.wanted())
+    unit = open_imaging(flags.imaging, path_of(flags.image), 1e-3 * flags.width_mm, flags.camera);
+  std::unique_ptr<Camera> plain;
+  if (!unit) plain = live ? open_camera(flags.camera) : open_image(path_of(flags.image));
+  Camera* const camera = unit ? unit.get() : plain.get();
   VisionNode node(request_of(flags));
   Camera::Result seen = camera->next();
   VisionNode::Outcome outcome = node.step(seen);
@@ -99,6 +122,8 @@ int run(const Flags& flags) {
   Process process(settings, "vision");
   Writer<ContourMessage> writer(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());
+  std::optional<Reader<EventMessage>> events;
+  if (unit) events.emplace(process.bus());
   auto report_at = std::chrono::steady_clock::now();
   while (!stop_requested()) {
     if (!outcome.remark.empty()) fmt::print(stderr, "vision: {}\n", outcome.remark);
@@ -107,11 +132,20 @@ int run(const Flags& flags) {
       say(*outcome.publish, process.status());
     }
     if (const auto now = std::chrono::steady_clock::now(); now >= report_at) {
-      telemetry.write(node.record());
-      report_at = now + std::chrono::seconds(1);
+      TelemetryMessage record = node.record();
+      if (unit) {
+        const auto values = unit->values();
+        record.values.insert(record.values.end(), values.begin(), values.end());
+      }
+      telemetry.write(record);
+      report_at = now + (unit ? kImagingReport : kReport);
+    }
+    if (unit) {
+      obey(*events, *unit);
+      if (const std::string remark = unit->remark(); !remark.empty()) process.status().say(remark);
     }
     // A live camera sets the pace; for files and for what is gone, now and then will do.
-    const bool more = seen && *seen && (*seen)->settles;
+    const bool more = unit || (seen && *seen && (*seen)->settles);
     std::this_thread::sleep_for(std::chrono::milliseconds(more ? 1 : 200));
     seen = camera->next();
     outcome = node.step(seen);
@@ -128,6 +162,7 @@ void add_parameters(Flags& flags, Settings& settings) {
                              return camera == "none" ? std::string() : validate_camera(camera);
                            }),
                "what shows the workpiece in place of image; N: a /dev/video device");
+  flags.imaging.add_parameters(settings);
   settings.add("mode", flags.mode, vision::kExtractionModes, "from pixels to points");
   flags.picture.add_parameters(settings);
   settings.add("anchor", flags.anchor, vision::kAnchorModes, "what lies on the workpiece's origin");

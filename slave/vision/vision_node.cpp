@@ -13,6 +13,7 @@ namespace telekerf::vision_process {
 namespace {
 
 constexpr double kSame_px = 2.0;         ///< a contour that moves less has not changed
+constexpr double kSameScale = 0.01;      ///< of a pixel's size, where the camera says it
 constexpr double kSameDrawing_m = 1e-6;  ///< for drawings, which have no pixels
 
 double tolerance_for(const ContourMessage& contour) {
@@ -44,6 +45,11 @@ bool all_among(const std::vector<ContourLine>& these, const std::vector<ContourL
   });
 }
 
+/// A camera that has zoomed shows the same lines with other pixels: finer or coarser ones.
+bool same_scale(const ContourMessage& a, const ContourMessage& b) {
+  return std::abs(a.metres_per_pixel - b.metres_per_pixel) <= kSameScale * a.metres_per_pixel;
+}
+
 }  // namespace
 
 bool same_contour(const ContourMessage& a, const ContourMessage& b, double tolerance_m) {
@@ -53,7 +59,8 @@ bool same_contour(const ContourMessage& a, const ContourMessage& b, double toler
 }
 
 tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& frame) {
-  const vision::LoadRequest load = load_request(request_);
+  vision::LoadRequest load = load_request(request_);
+  if (frame.metres_per_pixel) load.scale.metres_per_pixel = frame.metres_per_pixel;
   const auto loaded =
       frame.file.empty() ? vision::contours_of(frame.image, load) : vision::load_contours(frame.file, load);
   if (!loaded) return tl::unexpected(loaded.error());
@@ -104,11 +111,14 @@ VisionNode::Outcome VisionNode::step(const Camera::Result& result) {
   state_ = State::kSeeing;
   Outcome out;
   if (back) out.remark = fmt::format("{}: the contour is seen again", frame.source);
-  if (published_ && same_contour(*published_, *seen, tolerance_for(*published_))) {
+  const bool scaled = frame.metres_per_pixel.has_value();
+  if (published_ && same_contour(*published_, *seen, tolerance_for(*published_)) &&
+      (!scaled || same_scale(*published_, *seen))) {
     candidate_.reset();
     return out;
   }
-  const bool agrees = candidate_ && same_contour(*candidate_, *seen, tolerance_for(*candidate_));
+  const bool agrees = candidate_ && same_contour(*candidate_, *seen, tolerance_for(*candidate_)) &&
+                      (!scaled || same_scale(*candidate_, *seen));
   agreeing_ = agrees ? agreeing_ + 1 : 1;
   candidate_ = std::move(*seen);
   if (frame.settles && agreeing_ < kAgreeing) return out;

@@ -100,5 +100,16 @@ int main(int argc, char** argv) {
         add_parameters(options, settings);
       },
       run);
+  program.add(
+      "zoom", "Moves the imaging unit's magnification; its focus and the contour's scale follow",
+      saying(Kind::kSetZoom),
+      [](Options& options, Settings& settings) {
+        settings.add("value", options.event.value, {.min = 0, .max = 1}, "share of the axis' travel")
+            .as_argument();
+        add_parameters(options, settings);
+      },
+      run);
+  program.add("refocus", "The imaging unit searches its focus anew", saying(Kind::kRefocus), add_parameters,
+              run);
   return program.run(argc, argv);
 }

@@ -20,6 +20,8 @@ struct Frame {
   std::string file;      ///< to be read; empty when `image` holds the picture
   cv::Mat image = {};    ///< any depth, 1, 3 or 4 channels
   bool settles = false;  ///< one of many a second: a contour counts when several frames agree
+  /// Size of a pixel on the workpiece, of a camera that knows it; it wins over every other size.
+  std::optional<double> metres_per_pixel = std::nullopt;
 };
 
 class Camera {

@@ -33,7 +33,8 @@ double Autofocus::goal_m(const AxisPositions& now, bool zooming) {
 void Autofocus::search_everywhere(const AxisPositions& axes) {
   nearby_ = false;
   ++searches_;
-  search_ = FocusSearch::everywhere(settings_.search, range_at(axes, axes.focus_m), background_);
+  search_ = FocusSearch::everywhere(settings_.search, range_at(axes, ridge_.at(axes.magnification_m).focus_m),
+                                    background_);
 }
 
 void Autofocus::begin(const AxisPositions& axes) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -77,6 +78,13 @@ ImagingFile read(const ConfigFile& config) {
 }
 
 }  // namespace
+
+ImagingFile default_imaging() {
+  ImagingFile file;
+  file.model.optics.pixel_m *= 2.0;
+  file.model.log_scale[0] += std::log(2.0);
+  return file;
+}
 
 ImagingFile load_imaging(const std::string& path) { return read(ConfigFile(std::filesystem::path(path))); }
 

@@ -14,6 +14,10 @@ struct ImagingFile {
   AxesModel axes = default_axes();
 };
 
+/// The unit that is simulated where no file says otherwise: pixels of 6 um, 0.05 to 0.02 mm of the workpiece
+/// each.
+ImagingFile default_imaging();
+
 /// Throws StartupError that names file, key, value and bound.
 ImagingFile load_imaging(const std::string& path);
 /// The same from text; `name` stands in messages.

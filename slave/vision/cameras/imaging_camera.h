@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera above two axes: gives pictures that are in focus, with the size of their pixels, and none while
+// the magnification moves or the focus is searched for.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "slave/vision/cameras/camera.h"
+#include "slave/vision/imaging/autofocus.h"
+#include "slave/vision/imaging/axes_runner.h"
+#include "slave/vision/imaging/focus_law.h"
+
+namespace telekerf::vision_process {
+
+struct ImagingCameraSettings {
+  imaging::ImagingModel model;
+  imaging::FocusLaw law = imaging::FocusLaw::kSearch;
+  double magnification = 0.0;  ///< where the magnification axis goes first, share of its travel
+  double region = 0.5;         ///< share of the picture that the focus is judged by
+  double frame_period_s = 0.05;
+};
+
+class ImagingCamera final : public Camera {
+ public:
+  /// Pictures of whatever is under the axes, with the optics there; simulated or a camera's.
+  using Source = std::function<Result(const imaging::AxisPositions& optics, double time_s)>;
+  /// Waits for the next picture's moment; virtual time puts its own steps there.
+  using Wait = std::function<void()>;
+
+  ImagingCamera(const ImagingCameraSettings& settings, std::shared_ptr<imaging::AxesRunner> axes,
+                Source source, Wait wait);
+
+  Result next() override;
+
+  /// The magnification axis to a share of its travel, clamped to 0..1; the focus follows.
+  void zoom(double share);
+  /// Searches the focus anew.
+  void refocus();
+
+  /// Named numbers for people.
+  std::vector<std::pair<std::string, double>> values() const;
+  /// What has changed since the last call, in words; empty: nothing.
+  std::string remark();
+  const imaging::Autofocus& autofocus() const noexcept { return autofocus_; }
+
+ private:
+  bool focus_on(const cv::Mat& grey);
+  bool drive_by_printed_law(const cv::Mat& grey);
+  void note(std::string words);
+
+  ImagingCameraSettings settings_;
+  std::shared_ptr<imaging::AxesRunner> axes_;
+  Source source_;
+  Wait wait_;
+  imaging::Autofocus autofocus_;
+  imaging::PrintedFocusLaw printed_;
+  imaging::PictureCorrection correction_;
+  bool homed_ = false;
+  bool arrived_ = false;  ///< both axes stood still at their goals before this picture
+  bool flat_known_ = false;
+  int excited_ = 0;  ///< pictures that the printed law has been excited for
+  std::optional<double> focus_goal_m_;
+  std::string said_;
+  std::string remark_;
+};
+
+/// The simulated microscope over a picture that is `width_m` wide on the workpiece, as a source.
+ImagingCamera::Source simulated_source(const imaging::ImagingModel& model, const cv::Mat& picture,
+                                       double width_m);
+/// A camera above real axes, as a source.
+ImagingCamera::Source camera_source(std::unique_ptr<Camera> camera);
+
+}  // namespace telekerf::vision_process
