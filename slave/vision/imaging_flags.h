@@ -15,7 +15,7 @@ struct ImagingFlags {
   std::string imaging_file;
   imaging::FocusLaw law = imaging::FocusLaw::kSearch;
   double zoom = 0.3;
-  double focus_region = 0.5;
+  double focus_region = 1.0;
   std::string calibrate;
   double grid_mm = 1.0;
 

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace telekerf::imaging {
 namespace {
@@ -13,6 +14,37 @@ constexpr double kWidthOverBlur = 1.85;
 constexpr int kMostExtensions = 4;  ///< pictures beyond a sweep's end
 /// What lies farther from the highest picture is no parabola any more, and on one side of the peak only.
 constexpr double kNear_dof = 1.05;
+
+/// Of the tiles that are set and touch each other, corners included: how many rows or columns they reach
+/// over.
+int longest_span(std::array<bool, kTiles> tiles) {
+  int longest = 0;
+  std::vector<int> open;
+  for (int first = 0; first < static_cast<int>(kTiles); ++first) {
+    int left = kTileColumns;
+    int right = -1;
+    int top = kTileRows;
+    int bottom = -1;
+    if (std::exchange(tiles[static_cast<std::size_t>(first)], false)) open.push_back(first);
+    while (!open.empty()) {
+      const int x = open.back() % kTileColumns;
+      const int y = open.back() / kTileColumns;
+      open.pop_back();
+      left = std::min(left, x);
+      right = std::max(right, x);
+      top = std::min(top, y);
+      bottom = std::max(bottom, y);
+      for (int v = std::max(0, y - 1); v <= std::min(kTileRows - 1, y + 1); ++v) {
+        for (int u = std::max(0, x - 1); u <= std::min(kTileColumns - 1, x + 1); ++u) {
+          const int beside = v * kTileColumns + u;
+          if (std::exchange(tiles[static_cast<std::size_t>(beside)], false)) open.push_back(beside);
+        }
+      }
+    }
+    longest = std::max({longest, right - left + 1, bottom - top + 1});
+  }
+  return longest;
+}
 
 }  // namespace
 
@@ -110,8 +142,8 @@ bool FocusSearch::extend(std::size_t best, double step_m) {
   return true;
 }
 
-double FocusSearch::support(std::size_t best) const {
-  std::size_t sharper = 0;
+std::array<bool, kTiles> FocusSearch::sharper_tiles(std::size_t best) const {
+  std::array<bool, kTiles> out{};
   std::vector<double> values(looks_.size());
   for (std::size_t tile = 0; tile < kTiles; ++tile) {
     std::transform(looks_.begin(), looks_.end(), values.begin(),
@@ -123,9 +155,16 @@ double FocusSearch::support(std::size_t best) const {
     // The deviation of the whole is that of many tiles together.
     const double deviation =
         std::sqrt(static_cast<double>(kTiles)) * looks_[best].sharpness.variance_deviation;
-    if (here > (1.0 + settings_.min_rise) * elsewhere + 3.0 * deviation) ++sharper;
+    out[tile] = here > (1.0 + settings_.min_rise) * elsewhere + 3.0 * deviation;
   }
-  return static_cast<double>(sharper) / kTiles;
+  return out;
+}
+
+bool FocusSearch::is_supported(std::size_t best) const {
+  const auto sharper = sharper_tiles(best);
+  const auto count = std::count(sharper.begin(), sharper.end(), true);
+  return static_cast<double>(count) >= settings_.min_support * kTiles ||
+         longest_span(sharper) >= settings_.min_span;
 }
 
 void FocusSearch::judge_coarse() {
@@ -143,7 +182,7 @@ void FocusSearch::judge_coarse() {
     if (!extend(best, step_m_)) finish(FocusVerdict::kOutOfRange, top->position_m);
     return;
   }
-  if (support(best) < settings_.min_support) return finish(FocusVerdict::kSpecks, top->position_m);
+  if (!is_supported(best)) return finish(FocusVerdict::kSpecks, top->position_m);
   // A parabola through the logarithms of three.
   const auto log_at = [&](std::size_t i) {
     return std::log(std::max(looks_[i].sharpness.variance, sharpest.variance_deviation + 1e-12));

@@ -4,6 +4,7 @@
 // upwards, so that play is always taken up on the same side. "No focus found" is a result, and has a reason.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -42,9 +43,12 @@ struct FocusSearchSettings {
   int fine_pictures = 7;    ///< about the coarse peak
   double near_dof = 0.7;    ///< step when the ridge says where the focus is,
   int near_pictures = 5;
-  double min_rise = 0.05;    ///< the peak above the farthest, as a share, beside 6 standard deviations
-  double min_support = 0.3;  ///< share of the tiles that must become sharper
-  double min_width = 0.5;    ///< of the peak, as a share of what the optics make of it
+  double min_rise = 0.05;  ///< the peak above the farthest, as a share, beside 6 standard deviations
+  /// Share of the tiles that must become sharper; fewer are enough where they hang together over `min_span`
+  /// tiles across or down, as a drawn line does and specks do not.
+  double min_support = 0.3;
+  int min_span = 7;
+  double min_width = 0.5;  ///< of the peak, as a share of what the optics make of it
   double max_width = 2.0;
   double max_fall =
       0.05;  ///< of the second look below the parabola, as a share, beside 3 standard deviations
@@ -113,7 +117,9 @@ class FocusSearch {
   void judge_second_look(const cv::Mat& region);
   /// Goes on beyond the end of the sweep where the peak is. False: there is no more room.
   bool extend(std::size_t best, double step_m);
-  double support(std::size_t best) const;
+  /// Tiles that are sharper there than at most other places.
+  std::array<bool, kTiles> sharper_tiles(std::size_t best) const;
+  bool is_supported(std::size_t best) const;
   std::optional<Peak> fitted() const;
 
   FocusSearchSettings settings_;

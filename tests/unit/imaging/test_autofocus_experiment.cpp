@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment autofocus in its quick form, and the page that its long one has written.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "experiments/autofocus/focus_figures.h"
+#include "experiments/autofocus/focus_story.h"
+
+namespace telekerf::experiments {
+namespace {
+
+TEST(AutofocusExperiment, MeetsItsBarsOnAFewStarts) {
+  const FocusPlan plan{.starts = 3, .seed = 9001};
+  const FocusFigures figures = focus_figures(plan);
+  for (const Acceptance& bar : acceptance(figures)) EXPECT_TRUE(bar.met()) << bar.name << " " << bar.value;
+  const auto json = json_of(figures, plan);
+  EXPECT_EQ(json["law"], "search");
+  EXPECT_EQ(json["starts"], 9);
+  EXPECT_EQ(json["success_rate"], 1.0);
+  EXPECT_EQ(json["false_locks"], 0);
+  EXPECT_EQ(json["images_used"], 24);
+  EXPECT_EQ(json["images_after_zoom"], 7);
+  EXPECT_LT(json["focus_error_dof"], 0.1);
+  EXPECT_NEAR(json["depth_of_field_um"].get<double>(), 536.2, 0.1);
+  EXPECT_TRUE(json["thesis_law"]["success_rate"].is_number());
+  EXPECT_EQ(json["rows"].size(), 5U);
+  EXPECT_EQ(json["no_focus"]["moving"]["refused"], 9);
+}
+
+TEST(AutofocusExperiment, IsTheSameForTheSameSeed) {
+  const FocusPlan plan{.starts = 1, .seed = 77};
+  EXPECT_EQ(json_of(focus_figures(plan), plan), json_of(focus_figures(plan), plan));
+}
+
+TEST(AutofocusExperiment, TheThesisLawAloneHasNoBars) {
+  const FocusPlan plan{.starts = 4, .seed = 1, .thesis_only = true};
+  const FocusFigures figures = focus_figures(plan);
+  ASSERT_EQ(figures.rows.size(), 1U);
+  EXPECT_EQ(figures.rows[0].name, "thesis_law");
+  // Sixty pictures, and where it ends it says that this is the focus.
+  EXPECT_EQ(figures.rows[0].pictures_p50, 60);
+  EXPECT_EQ(figures.rows[0].successes + figures.rows[0].false_locks, figures.rows[0].starts);
+  EXPECT_EQ(json_of(figures, plan)["law"], "thesis");
+}
+
+double end_of(FocusStory story, imaging::FocusLaw law) {
+  return run_story(story, law, 1).frames.back().defocus_dof;
+}
+
+TEST(AutofocusExperiment, BothExperimentsOfTheThesisEndInFocus) {
+  EXPECT_LT(std::abs(end_of(FocusStory::kZoomIn, imaging::FocusLaw::kSearch)), 0.6);
+  EXPECT_LT(std::abs(end_of(FocusStory::kZoomOut, imaging::FocusLaw::kSearch)), 0.6);
+  EXPECT_LT(std::abs(end_of(FocusStory::kZoomOut, imaging::FocusLaw::kThesis)), 1.0);
+}
+
+TEST(AutofocusExperiment, TheSurfaceHasOneRidge) {
+  const SharpnessSurface surface = sharpness_surface(1, 5, 31);
+  ASSERT_EQ(surface.sharpness.size(), 5U);
+  double before_m = 0.0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    const auto& row = surface.sharpness[i];
+    const auto top = static_cast<std::size_t>(std::max_element(row.begin(), row.end()) - row.begin());
+    EXPECT_GT(surface.focus_m[top], before_m);  // a higher magnification, a higher focus
+    before_m = surface.focus_m[top];
+    EXPECT_GT(row[top], 3.0 * row.front());
+  }
+}
+
+TEST(AutofocusPage, SaysThatTheBarsAreMet) {
+  const auto strategies = reporting::read_table(TELEKERF_AUTOFOCUS_PAGE, "strategies");
+  ASSERT_EQ(strategies.size(), 6U);
+  EXPECT_EQ(strategies[1][0], "search");
+  EXPECT_GE(std::stod(strategies[1][1]), 99.5);
+  EXPECT_EQ(strategies[1][2], "0 of 600");
+  EXPECT_LE(std::stoi(strategies[1][3]), 26);
+  EXPECT_LE(std::stod(strategies[1][5]), 0.1);
+  const auto refused = reporting::read_table(TELEKERF_AUTOFOCUS_PAGE, "refused");
+  ASSERT_EQ(refused.size(), 4U);
+  for (std::size_t i = 1; i < refused.size(); ++i) EXPECT_EQ(refused[i][1], "600 of 600") << refused[i][0];
+  const auto zoom = reporting::read_table(TELEKERF_AUTOFOCUS_PAGE, "zoom");
+  EXPECT_EQ(zoom[1][0], zoom[1][1]);
+  EXPECT_LE(std::stoi(zoom[1][2]), 8);
+  EXPECT_LE(std::stod(zoom[1][5]), 0.2);
+}
+
+}  // namespace
+}  // namespace telekerf::experiments
