@@ -49,7 +49,7 @@ struct FocusSearchSettings {
   double min_support = 0.3;
   int min_span = 7;
   double min_width = 0.5;  ///< of the peak, as a share of what the optics make of it
-  double max_width = 2.0;
+  double max_width = 4.0;  ///< coarse structures make it wider
   double max_fall =
       0.05;  ///< of the second look below the parabola, as a share, beside 3 standard deviations
 };

@@ -94,7 +94,7 @@ TEST_F(ImagingCameraTest, AZoomIsFollowedByFocusAndScale) {
   EXPECT_NEAR(*after->metres_per_pixel / *before->metres_per_pixel, std::exp(-0.9163 * 0.4), 1e-3);
   EXPECT_EQ(value("focus_locks"), 2.0);
   camera_->zoom(7.0);
-  ASSERT_TRUE(usable());
+  ASSERT_TRUE(usable()) << camera_->remark();
   EXPECT_NEAR(value("zoom"), 1.0, 0.01);  // a share of the travel, less what is kept from its end
 }
 

@@ -45,6 +45,28 @@ TEST(VisionNode, ALiveContourIsPublishedOnceWhenFramesAgree) {
   EXPECT_LT(record.at("deviation_mm"), 0.01);
 }
 
+TEST(VisionNode, ACameraThatKnowsItsScaleIsBelievedAndAnotherScaleIsAnotherContour) {
+  ContourRequest request = at_true_size();
+  request.workspace_radius_m = 1.0;
+  VisionNode node(request);
+  std::vector<ContourMessage> published;
+  const auto show = [&](double metres_per_pixel) {
+    for (int i = 0; i < 6; ++i) {
+      Frame frame{"microscope", "", picture_of("heart", 10 + i), true, metres_per_pixel};
+      const auto outcome = node.step(frame);
+      if (outcome.publish) published.push_back(*outcome.publish);
+    }
+  };
+  show(20e-6);
+  ASSERT_EQ(published.size(), 1U);
+  EXPECT_EQ(published[0].metres_per_pixel, 20e-6);
+  show(20.1e-6);  // half a per cent: not worth an interruption
+  EXPECT_EQ(published.size(), 1U);
+  show(20.5e-6);
+  ASSERT_EQ(published.size(), 2U);
+  EXPECT_EQ(published[1].metres_per_pixel, 20.5e-6);
+}
+
 TEST(VisionNode, ItsRecordHasTheSizesOfWhatIsPublished) {
   const Folder folder("sizes");
   std::ofstream(folder.file("part.svg")) << "<svg width='20mm' height='20mm' viewBox='0 0 20 20'><rect x='4' "

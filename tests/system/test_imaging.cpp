@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-vision with an imaging unit: calibrated, in focus, zoomed; and the axes of docs/how-to in Python.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "slave/vision/imaging/axes_control.h"
+#include "slave/vision/imaging/axes_runner.h"
+#include "slave/vision/imaging/imaging_file.h"
+#include "tests/system/programs.h"
+
+namespace telekerf::integration {
+namespace {
+
+using std::chrono::seconds;
+
+TEST(Imaging, IsCalibratedAndThenKeepsContourAndScaleThroughAZoom) {
+  const std::string unit = (Program::scratch() / "unit.toml").string();
+  {
+    Program calibration("telekerf-vision", {"--imaging", "simulated", "--calibrate", unit});
+    ASSERT_EQ(calibration.wait(seconds(100)), 0) << calibration.output();
+    EXPECT_TRUE(calibration.says("calibrated to", seconds(1))) << calibration.output();
+  }
+  EXPECT_NEAR(imaging::load_imaging(unit).model.distortion, -0.01, 1e-3);
+
+  Program vision("telekerf-vision", {"--domain", own_domain(), "--cell", "imaging", "--imaging", "simulated",
+                                     "--imaging-file", unit, "--image", "gear", "--zoom", "0.05"});
+  ASSERT_TRUE(vision.says("in focus", seconds(60))) << vision.output();
+  ASSERT_TRUE(vision.says("mm a pixel", seconds(60))) << vision.output();
+  const std::string first = vision.output();
+  Program zoom("telekerf-ctl", {"zoom", "0.25", "--domain", own_domain(), "--cell", "imaging"});
+  EXPECT_EQ(zoom.wait(seconds(30)), 0) << zoom.output();
+  // Published anew: twice the line that ends so.
+  bool again = false;
+  for (int i = 0; i < 600 && !again; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    again = vision.output().find("mm a pixel", first.find("mm a pixel") + 1) != std::string::npos;
+  }
+  EXPECT_TRUE(again) << vision.output();
+  EXPECT_TRUE(vision.running());
+  vision.interrupt();
+  EXPECT_EQ(vision.wait(seconds(20)), 0) << vision.output();
+}
+
+TEST(Imaging, AxesOfYoursWantACamera) {
+  Program vision("telekerf-vision", {"--imaging", "udp:127.0.0.1:9"});
+  EXPECT_EQ(vision.wait(seconds(40)), 2) << vision.output();
+  EXPECT_TRUE(vision.says("--camera must say", seconds(1))) << vision.output();
+}
+
+#ifdef TELEKERF_AXES_EXAMPLE
+TEST(AxesExample, HomesAndGoesWhereItIsSent) {
+  Program example(TELEKERF_PYTHON, {TELEKERF_AXES_EXAMPLE, "--port", "0"});
+  const std::string before = "axes: udp:127.0.0.1:";
+  ASSERT_TRUE(example.says(before, seconds(20)) && example.says("\n", seconds(1))) << example.output();
+  const std::string port =
+      std::to_string(std::stoi(example.output().substr(example.output().find(before) + before.size())));
+  const imaging::AxesModel model = imaging::default_axes();
+  imaging::AxesRunner runner(imaging::open_axes("udp:127.0.0.1:" + port, {.model = model, .period_s = 1e-3}),
+                             model);
+  runner.start();
+  const auto within = [&](auto condition) {
+    for (int i = 0; i < 1000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return condition();
+  };
+  // On a busy machine answers come late; what is lost is bridged, and 50 in a row end it, as the page says.
+  ASSERT_TRUE(within([&] { return runner.state() != imaging::AxesControl::State::kHoming; }));
+  if (runner.state() == imaging::AxesControl::State::kLost)
+    GTEST_SKIP() << "this machine is too busy to answer in time";
+  runner.approach(imaging::kFocus, 0.012);
+  within([&] {
+    return runner.settled(imaging::kFocus) || runner.state() == imaging::AxesControl::State::kLost;
+  });
+  if (runner.state() == imaging::AxesControl::State::kLost)
+    GTEST_SKIP() << "this machine is too busy to answer in time";
+  EXPECT_NEAR(runner.positions_m().focus_m, 0.012, 20e-6);
+}
+#endif
+
+}  // namespace
+}  // namespace telekerf::integration
