@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "common/geometry/cutting_order.h"
+#include "common/geometry/kerf.h"
 #include "common/geometry/minimum_jerk.h"
-#include "slave/machining/kerf.h"
 
 namespace telekerf::machining {
 namespace {
@@ -75,27 +75,19 @@ class Writer {
   Vec3 here_m_;
 };
 
-/// True if an odd number of the other closed contours lies around this one.
-bool is_hole(const std::vector<geometry::Polyline>& contours, std::size_t which) {
-  int around = 0;
-  for (std::size_t i = 0; i < contours.size(); ++i) {
-    if (i != which && contours[i].closed && geometry::encloses(contours[i], contours[which])) ++around;
-  }
-  return around % 2 == 1;
-}
-
 }  // namespace
 
 tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& contours,
                                         const JobSettings& settings, const Vec3& home_m) {
   if (contours.empty()) return tl::unexpected<std::string>("there is no contour to machine");
   std::vector<std::size_t> order = geometry::cutting_order(contours, Vec2(home_m.head<2>())).order;
+  const std::vector<bool> holes = geometry::holes(contours);
   std::vector<TimedPath> plans;
   std::vector<geometry::Polyline> lines;
   std::vector<Vec2> all;
   double length_m = 0.0;
   for (const std::size_t which : order) {
-    auto line = compensated(contours[which], settings.kerf_m, is_hole(contours, which));
+    auto line = geometry::compensated(contours[which], settings.kerf_m, holes[which]);
     if (!line) return tl::unexpected(line.error());
     lines.push_back(std::move(*line));
     auto plan = make_timed_path(lines.back(), settings.plan);
