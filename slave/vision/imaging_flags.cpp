@@ -29,6 +29,9 @@ constexpr double kUsualWidth_m = 0.03;
 constexpr std::chrono::milliseconds kFrame{50};
 constexpr std::chrono::seconds kLongestMove{20};
 
+/// What a driver of Linux keeps in its buffers.
+int late_frames(const ImagingFlags& flags) { return flags.imaging == "simulated" ? 0 : 4; }
+
 ImagingFile file_of(const ImagingFlags& flags) {
   return flags.imaging_file.empty() ? default_imaging() : load_imaging(flags.imaging_file);
 }
@@ -76,20 +79,24 @@ tl::expected<void, std::string> arrive(const AxesRunner& axes) {
   return {};
 }
 
-/// The newest picture that was taken from now on.
-tl::expected<cv::Mat, std::string> picture_now(const ImagingCamera::Source& source, const AxesRunner& axes) {
-  std::this_thread::sleep_for(kFrame);
-  for (int i = 0; i < 100; ++i) {
+/// The first picture that was taken from now on, behind `late` older ones.
+tl::expected<cv::Mat, std::string> picture_now(const ImagingCamera::Source& source, const AxesRunner& axes,
+                                               int late) {
+  constexpr int kMostWaits = 100;
+  for (int waits = 0; waits < kMostWaits;) {
     auto seen = source(axes.optics_m(), axes.time_s());
     if (!seen) return tl::unexpected(seen.error());
-    if (*seen && !(*seen)->image.empty()) {
-      const cv::Mat& image = (*seen)->image;
-      if (image.channels() == 1) return image;
-      cv::Mat grey;
-      cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-      return grey;
+    if (!*seen || (*seen)->image.empty()) {
+      ++waits;
+      std::this_thread::sleep_for(kFrame);
+      continue;
     }
-    std::this_thread::sleep_for(kFrame);
+    if (late-- > 0) continue;
+    const cv::Mat& image = (*seen)->image;
+    if (image.channels() == 1) return image;
+    cv::Mat grey;
+    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+    return grey;
   }
   return tl::unexpected<std::string>("the camera gives no pictures");
 }
@@ -126,13 +133,15 @@ std::unique_ptr<ImagingCamera> open_imaging(const ImagingFlags& flags, const std
     picture = read->image;
   }
   auto source = source_of(flags, file.model, picture, width_m > 0.0 ? width_m : kUsualWidth_m, camera);
-  return std::make_unique<ImagingCamera>(
-      ImagingCameraSettings{.model = file.model,
-                            .law = flags.law,
-                            .magnification = flags.zoom,
-                            .region = flags.focus_region,
-                            .frame_period_s = std::chrono::duration<double>(kFrame).count()},
-      running_axes(flags, file), std::move(source), pace());
+  const ImagingCameraSettings settings{.model = file.model,
+                                       .law = flags.law,
+                                       .magnification = flags.zoom,
+                                       .region = flags.focus_region,
+                                       .frame_period_s = std::chrono::duration<double>(kFrame).count(),
+                                       .late_frames = late_frames(flags)};
+  // A camera sets its own pace.
+  return std::make_unique<ImagingCamera>(settings, running_axes(flags, file), std::move(source),
+                                         flags.imaging == "simulated" ? pace() : ImagingCamera::Wait([] {}));
 }
 
 void run_calibration(const ImagingFlags& flags, const std::string& camera) {
@@ -155,7 +164,7 @@ void run_calibration(const ImagingFlags& flags, const std::string& camera) {
                              axes->approach(kFocus, to_m);
                              if (const auto there = arrive(*axes); !there)
                                return tl::unexpected(there.error());
-                             return picture_now(source, *axes);
+                             return picture_now(source, *axes, late_frames(flags));
                            },
                            .positions = [&] { return axes->positions_m(); },
                            .lowest_m = axes->lowest_m(),

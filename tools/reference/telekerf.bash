@@ -5,9 +5,9 @@
 
 _telekerf_commands() {
   case $1 in
-    telekerf-ctl) echo 'stop clear-stop engage disengage beta ' ;;
+    telekerf-ctl) echo 'stop clear-stop engage disengage beta zoom refocus ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
-    telekerf-experiment) echo 'chaos closed-contour codec constraint contours delay kinematics lap open-contour robots space-contour ' ;;
+    telekerf-experiment) echo 'autofocus chaos closed-contour codec constraint contours delay kinematics lap open-contour robots space-contour ' ;;
     telekerf-inspect) echo 'codec contour drive efd robot run ' ;;
   esac
 }
@@ -17,12 +17,14 @@ _telekerf_flags() {
     'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --stop-file --record --wait-s --dry-run --select --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-vision ') echo '--image --camera --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-vision ') echo '--image --camera --imaging --imaging-file --law --zoom --focus-region --calibrate --grid-mm --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl engage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl disengage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl beta') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-ctl zoom') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-ctl refocus') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-netem link') echo '--seed --operator-dev --slave-dev --operator-netns --slave-netns --operator-address --slave-address --operator-default-route --slave-default-route --record --seconds --config --print-config --help --version' ;;
     'telekerf-netem tc') echo '--dev --direction --config --print-config --help --version' ;;
     'telekerf-netem verify') echo '--packets --seed --rate-hz --json --config --print-config --help --version' ;;
@@ -31,6 +33,7 @@ _telekerf_flags() {
     'telekerf-netem list') echo '--config --print-config --help --version' ;;
     'telekerf-netem switch') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-robot ') echo '--robot --mismatch --seed --port --config --print-config --help --version' ;;
+    'telekerf-experiment autofocus') echo '--law --starts --seed --jobs --out --page --config --print-config --help --version' ;;
     'telekerf-experiment chaos') echo '--runs --seed --duration-s --mode --faults --beam-age-s --no-shrink --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
@@ -157,6 +160,13 @@ _telekerf_values() {
     'telekerf-machine  --netem-seed') echo "" ;;
     'telekerf-vision  --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;
     'telekerf-vision  --camera') echo "-W 'none v4l2: file: folder: video:'" ;;
+    'telekerf-vision  --imaging') echo "-W 'none simulated udp:'" ;;
+    'telekerf-vision  --imaging-file') echo "-f" ;;
+    'telekerf-vision  --law') echo "-W 'search thesis'" ;;
+    'telekerf-vision  --zoom') echo "" ;;
+    'telekerf-vision  --focus-region') echo "" ;;
+    'telekerf-vision  --calibrate') echo "" ;;
+    'telekerf-vision  --grid-mm') echo "" ;;
     'telekerf-vision  --mode') echo "-W 'auto outline stroke thesis'" ;;
     'telekerf-vision  --at') echo "" ;;
     'telekerf-vision  --not') echo "" ;;
@@ -214,6 +224,19 @@ _telekerf_values() {
     'telekerf-ctl beta --peers') echo "" ;;
     'telekerf-ctl beta --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
     'telekerf-ctl beta --netem-seed') echo "" ;;
+    'telekerf-ctl zoom ') echo "" ;;
+    'telekerf-ctl zoom --domain') echo "" ;;
+    'telekerf-ctl zoom --cell') echo "" ;;
+    'telekerf-ctl zoom --name') echo "" ;;
+    'telekerf-ctl zoom --peers') echo "" ;;
+    'telekerf-ctl zoom --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl zoom --netem-seed') echo "" ;;
+    'telekerf-ctl refocus --domain') echo "" ;;
+    'telekerf-ctl refocus --cell') echo "" ;;
+    'telekerf-ctl refocus --name') echo "" ;;
+    'telekerf-ctl refocus --peers') echo "" ;;
+    'telekerf-ctl refocus --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl refocus --netem-seed') echo "" ;;
     'telekerf-netem link ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
     'telekerf-netem link --seed') echo "" ;;
     'telekerf-netem link --operator-dev') echo "" ;;
@@ -258,6 +281,12 @@ _telekerf_values() {
     'telekerf-robot  --mismatch') echo "" ;;
     'telekerf-robot  --seed') echo "" ;;
     'telekerf-robot  --port') echo "" ;;
+    'telekerf-experiment autofocus --law') echo "-W 'search thesis'" ;;
+    'telekerf-experiment autofocus --starts') echo "" ;;
+    'telekerf-experiment autofocus --seed') echo "" ;;
+    'telekerf-experiment autofocus --jobs') echo "" ;;
+    'telekerf-experiment autofocus --out') echo "-d" ;;
+    'telekerf-experiment autofocus --page') echo "-f" ;;
     'telekerf-experiment chaos --runs') echo "" ;;
     'telekerf-experiment chaos --seed') echo "" ;;
     'telekerf-experiment chaos --duration-s') echo "" ;;

@@ -48,7 +48,7 @@ ImagingCamera::ImagingCamera(const ImagingCameraSettings& settings, std::shared_
 void ImagingCamera::zoom(double share) {
   settings_.magnification = std::clamp(share, 0.0, 1.0);
   excited_ = 0;
-  arrived_ = false;
+  still_frames_ = 0;
   if (homed_)
     axes_->move_to(kMagnification, settings_.magnification * settings_.model.magnification_travel_m);
 }
@@ -72,12 +72,13 @@ bool ImagingCamera::focus_on(const cv::Mat& grey) {
   flat_known_ = true;
   const bool zooming = !axes_->settled(kMagnification);
   // A picture counts if both axes stood still at its beginning; they have had no order since.
-  const bool counts = arrived_ && !zooming;
+  const bool counts = still_frames_ > settings_.late_frames && !zooming;
   if (counts) autofocus_.seen(grey(region), axes_->positions_m());
   const double goal_m = autofocus_.goal_m(axes_->positions_m(), zooming);
   if (!focus_goal_m_ || std::abs(goal_m - *focus_goal_m_) > kSameGoal_m) {
     focus_goal_m_ = goal_m;
     axes_->approach(kFocus, goal_m);
+    still_frames_ = 0;
   }
   switch (autofocus_.state()) {
     case Autofocus::State::kSearching:
@@ -90,7 +91,7 @@ bool ImagingCamera::focus_on(const cv::Mat& grey) {
       break;
   }
   const bool sharp = counts && autofocus_.sharp();
-  arrived_ = axes_->settled();
+  still_frames_ = axes_->settled() ? still_frames_ + 1 : 0;
   return sharp;
 }
 

@@ -24,6 +24,7 @@ struct ImagingCameraSettings {
   double magnification = 0.0;  ///< where the magnification axis goes first, share of its travel
   double region = 0.5;         ///< share of the picture that the focus is judged by
   double frame_period_s = 0.05;
+  int late_frames = 0;  ///< that a camera still has of before, in its buffers
 };
 
 class ImagingCamera final : public Camera {
@@ -62,7 +63,7 @@ class ImagingCamera final : public Camera {
   imaging::PrintedFocusLaw printed_;
   imaging::PictureCorrection correction_;
   bool homed_ = false;
-  bool arrived_ = false;  ///< both axes stood still at their goals before this picture
+  int still_frames_ = 0;  ///< pictures since both axes stand still at their goals
   bool flat_known_ = false;
   int excited_ = 0;  ///< pictures that the printed law has been excited for
   std::optional<double> focus_goal_m_;
