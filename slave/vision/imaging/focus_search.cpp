@@ -142,29 +142,28 @@ bool FocusSearch::extend(std::size_t best, double step_m) {
   return true;
 }
 
-std::array<bool, kTiles> FocusSearch::sharper_tiles(std::size_t best) const {
-  std::array<bool, kTiles> out{};
+void FocusSearch::remember_elsewhere() {
   std::vector<double> values(looks_.size());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   for (std::size_t tile = 0; tile < kTiles; ++tile) {
     std::transform(looks_.begin(), looks_.end(), values.begin(),
                    [&](const Look& look) { return look.sharpness.tiles[tile]; });
-    const double here = values[best];
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                     values.end());
-    const double elsewhere = std::max(0.0, values[values.size() / 2]);
-    // The deviation of the whole is that of many tiles together.
-    const double deviation =
-        std::sqrt(static_cast<double>(kTiles)) * looks_[best].sharpness.variance_deviation;
-    out[tile] = here > (1.0 + settings_.min_rise) * elsewhere + 3.0 * deviation;
+    std::nth_element(values.begin(), middle, values.end());
+    elsewhere_[tile] = std::max(0.0, *middle);
   }
-  return out;
+  swept_ = true;
 }
 
-bool FocusSearch::is_supported(std::size_t best) const {
-  const auto sharper = sharper_tiles(best);
-  const auto count = std::count(sharper.begin(), sharper.end(), true);
-  return static_cast<double>(count) >= settings_.min_support * kTiles ||
-         longest_span(sharper) >= settings_.min_span;
+bool FocusSearch::is_supported(const Sharpness& here) const {
+  // The deviation of the whole is that of many tiles together.
+  const double deviation = std::sqrt(static_cast<double>(kTiles)) * here.variance_deviation;
+  std::array<bool, kTiles> sharper{};
+  for (std::size_t tile = 0; tile < kTiles; ++tile) {
+    sharper[tile] = here.tiles[tile] > (1.0 + settings_.min_rise) * elsewhere_[tile] + 3.0 * deviation;
+  }
+  const double share = static_cast<double>(std::count(sharper.begin(), sharper.end(), true)) / kTiles;
+  return share >= settings_.min_support ||
+         (share >= settings_.min_line_support && longest_span(sharper) >= settings_.min_span);
 }
 
 void FocusSearch::judge_coarse() {
@@ -182,7 +181,8 @@ void FocusSearch::judge_coarse() {
     if (!extend(best, step_m_)) finish(FocusVerdict::kOutOfRange, top->position_m);
     return;
   }
-  if (!is_supported(best)) return finish(FocusVerdict::kSpecks, top->position_m);
+  remember_elsewhere();
+  if (!is_supported(sharpest)) return finish(FocusVerdict::kSpecks, top->position_m);
   // A parabola through the logarithms of three.
   const auto log_at = [&](std::size_t i) {
     return std::log(std::max(looks_[i].sharpness.variance, sharpest.variance_deviation + 1e-12));
@@ -253,6 +253,8 @@ void FocusSearch::judge_fine() {
 void FocusSearch::judge_second_look(const cv::Mat& region) {
   if (compare_at_rest(previous_, region).moved()) return finish(FocusVerdict::kMoving, peak_.position_m);
   const Sharpness& a = looks_.front().sharpness;
+  // In the very focus specks are smallest: on fewer tiles than in the coarse sweep.
+  if (swept_ && !is_supported(a)) return finish(FocusVerdict::kSpecks, peak_.position_m);
   const Sharpness& b = looks_.back().sharpness;
   result_.tenengrad = 0.5 * (a.tenengrad + b.tenengrad);
   result_.variance = 0.5 * (a.variance + b.variance);

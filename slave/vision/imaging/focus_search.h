@@ -43,10 +43,11 @@ struct FocusSearchSettings {
   int fine_pictures = 7;    ///< about the coarse peak
   double near_dof = 0.7;    ///< step when the ridge says where the focus is,
   int near_pictures = 5;
-  double min_rise = 0.05;  ///< the peak above the farthest, as a share, beside 6 standard deviations
-  /// Share of the tiles that must become sharper; fewer are enough where they hang together over `min_span`
-  /// tiles across or down, as a drawn line does and specks do not.
-  double min_support = 0.3;
+  double min_rise = 0.05;    ///< the peak above the farthest, as a share, beside 6 standard deviations
+  double min_support = 0.3;  ///< share of the tiles that must become sharper
+  /// Fewer are enough where they hang together over `min_span` tiles across or down, as those of a drawn line
+  /// do and those of specks do not.
+  double min_line_support = 0.2;
   int min_span = 7;
   double min_width = 0.5;  ///< of the peak, as a share of what the optics make of it
   double max_width = 4.0;  ///< coarse structures make it wider
@@ -117,9 +118,10 @@ class FocusSearch {
   void judge_second_look(const cv::Mat& region);
   /// Goes on beyond the end of the sweep where the peak is. False: there is no more room.
   bool extend(std::size_t best, double step_m);
-  /// Tiles that are sharper there than at most other places.
-  std::array<bool, kTiles> sharper_tiles(std::size_t best) const;
-  bool is_supported(std::size_t best) const;
+  /// How sharp each tile is at most places of the coarse sweep.
+  void remember_elsewhere();
+  /// Enough of the object becomes sharper here than elsewhere.
+  bool is_supported(const Sharpness& here) const;
   std::optional<Peak> fitted() const;
 
   FocusSearchSettings settings_;
@@ -129,6 +131,8 @@ class FocusSearch {
   std::vector<double> plan_;  ///< what is still to be taken, the next one last
   std::vector<Look> looks_;   ///< of this sweep, by position
   cv::Mat previous_;          ///< region of the picture before
+  std::array<double, kTiles> elsewhere_{};
+  bool swept_ = false;
   Peak peak_{};
   double step_m_ = 0.0;
   int extensions_ = 0;

@@ -210,6 +210,14 @@ TEST(SimulatedAxes, StickUnderLessThanTheirFriction) {
   EXPECT_GT(axes.speed_m_per_s(kFocus), 5e-3);
 }
 
+TEST(SimulatedAxes, RunAsFastAsTheirFrictionLets) {
+  SimulatedAxes axes(default_axes(), {0.01, 0.005}, 0.0, 1);
+  axes.write({0.33, 0.18});  // 13.2 N of which 12 are dry friction, 3.6 N of which 3
+  axes.advance(0.5);
+  EXPECT_NEAR(axes.speed_m_per_s(kMagnification), 1.2 / 60.0, 1e-4);
+  EXPECT_NEAR(axes.speed_m_per_s(kFocus), 0.6 / 30.0, 1e-4);
+}
+
 TEST(SimulatedAxes, AreHeldByTheirEndStopsAndClipTheCurrent) {
   SimulatedAxes axes(default_axes(), {0.079, 0.029}, 0.0, 1);
   axes.write({100.0, 100.0});

@@ -18,7 +18,8 @@ using experiments::StartKind;
 /// A picture of a texture blurred as half a pixel a depth of field would, without optics or axes.
 class Plain {
  public:
-  explicit Plain(double peak_m) : peak_m_(peak_m) {}
+  explicit Plain(double peak_m, const cv::Mat& texture = draw_target(Target::kRelief, 128, 1.0, 3))
+      : peak_m_(peak_m), texture_(texture) {}
 
   cv::Mat at(double position_m) {
     const double z = (position_m - peak_m_) / 1e-3;
@@ -33,7 +34,7 @@ class Plain {
   double peak_m_;
 
  private:
-  cv::Mat texture_ = draw_target(Target::kRelief, 128, 1.0, 3);
+  cv::Mat texture_;
   cv::RNG random_{5};
 };
 
@@ -187,6 +188,43 @@ TEST(FocusSearch, APeakThatTheOpticsDoNotMakeIsNone) {
     EXPECT_EQ(search.result().verdict, FocusVerdict::kNoPeak) << factor;
     EXPECT_EQ(search.result().pictures, 22);
   }
+}
+
+FocusVerdict verdict_on(const cv::Mat& texture) {
+  Plain scene(0.0163, texture);
+  FocusSearch search = FocusSearch::everywhere({}, kRange, {});
+  run(search, scene);
+  return search.result().verdict;
+}
+
+TEST(FocusSearch, ADrawnLineIsAFocusAndSpecksAreNone) {
+  cv::Mat line(128, 128, CV_32F, cv::Scalar(215));
+  cv::circle(line, {64, 64}, 50, cv::Scalar(40), 2, cv::LINE_AA);
+  EXPECT_EQ(verdict_on(line), FocusVerdict::kFound);
+  cv::Mat arc(128, 128, CV_32F, cv::Scalar(215));  // as many tiles as specks take, but they hang together
+  cv::ellipse(arc, {64, 70}, {52, 30}, 0.0, 180.0, 360.0, cv::Scalar(40), 4, cv::LINE_AA);
+  EXPECT_EQ(verdict_on(arc), FocusVerdict::kFound);
+  cv::Mat specks(128, 128, CV_32F, cv::Scalar(215));
+  for (const cv::Point& at : {cv::Point(32, 32), {96, 32}, {32, 96}, {96, 96}})  // four tiles each
+    cv::circle(specks, at, 3, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  EXPECT_EQ(verdict_on(specks), FocusVerdict::kSpecks);
+}
+
+TEST(FocusSearch, ASecondLookIsTheMeanOfItsTwoPictures) {
+  Plain scene(0.0163);
+  FocusSearch search = FocusSearch::everywhere({}, kRange, {});
+  std::vector<cv::Mat> pictures;
+  while (const auto next_m = search.next_m()) {
+    pictures.push_back(scene.at(*next_m));
+    search.seen(pictures.back(), *next_m);
+  }
+  Background background;
+  background.noise_variance = search.result().noise_variance;
+  const Sharpness a = sharpness_of(pictures[22], background);
+  const Sharpness b = sharpness_of(pictures[23], background);
+  ASSERT_NE(a.tenengrad, b.tenengrad);
+  EXPECT_DOUBLE_EQ(search.result().tenengrad, 0.5 * (a.tenengrad + b.tenengrad));
+  EXPECT_DOUBLE_EQ(search.result().variance, 0.5 * (a.variance + b.variance));
 }
 
 TEST(FocusSearch, PeakWidthIsTheOptics) {

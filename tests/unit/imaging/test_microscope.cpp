@@ -118,6 +118,30 @@ TEST(Microscope, DustIsSharpOnALayerOfItsOwn) {
   EXPECT_GT(darkest(0.0), 85.0);
 }
 
+TEST(Microscope, APixelGathersTheLightOfSeveralTexels) {
+  // Stripes of one texel, and of eight, seen by pixels of 1.75 texels: the one is even, the other nearly as
+  // it is.
+  for (const int texels : {1, 8}) {
+    Object stripes;
+    stripes.metres_per_texel = 1e-5;
+    stripes.texture = cv::Mat(600, 600, CV_32F);
+    for (int x = 0; x < 600; ++x) stripes.texture.col(x).setTo(cv::Scalar(x / texels % 2 == 0 ? 100 : 200));
+    MicroscopeSettings settings = quiet();
+    settings.model.optics.sharpest_px = 0.1;
+    settings.model.flat_field = {};
+    settings.model.distortion = 0.0;
+    settings.model.log_scale = {std::log(1.75e-5), 0.0, 0.0, 0.0};
+    SimulatedMicroscope scope(settings, stripes);
+    const double deviation =
+        std::sqrt(grey_sums(scope.picture({kZoom_m, scope.best_focus_m(kZoom_m)}, 0.0)).variance());
+    if (texels == 1) {
+      EXPECT_LT(deviation, 12.0);
+    } else {
+      EXPECT_NEAR(deviation, 45.0, 3.0);
+    }
+  }
+}
+
 TEST(Microscope, IsTheSameForTheSameSeed) {
   SimulatedMicroscope a({}, of(Target::kTissue));
   SimulatedMicroscope b({}, of(Target::kTissue));
