@@ -3,6 +3,9 @@
 // and the virtual-time lap run this same station.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -25,8 +28,16 @@ struct GuidedContour {
   SimulatedOperator hand;
 };
 
+/// What becomes of an operator's event.
+struct EventVerdict {
+  std::uint32_t asker = 0;        ///< the epoch of who has said it
+  const char* refusal = nullptr;  ///< why nothing comes of it, a literal; null: it is taken up
+};
+
 struct StationOutputs : MasterOutputs {
-  const char* refusal = nullptr;  ///< why nothing comes of what the operator said, a literal
+  static constexpr std::size_t kMostVerdicts = 16;
+  std::array<EventVerdict, kMostVerdicts> verdicts;
+  std::size_t verdict_count = 0;
   bool prepare_anew = false;      ///< another scale is asked for: prepare() the contour once more
 };
 
@@ -55,8 +66,11 @@ class Station {
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
   /// The master's part of the record: rows and figures.
   void report(RunRecord& record) const;
+  /// Beside the loop, several times a second: memory for a record that goes on.
+  void make_record_room() { recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz)); }
 
  private:
+  static constexpr double kRoom_s = 10.0;
   /// Simulated on a simulated robot; a real hand is felt by the robot alone.
   HandSample hand(GuidedContour& task) noexcept;
 

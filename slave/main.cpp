@@ -2,6 +2,7 @@
 // telekerf-slave: the robot with the laser follows what the master streams.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,14 @@ const char* text_of(SlaveMode mode, HoldReason reason) {
   return "unknown";
 }
 
+constexpr Lookout::Wish kContourMissing{"a contour", "vision"};
+constexpr Lookout::Wish kCommandsMissing{"a master's commands", "master"};
+
+const Lookout::Wish* missing_of(bool contour, HoldReason reason) {
+  if (!contour) return &kContourMissing;
+  return reason == HoldReason::kNoCommands ? &kCommandsMissing : nullptr;
+}
+
 int run(Flags& flags) {
   if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "slave");
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "slave");
@@ -56,7 +65,7 @@ int run(Flags& flags) {
   Reader<CommandBlock> commands(process.bus());
   StopLine emergency(process.bus(), flags.stop.path(settings));
   Writer<StateBlock> states(process.bus());
-  const netem::NetemSwitch netem_switch(process.bus(), emulator);
+  netem::NetemSwitch netem_switch(process.bus(), emulator);
   ContourSubscriber<Corridor> contour(
       process.bus(), [&](const ContourMessage& message) { return station.prepare(message); });
   if (station.machine().plant() == nullptr)
@@ -68,13 +77,19 @@ int run(Flags& flags) {
   std::vector<Received<CommandBlock>> arrived_commands;
   arrived_commands.reserve(64);
   Explainer explainer(process.status());
+  const Periodic beside(std::chrono::milliseconds(500), [&] {
+    if (!flags.record.empty()) station.make_record_room();
+  });
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(commands, arrived_commands);
-    const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, emergency.order());
+    const Corridor* const corridor = contour.current();
+    const SlaveOutputs out = station.step(now_ns, corridor, arrived_commands, emergency.order());
     emergency.obeyed(out.stop);
     if (out.state) states.write(*out.state);
     process.status().state(text_of(out.mode, out.reason));
     explainer.step(out);
+    netem_switch.beam(out.laser_w > 0.0);
+    process.lookout().missing(missing_of(corridor != nullptr, out.reason));
     return !contour.refused() && !station.machine().failed() && !station.beam().failed();
   });
   station.release();
@@ -86,6 +101,8 @@ int run(Flags& flags) {
     add_figures(loop, record.slave_figures);
     add_figures(process.bus().counters(), commands.counters(), record.slave_figures);
     netem::add_figures(emulator.get(), record.slave_figures);
+    if (const auto lost = record.slave_figures["dropped_rows"]; lost > 0)
+      process.status().say(fmt::format("the record lacks its last {:.0f} rows: there was no memory for them", lost));
     write_slave(flags.record, record);
   }
   if (contour.refused()) throw input_error(contour.refusal());

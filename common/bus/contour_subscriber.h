@@ -16,6 +16,7 @@
 
 #include "common/bus/endpoints.h"
 #include "common/bus/handover.h"
+#include "common/runtime/say.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
@@ -88,13 +89,13 @@ class ContourSubscriber {
   }
   void refuse(const ContourMessage& message, const char* why) {
     unfit_.fetch_add(1, std::memory_order_relaxed);
-    fmt::print(stderr, "contour {} refused: {}\n", message.source, why);
+    write_line(stderr, fmt::format("contour {} refused: {}", message.source, why));
   }
   void rebuild() {
     try {
       prepared_.offer(prepare_(message_));  // only this thread writes it
     } catch (const StartupError& refusal) {
-      fmt::print(stderr, "{}: stays as it is: {}\n", message_.source, refusal.what());
+      write_line(stderr, fmt::format("{}: stays as it is: {}", message_.source, refusal.what()));
     }
   }
 

@@ -7,6 +7,7 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
 #include <algorithm>
+#include <fastrtps/utils/IPLocator.h>
 
 #include "common/bus/participant_qos.h"
 #include "common/bus/wire_messages.h"
@@ -30,6 +31,18 @@ BusSettings validated(BusSettings settings) {
     throw usage_error(fmt::format("cell = '{}': {}", settings.cell, wrong));
   if (settings.name.empty()) settings.name = settings.role;
   return settings;
+}
+
+/// What is kept for people of participants that are none of ours.
+constexpr std::size_t kMostStrangers = 64;
+constexpr std::size_t kMostAddresses = 1024;
+
+std::string address_of(const rtps::ParticipantProxyData& data) {
+  const auto text = [](const rtps::Locator_t& locator) { return rtps::IPLocator::ip_to_string(locator); };
+  std::string address = "an unknown address";
+  for (const rtps::Locator_t& locator : data.default_locators.unicast) return text(locator);
+  for (const rtps::Locator_t& locator : data.metatraffic_locators.unicast) return text(locator);
+  return address;
 }
 
 std::array<std::uint8_t, 12> key_of(const rtps::GUID_t& guid) {
@@ -84,6 +97,7 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
 }
 
 Bus::Participant::~Participant() {
+  network_.reset();
   if (participant_ == nullptr) return;
   participant_->set_listener(nullptr);
   participant_->delete_contained_entities();
@@ -116,6 +130,10 @@ void Bus::Participant::join() {
   if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
     throw environment_error("the middleware did not take the announcement");
   }
+  network_ = std::make_unique<NetworkWatch>([this] {
+    // The middleware looks at the interfaces when it is given its settings, the same ones too.
+    (void)participant_->set_qos(participant_->get_qos());
+  });
 }
 
 void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
@@ -124,12 +142,18 @@ void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
   const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
                     info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
   Neighbour other{.presence = {}, .key = key};
-  if (!gone && !bus::read_presence(info.info.m_userData, other.presence)) return;
+  const bool ours = !gone && bus::read_presence(info.info.m_userData, other.presence);
   {
     const std::lock_guard lock(mutex_);
     if (gone) {
       others_.erase(key);
-    } else if (other.presence.cell == settings_.cell) {
+      elsewhere_.erase(key);
+      addresses_.erase(key);
+    } else if (addresses_.size() < kMostAddresses) {
+      addresses_[key] = address_of(info.info);
+    }
+    if (ours && other.presence.cell != settings_.cell) elsewhere_[key] = other.presence;
+    if (ours && other.presence.cell == settings_.cell) {
       others_[key] = other;
       if (self_.presence.joined && incompatibility(self_.presence, other.presence)) incompatible_.insert(key);
     }
@@ -155,7 +179,49 @@ bool Bus::Participant::wait_for_role(const std::string& role, std::chrono::nanos
 
 BusCounters Bus::Participant::counters() const {
   const std::lock_guard lock(mutex_);
-  return {.incompatible = incompatible_.size()};
+  return {.incompatible = incompatible_.size(), .strangers = strangers_.size()};
+}
+
+std::vector<std::string> Bus::Participant::strangers() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> sentences;
+  for (const auto& [key, sentence] : strangers_) sentences.push_back(sentence);
+  return sentences;
+}
+
+std::vector<PresenceMessage> Bus::Participant::elsewhere() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<PresenceMessage> list;
+  for (const auto& [key, presence] : elsewhere_) list.push_back(presence);
+  return list;
+}
+
+bool Bus::Participant::may_say(const rtps::GUID_t& writer, const char* topic, const char* role,
+                               std::optional<std::uint32_t> epoch) {
+  const Key key = key_of(writer);
+  const std::lock_guard lock(mutex_);
+  const auto other = others_.find(key);
+  if (other != others_.end()) {
+    const PresenceMessage& presence = other->second.presence;
+    if ((role == nullptr || presence.role == role) && presence.epoch == epoch.value_or(presence.epoch))
+      return true;
+  }
+  if (strangers_.size() < kMostStrangers && !strangers_.contains(key))
+    strangers_[key] = stranger(key, topic, role);
+  return false;
+}
+
+std::string Bus::Participant::stranger(const Key& key, const char* topic, const char* role) const {
+  std::string who = "a participant that has not announced itself";
+  if (const auto here = others_.find(key); here != others_.end()) {
+    who = fmt::format("{} '{}'", here->second.presence.role, here->second.presence.name);
+  } else if (const auto there = elsewhere_.find(key); there != elsewhere_.end()) {
+    who = fmt::format("{} '{}' of cell '{}'", there->second.role, there->second.name, there->second.cell);
+  }
+  const auto address = addresses_.find(key);
+  return fmt::format("what {} ({}) says on {} is not heard: it is no {} of cell '{}'", who,
+                     address == addresses_.end() ? "of an unknown address" : address->second, topic,
+                     role == nullptr ? "process" : role, settings_.cell);
 }
 
 dds::Topic* Bus::Participant::topic(const char* name, const dds::TypeSupport& type) {

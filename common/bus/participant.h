@@ -10,9 +10,11 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 
 #include "common/bus/bus.h"
+#include "common/bus/network_watch.h"
 #include "common/bus/presence.h"
 
 namespace telekerf {
@@ -30,6 +32,13 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   std::vector<PresenceMessage> others() const;
   bool wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const;
   BusCounters counters() const;
+  std::vector<std::string> strangers() const;
+  std::vector<PresenceMessage> elsewhere() const;
+
+  /// In a thread of the middleware, no allocation if it may. Whether this writer's process has announced itself
+  /// in this cell, in this role (null: any) and as the start `epoch`. Whoever has not is remembered.
+  bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer, const char* topic, const char* role,
+               std::optional<std::uint32_t> epoch);
 
   /// The topic of this name, created at first use; `type` is registered then.
   eprosima::fastdds::dds::Topic* topic(const char* name, const eprosima::fastdds::dds::TypeSupport& type);
@@ -45,6 +54,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
   void wait_for_objections();
+  std::string stranger(const Key& key, const char* topic, const char* role) const;
 
   BusSettings settings_;
   std::vector<std::string> notes_;
@@ -58,6 +68,10 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   Neighbour self_;
   std::map<Key, Neighbour> others_;
   std::set<Key> incompatible_;  // seen since we joined
+  std::map<Key, PresenceMessage> elsewhere_;
+  std::map<Key, std::string> addresses_;       // of everyone seen in the domain, for people
+  std::map<Key, std::string> strangers_;       // a sentence each
+  std::unique_ptr<NetworkWatch> network_;      // last: ends first
 };
 
 }  // namespace telekerf

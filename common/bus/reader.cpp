@@ -61,16 +61,31 @@ struct Reader<T>::Impl : dds::DataReaderListener {
       } else if (!taken) {
         return;
       } else if (info.valid_data && !participant->is_own(info.sample_identity.writer_guid())) {
-        accept(now_ns);
+        accept(now_ns, info.sample_identity.writer_guid());
       }
     }
   }
 
-  void accept(std::int64_t now_ns) {
+  /// Who announces itself as another start than the stream's own is not the one who sends it. A stop is heard
+  /// from everyone: it can only make things safer, and who says it may not be known yet.
+  bool may_say(const T& value, const eprosima::fastrtps::rtps::GUID_t& writer) {
+    std::optional<std::uint32_t> epoch;
+    if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) epoch = value.epoch;
+    if constexpr (std::is_same_v<T, StopMessage>) {
+      if (value.set) return true;
+    }
+    return participant->may_say(writer, bus::Topic<T>::kName, bus::Topic<T>::kFrom, epoch);
+  }
+
+  void accept(std::int64_t now_ns, const eprosima::fastrtps::rtps::GUID_t& writer) {
     Received<T> sample;
     sample.received_ns = now_ns;
     switch (bus::from_wire(wire, participant->settings().contract, sample.value)) {
       case bus::Verdict::kGood:
+        if (!may_say(sample.value, writer)) {
+          strangers.fetch_add(1, std::memory_order_relaxed);
+          return;
+        }
         received.fetch_add(1, std::memory_order_relaxed);
         if (tap) {
           tap(sample.value);
@@ -97,6 +112,7 @@ struct Reader<T>::Impl : dds::DataReaderListener {
   std::atomic<std::uint64_t> received{0};
   std::atomic<std::uint64_t> damaged{0};
   std::atomic<std::uint64_t> foreign{0};
+  std::atomic<std::uint64_t> strangers{0};
 };
 
 template <class T>
@@ -121,6 +137,7 @@ ReaderCounters Reader<T>::counters() const noexcept {
   return {.received = impl_->received.load(std::memory_order_relaxed),
           .damaged = impl_->damaged.load(std::memory_order_relaxed),
           .foreign_contract = impl_->foreign.load(std::memory_order_relaxed),
+          .strangers = impl_->strangers.load(std::memory_order_relaxed),
           .dropped = impl_->ring.dropped()};
 }
 

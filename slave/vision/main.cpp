@@ -18,8 +18,10 @@
 #include "common/runtime/loop.h"
 #include "common/runtime/program.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/say.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
+#include "netem/drivers/netem_switch.h"
 #include "slave/vision/cameras/cameras.h"
 #include "slave/vision/vision_node.h"
 
@@ -95,13 +97,15 @@ int run(const Flags& flags) {
   if (!live && node.state() == VisionNode::State::kNoContour) throw input_error(outcome.remark);
 
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "vision");
-  settings.receive_filter = flags.netem.emulator(settings.site);
+  const auto emulator = flags.netem.emulator(settings.site);
+  settings.receive_filter = emulator;
   Process process(settings, "vision");
+  const netem::NetemSwitch netem_switch(process.bus(), emulator);
   Writer<ContourMessage> writer(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());
   auto report_at = std::chrono::steady_clock::now();
   while (!stop_requested()) {
-    if (!outcome.remark.empty()) fmt::print(stderr, "vision: {}\n", outcome.remark);
+    if (!outcome.remark.empty()) write_line(stderr, "vision: " + outcome.remark);
     if (outcome.publish) {
       writer.write(*outcome.publish);
       say(*outcome.publish, process.status());
