@@ -36,7 +36,7 @@ std::string waiting_sentence(const Bus& bus, const std::string& what, const std:
                             role, 7400 + 250 * bus.settings().domain);
   } else if (next_door) {
     sentence += "; give both the same --cell";
-  } else if (network_addresses().find_first_of('\n') == network_addresses().rfind('\n')) {
+  } else if (here.empty() && network_addresses().empty()) {
     sentence += "; this computer has no network: is its cable plugged in?";
   } else {
     sentence += fmt::format(

@@ -6,6 +6,7 @@
 #include <net/if.h>
 #include <netinet/in.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <utility>
@@ -18,31 +19,33 @@ constexpr int kNaps = 10;  // between two looks
 
 }  // namespace
 
-std::string network_addresses() {
+std::set<std::string> network_addresses() {
   ifaddrs* first = nullptr;
   if (getifaddrs(&first) != 0) return {};
-  std::string addresses;
+  std::set<std::string> addresses;
   for (const ifaddrs* at = first; at != nullptr; at = at->ifa_next) {
-    if (at->ifa_addr == nullptr || at->ifa_addr->sa_family != AF_INET || (at->ifa_flags & IFF_UP) == 0)
-      continue;
+    const bool counts = at->ifa_addr != nullptr && at->ifa_addr->sa_family == AF_INET &&
+                        (at->ifa_flags & IFF_UP) != 0 && (at->ifa_flags & IFF_LOOPBACK) == 0;
+    if (!counts) continue;
     std::array<char, INET_ADDRSTRLEN> text{};
     const auto* const address = reinterpret_cast<const sockaddr_in*>(at->ifa_addr);
-    if (inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) == nullptr) continue;
-    addresses += std::string(at->ifa_name) + " " + text.data() + "\n";
+    if (inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) != nullptr) addresses.insert(text.data());
   }
   freeifaddrs(first);
   return addresses;
 }
 
-NetworkWatch::NetworkWatch(std::function<void()> changed)
+NetworkWatch::NetworkWatch(std::function<void(bool)> changed)
     : known_(network_addresses()), thread_([this, changed = std::move(changed)](const std::stop_token& stop) {
         for (int n = 1; !stop.stop_requested(); ++n) {
           std::this_thread::sleep_for(kNap);
           if (n % kNaps != 0) continue;
-          std::string now = network_addresses();
+          std::set<std::string> now = network_addresses();
           if (now == known_) continue;
+          const bool lost =
+              known_.empty() || !std::includes(now.begin(), now.end(), known_.begin(), known_.end());
           known_ = std::move(now);
-          changed();
+          changed(lost);
         }
       }) {}
 

@@ -3,22 +3,24 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
 #include <thread>
 
 namespace telekerf {
 
-/// The addresses of all interfaces that are up, one a line, in their order. Empty: none, or the system does not
-/// tell.
-std::string network_addresses();
+/// The IPv4 addresses of all interfaces that are up, without those by which a computer speaks to itself. Empty:
+/// none, or the system does not tell.
+std::set<std::string> network_addresses();
 
 class NetworkWatch {
  public:
-  /// `changed` is called from a thread of the watch's own within a second after they have become others.
-  explicit NetworkWatch(std::function<void()> changed);
+  /// `changed` is called from a thread of the watch's own within a second after they have become others. `lost`:
+  /// one of those before is gone, or there was none but this computer's own.
+  explicit NetworkWatch(std::function<void(bool lost)> changed);
 
  private:
-  std::string known_;
+  std::set<std::string> known_;
   std::jthread thread_;
 };
 

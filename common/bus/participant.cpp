@@ -130,10 +130,37 @@ void Bus::Participant::join() {
   if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
     throw environment_error("the middleware did not take the announcement");
   }
-  network_ = std::make_unique<NetworkWatch>([this] {
-    // The middleware looks at the interfaces when it is given its settings, the same ones too.
-    (void)participant_->set_qos(participant_->get_qos());
-  });
+  network_ = std::make_unique<NetworkWatch>([this](bool lost) { addresses_changed(lost); });
+}
+
+void Bus::Participant::addresses_changed(bool lost) {
+  // The middleware looks at the interfaces, and says where it is to be reached, when it is given its settings, the
+  // same ones too. Endpoints keep the addresses that they were made with: they are made anew, unless that
+  // would interrupt what still works.
+  (void)participant_->set_qos(participant_->get_qos());
+  if (!lost && whole()) return;
+  const std::lock_guard lock(endpoints_mutex_);
+  for (Endpoint* const endpoint : endpoints_) endpoint->renew();
+}
+
+bool Bus::Participant::whole() const {
+  const auto role = [this](const char* name) {
+    return settings_.role == name || std::any_of(others_.begin(), others_.end(), [&](const auto& other) {
+             return other.second.presence.role == name;
+           });
+  };
+  const std::lock_guard lock(mutex_);
+  return role("master") && role("slave");
+}
+
+void Bus::Participant::add(Endpoint* endpoint) {
+  const std::lock_guard lock(endpoints_mutex_);
+  endpoints_.insert(endpoint);
+}
+
+void Bus::Participant::remove(Endpoint* endpoint) {
+  const std::lock_guard lock(endpoints_mutex_);
+  endpoints_.erase(endpoint);
 }
 
 void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,

@@ -44,6 +44,16 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   eprosima::fastdds::dds::Topic* topic(const char* name, const eprosima::fastdds::dds::TypeSupport& type);
   eprosima::fastdds::dds::Publisher* publisher() { return publisher_; }
   eprosima::fastdds::dds::Subscriber* subscriber() { return subscriber_; }
+  /// A reader or writer, which is made anew where this computer's addresses have changed.
+  class Endpoint {
+   public:
+    virtual void renew() = 0;
+
+   protected:
+    ~Endpoint() = default;
+  };
+  void add(Endpoint* endpoint);
+  void remove(Endpoint* endpoint);
   bool is_own(const eprosima::fastrtps::rtps::GUID_t& writer) const {
     return writer.guidPrefix == participant_->guid().guidPrefix;
   }
@@ -54,6 +64,9 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
   void wait_for_objections();
+  void addresses_changed(bool lost);
+  /// Both sites are seen.
+  bool whole() const;
   std::string stranger(const Key& key, const char* topic, const char* role) const;
 
   BusSettings settings_;
@@ -68,6 +81,8 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   Neighbour self_;
   std::map<Key, Neighbour> others_;
   std::set<Key> incompatible_;  // seen since we joined
+  std::mutex endpoints_mutex_;
+  std::set<Endpoint*> endpoints_;
   std::map<Key, PresenceMessage> elsewhere_;
   std::map<Key, std::string> addresses_;       // of everyone seen in the domain, for people
   std::map<Key, std::string> strangers_;       // a sentence each

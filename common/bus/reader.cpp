@@ -17,20 +17,39 @@ namespace dds = eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 
 template <class T>
-struct Reader<T>::Impl : dds::DataReaderListener {
+struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
   Impl(Bus& bus, std::size_t capacity, std::function<void(const T&)> to = {})
       : participant(bus.participant()),
         ring(capacity == 0 ? bus::Topic<T>::kRing : capacity),
         tap(std::move(to)) {
+    open();
+    participant->add(this);
+  }
+  ~Impl() override {
+    participant->remove(this);
+    close();
+  }
+
+  void open() {
     reader = participant->subscriber()->create_datareader(
         bus::topic_of<T>(*participant), bus::reader_qos(bus::Topic<T>::kIntent), this,
         dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
     if (reader == nullptr)
       throw environment_error(std::string("the middleware refused a reader of ") + bus::Topic<T>::kName);
   }
-  ~Impl() override {
+  void close() {
+    if (reader == nullptr) return;
     reader->set_listener(nullptr);
     participant->subscriber()->delete_datareader(reader);
+    reader = nullptr;
+    matched = 0;
+  }
+  void renew() override {
+    close();
+    try {
+      open();
+    } catch (const StartupError&) {  // tried again when the addresses change once more
+    }
   }
 
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {

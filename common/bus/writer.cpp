@@ -7,6 +7,7 @@
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
 #include <thread>
+#include <vector>
 
 #include "common/bus/qos.h"
 #include "common/bus/topic.h"
@@ -17,29 +18,68 @@ namespace dds = eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 
 template <class T>
-struct Writer<T>::Impl : dds::DataWriterListener {
+struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   using Topic = bus::Topic<T>;
+  using Wire = typename Topic::Type::type;
+  static constexpr bool kLatched = Topic::kIntent == bus::Intent::kLatched || Topic::kIntent == bus::Intent::kStop;
 
   explicit Impl(Bus& bus) : participant(bus.participant()) {
+    open();
+    participant->add(this);
+  }
+  ~Impl() override {
+    participant->remove(this);
+    close();
+  }
+
+  void open() {
     for (int lane = 0; lane < Topic::kLanes; ++lane) {
       dds::DataWriterQos qos = bus::writer_qos(Topic::kIntent);
       if (Topic::kEntity != 0) qos.endpoint().entity_id = static_cast<std::int16_t>(Topic::kEntity + lane);
       lanes[lane] = participant->publisher()->create_datawriter(bus::topic_of<T>(*participant), qos, this,
                                                                 dds::StatusMask::publication_matched());
       if (lanes[lane] == nullptr) {
-        remove_lanes();
+        close();
         throw environment_error(std::string("the middleware refused a writer of ") + Topic::kName);
       }
     }
   }
-  ~Impl() override { remove_lanes(); }
-
-  void remove_lanes() {
-    for (dds::DataWriter* lane : lanes) {
+  void close() {
+    for (dds::DataWriter*& lane : lanes) {
       if (lane == nullptr) continue;
       lane->set_listener(nullptr);
       participant->publisher()->delete_datawriter(lane);
+      lane = nullptr;
     }
+    matched = 0;
+  }
+  /// What is latched is said again by the new writer.
+  void renew() override {
+    while (busy.test_and_set(std::memory_order_acquire)) std::this_thread::yield();
+    close();
+    try {
+      open();
+      for (Wire& value : kept) (void)lanes[0]->write(&value);
+    } catch (const StartupError&) {  // tried again when the addresses change once more
+    }
+    busy.clear(std::memory_order_release);
+  }
+  /// A block does not wait for a writer that is made anew: it is lost, as on the way. Others wait.
+  bool begin() noexcept {
+    while (busy.test_and_set(std::memory_order_acquire)) {
+      if (Topic::kIntent == bus::Intent::kStream) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+  }
+  bool send() {
+    turn = (turn + 1) % lanes.size();
+    if (lanes[turn] == nullptr || !lanes[turn]->write(&wire)) return false;
+    if constexpr (kLatched) {
+      if (kept.size() == bus::kept_samples(Topic::kIntent)) kept.erase(kept.begin());
+      kept.push_back(wire);
+    }
+    return true;
   }
 
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
@@ -49,7 +89,9 @@ struct Writer<T>::Impl : dds::DataWriterListener {
   std::shared_ptr<Bus::Participant> participant;
   std::array<dds::DataWriter*, Topic::kLanes> lanes{};
   std::size_t turn = 0;
-  typename Topic::Type::type wire;  // reused, so that a stream allocates nothing
+  std::atomic_flag busy = ATOMIC_FLAG_INIT;  // written, or made anew
+  Wire wire;                                 // reused, so that a stream allocates nothing
+  std::vector<Wire> kept;                    // as many of the latched as whoever comes late gets
   std::atomic<int> matched{0};      // over all lanes
 };
 
@@ -65,10 +107,13 @@ Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
 template <class T>
 bool Writer<T>::write(const T& value) noexcept {
   try {
-    if (!bus::to_wire(value, impl_->participant->settings().contract, impl_->wire)) return false;
-    impl_->turn = (impl_->turn + 1) % impl_->lanes.size();
-    return impl_->lanes[impl_->turn]->write(&impl_->wire);
+    if (!impl_->begin()) return false;
+    const bool sent =
+        bus::to_wire(value, impl_->participant->settings().contract, impl_->wire) && impl_->send();
+    impl_->busy.clear(std::memory_order_release);
+    return sent;
   } catch (const std::exception&) {
+    impl_->busy.clear(std::memory_order_release);
     return false;
   }
 }
@@ -93,6 +138,7 @@ bool Writer<T>::wait_until_received(std::chrono::nanoseconds timeout) const {
   const auto end = std::chrono::steady_clock::now() + timeout;
   for (dds::DataWriter* lane : impl_->lanes) {
     const std::chrono::duration<double> left = end - std::chrono::steady_clock::now();
+    if (lane == nullptr) return false;
     if (lane->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(std::max(left.count(), 1e-3))) !=
         ReturnCode_t::RETCODE_OK) {
       return false;
