@@ -76,13 +76,20 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
 
   auto transport = bus::udp_transport();
   if (settings_.receive_filter) transport = settings_.receive_filter->over(std::move(transport));
-  const auto qos = bus::participant_qos(settings_, std::move(transport), announced);
+  auto qos = bus::participant_qos(settings_, std::move(transport), announced);
   // The threads that receive are started here. A busy machine would let them wait, and that looks like a bad
   // link.
   const RealTimePriority inherited(kNetworkPriority);
   self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
-  participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
+  {
+    // One at a time in a process. Another process may take the ports in between: the middleware then takes
+    // others.
+    static std::mutex choosing;
+    const std::lock_guard lock(choosing);
+    qos.wire_protocol().participant_id = bus::free_participant_id(settings_.domain);
+    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
+  }
   if (participant_ == nullptr) {
     throw environment_error(
         fmt::format("no DDS participant in domain {}: is the network up, and are UDP ports from {} free?",
