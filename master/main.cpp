@@ -10,12 +10,15 @@
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
 #include "common/bus/event_answers.h"
+#include "common/bus/link_test.h"
 #include "common/bus/process.h"
 #include "common/bus/ring.h"
+#include "common/bus/rival_watch.h"
 #include "common/bus/stop_line.h"
 #include "common/protocol/sentences.h"
 #include "common/runtime/program.h"
 #include "common/runtime/startup_error.h"
+#include "master/link_words.h"
 #include "master/station.h"
 #include "master/telemetry.h"
 #include "netem/drivers/netem_flags.h"
@@ -32,6 +35,7 @@ struct Flags {
   netem::NetemFlags netem;
   StationSettings station;
   StopFlags stop;
+  LinkTestFlags link;
   std::string record;
   double duration_s = 0.0;
   double wait_s = 20.0;
@@ -65,11 +69,19 @@ const Lookout::Wish* missing_of(bool contour, bool slave, MasterMode mode) {
   return !contour ? &kContourMissing : !slave ? &kSlaveMissing : nullptr;
 }
 
+RivalWatch::Obeyed obeyed_by(const StateHeader* slave, std::uint32_t epoch) {
+  if (slave == nullptr || slave->master_epoch == 0) return RivalWatch::Obeyed::kNobody;
+  return slave->master_epoch == epoch ? RivalWatch::Obeyed::kUs : RivalWatch::Obeyed::kAnother;
+}
+
 int run(Flags& flags) {
   if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "master");
   BusSettings settings = flags.bus.bus_settings(Site::kOperator, "master");
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
+  if (!flags.link.peer.empty()) settings.peers.push_back(flags.link.peer);
+  if (flags.link.link_test)
+    return run_link_test(settings, flags.link);
   flags.station.epoch = settings.epoch;
   Station station(flags.station);
 
@@ -96,6 +108,8 @@ int run(Flags& flags) {
   arrived_events.reserve(64);
   Snapshot values;
   EventAnswers answers(process.bus());
+  RivalWatch rivals(process.bus(), status);
+  LinkWords link;
   Ring<EventVerdict> verdicts(64);
   const Periodic beside(kTelemetryPeriod, [&] {
     if (const auto newest = values.load()) telemetry.write(*newest);
@@ -104,6 +118,8 @@ int run(Flags& flags) {
       answers.give(verdict->asker, verdict->refusal == nullptr ? "" : verdict->refusal);
     }
     answers.again();
+    rivals.look();
+    if (const std::string said = link.due(std::chrono::steady_clock::now()); !said.empty()) status.say(said);
     if (!flags.record.empty()) station.make_record_room();
   });
   double engaged_s = 0.0;
@@ -128,8 +144,10 @@ int run(Flags& flags) {
     const MasterNode& node = station.node();
     if (node.tick() % kTelemetryTicks == 0)
       values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks()));
+    link.step(slave);
+    const bool goes_on = rivals.goes_on(obeyed_by(slave, settings.epoch));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
-    return !done && !contour.refused() && !station.machine().failed();
+    return goes_on && !done && !contour.refused() && !station.machine().failed();
   });
   station.release();
 
@@ -151,6 +169,7 @@ int run(Flags& flags) {
     write_contour(flags.record, record);
     write_master(flags.record, record);
   }
+  if (const std::string why = rivals.sentence(); !why.empty()) throw environment_error(why);
   if (contour.refused()) throw input_error(contour.refusal());
   if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !failed) {
     throw environment_error(fmt::format(
@@ -171,6 +190,7 @@ void add_parameters(Flags& flags, Settings& settings) {
                "ends after this long engaged; 0: runs on");
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
                "with duration_s: gives up after this long not engaged");
+  flags.link.add_parameters(settings);
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);
 }

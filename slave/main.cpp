@@ -9,6 +9,7 @@
 #include "common/bus/bus_flags.h"
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
+#include "common/bus/link_test.h"
 #include "common/bus/process.h"
 #include "common/bus/stop_line.h"
 #include "common/protocol/sentences.h"
@@ -26,6 +27,7 @@ struct Flags {
   netem::NetemFlags netem;
   StationSettings station;
   StopFlags stop;
+  LinkTestFlags link;
   std::string record;
   void validate() const { (void)station.validated(); }
 };
@@ -58,6 +60,9 @@ int run(Flags& flags) {
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "slave");
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
+  if (!flags.link.peer.empty()) settings.peers.push_back(flags.link.peer);
+  if (flags.link.link_test)
+    return run_link_test(settings, flags.link, flags.station.node.interlock.beam_age_s);
   flags.station.epoch = settings.epoch;
   Station station(flags.station);
 
@@ -116,6 +121,7 @@ void add_parameters(Flags& flags, Settings& settings) {
   flags.station.add_parameters(settings);
   flags.stop.add_parameters(settings);
   settings.add("record", flags.record, kFolder, "for the record of the run");
+  flags.link.add_parameters(settings);
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);
   settings.moved("automatic", "is a program of its own now: telekerf-machine");

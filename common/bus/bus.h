@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,12 @@ class Bus {
   /// A sentence for each participant that has said what is not theirs to say in this cell, and was not heard:
   /// it has not announced itself here, has another role, or another start's number.
   std::vector<std::string> strangers() const;
+  /// Another process that has joined and does not fit beside this one: the two could not see each other before.
+  struct Rival {
+    std::string sentence;         ///< what does not fit, with its remedy
+    bool we_come_second = false;  ///< see presence.h
+  };
+  std::optional<Rival> rival() const;
   /// Processes that have announced themselves in other cells of the domain.
   std::vector<PresenceMessage> elsewhere() const;
 

@@ -12,6 +12,7 @@
 #include "common/bus/participant_qos.h"
 #include "common/bus/wire_messages.h"
 #include "common/runtime/real_time.h"
+#include "common/runtime/say.h"
 #include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
 
@@ -69,27 +70,25 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
                     .epoch = settings_.epoch,
                     .joined = false,
                     .version = kVersion};
+  if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
+  transport_ = bus::udp_transport();
+  if (settings_.receive_filter) transport_ = settings_.receive_filter->over(std::move(transport_));
+  create();
+}
+
+void Bus::Participant::create() {
   const auto announced = bus::presence_bytes(self_.presence);
   if (announced.empty())
     throw usage_error("the names of cell, role and process may have 64, 32 and 64 letters");
-  if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
-
-  auto transport = bus::udp_transport();
-  if (settings_.receive_filter) transport = settings_.receive_filter->over(std::move(transport));
-  auto qos = bus::participant_qos(settings_, std::move(transport), announced);
+  auto qos = bus::participant_qos(settings_, transport_, announced);
   // The threads that receive are started here. A busy machine would let them wait, and that looks like a bad
   // link.
   const RealTimePriority inherited(kNetworkPriority);
   self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
-  {
-    // One at a time in a process. Another process may take the ports in between: the middleware then takes
-    // others.
-    static std::mutex choosing;
-    const std::lock_guard lock(choosing);
-    qos.wire_protocol().participant_id = bus::free_participant_id(settings_.domain);
-    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
-        static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
-  }
+  number_ = std::make_unique<bus::ParticipantNumber>(settings_.domain);
+  qos.wire_protocol().participant_id = number_->value();
+  participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
   if (participant_ == nullptr) {
     throw environment_error(
         fmt::format("no DDS participant in domain {}: is the network up, and are UDP ports from {} free?",
@@ -103,12 +102,17 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
   subscriber_ = participant_->create_subscriber(subscriber_qos);
 }
 
-Bus::Participant::~Participant() {
-  network_.reset();
+void Bus::Participant::destroy() {
   if (participant_ == nullptr) return;
   participant_->set_listener(nullptr);
   participant_->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  participant_ = nullptr;
+}
+
+Bus::Participant::~Participant() {
+  network_.reset();
+  destroy();
 }
 
 void Bus::Participant::wait_for_objections() {
@@ -141,13 +145,25 @@ void Bus::Participant::join() {
 }
 
 void Bus::Participant::addresses_changed(bool lost) {
-  // The middleware looks at the interfaces, and says where it is to be reached, when it is given its settings, the
-  // same ones too. Endpoints keep the addresses that they were made with: they are made anew, unless that
-  // would interrupt what still works.
-  (void)participant_->set_qos(participant_->get_qos());
+  // The middleware notices new interfaces when it is told to look, but whoever has found this participant before
+  // goes on with the addresses of then (Fast DDS 2.9). So it is made anew, unless that would interrupt what
+  // still works.
   if (!lost && whole()) return;
   const std::lock_guard lock(endpoints_mutex_);
-  for (Endpoint* const endpoint : endpoints_) endpoint->renew();
+  for (Endpoint* const endpoint : endpoints_) endpoint->close();
+  destroy();
+  {
+    const std::lock_guard neighbours(mutex_);
+    others_.clear();
+    elsewhere_.clear();
+    addresses_.clear();
+  }
+  try {
+    create();
+    for (Endpoint* const endpoint : endpoints_) endpoint->open();
+  } catch (const StartupError& refusal) {
+    write_line(stderr, fmt::format("{}: after a change of the network: {}", settings_.role, refusal.what()));
+  }
 }
 
 bool Bus::Participant::whole() const {
@@ -162,12 +178,14 @@ bool Bus::Participant::whole() const {
 
 void Bus::Participant::add(Endpoint* endpoint) {
   const std::lock_guard lock(endpoints_mutex_);
+  endpoint->open();
   endpoints_.insert(endpoint);
 }
 
 void Bus::Participant::remove(Endpoint* endpoint) {
   const std::lock_guard lock(endpoints_mutex_);
   endpoints_.erase(endpoint);
+  endpoint->close();
 }
 
 void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
@@ -221,6 +239,17 @@ std::vector<std::string> Bus::Participant::strangers() const {
   std::vector<std::string> sentences;
   for (const auto& [key, sentence] : strangers_) sentences.push_back(sentence);
   return sentences;
+}
+
+std::optional<Bus::Rival> Bus::Participant::rival() const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [key, other] : others_) {
+    // This start's own participant of before a change of the network may not be forgotten yet.
+    if (!other.presence.joined || other.presence.epoch == self_.presence.epoch) continue;
+    if (auto reason = incompatibility(self_.presence, other.presence))
+      return Rival{*reason, comes_second(self_, other)};
+  }
+  return std::nullopt;
 }
 
 std::vector<PresenceMessage> Bus::Participant::elsewhere() const {

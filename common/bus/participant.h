@@ -15,6 +15,7 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/network_watch.h"
+#include "common/bus/participant_qos.h"
 #include "common/bus/presence.h"
 
 namespace telekerf {
@@ -34,6 +35,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   BusCounters counters() const;
   std::vector<std::string> strangers() const;
   std::vector<PresenceMessage> elsewhere() const;
+  std::optional<Rival> rival() const;
 
   /// In a thread of the middleware, no allocation if it may. Whether this writer's process has announced itself
   /// in this cell, in this role (null: any) and as the start `epoch`. Whoever has not is remembered.
@@ -44,15 +46,19 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   eprosima::fastdds::dds::Topic* topic(const char* name, const eprosima::fastdds::dds::TypeSupport& type);
   eprosima::fastdds::dds::Publisher* publisher() { return publisher_; }
   eprosima::fastdds::dds::Subscriber* subscriber() { return subscriber_; }
-  /// A reader or writer, which is made anew where this computer's addresses have changed.
+  /// A reader or writer. All are made anew, with the participant, where this computer's addresses have changed.
   class Endpoint {
    public:
-    virtual void renew() = 0;
+    /// Throws StartupError.
+    virtual void open() = 0;
+    virtual void close() = 0;
 
    protected:
     ~Endpoint() = default;
   };
+  /// Opens it. Throws StartupError.
   void add(Endpoint* endpoint);
+  /// Closes it.
   void remove(Endpoint* endpoint);
   bool is_own(const eprosima::fastrtps::rtps::GUID_t& writer) const {
     return writer.guidPrefix == participant_->guid().guidPrefix;
@@ -63,6 +69,8 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
 
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
+  void create();
+  void destroy();
   void wait_for_objections();
   void addresses_changed(bool lost);
   /// Both sites are seen.
@@ -71,6 +79,8 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
 
   BusSettings settings_;
   std::vector<std::string> notes_;
+  std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> transport_;
+  std::unique_ptr<bus::ParticipantNumber> number_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;

@@ -22,36 +22,26 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
       : participant(bus.participant()),
         ring(capacity == 0 ? bus::Topic<T>::kRing : capacity),
         tap(std::move(to)) {
-    open();
     participant->add(this);
   }
   ~Impl() override {
     participant->remove(this);
-    close();
   }
 
-  void open() {
+  void open() override {
     reader = participant->subscriber()->create_datareader(
         bus::topic_of<T>(*participant), bus::reader_qos(bus::Topic<T>::kIntent), this,
         dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
     if (reader == nullptr)
       throw environment_error(std::string("the middleware refused a reader of ") + bus::Topic<T>::kName);
   }
-  void close() {
+  void close() override {
     if (reader == nullptr) return;
     reader->set_listener(nullptr);
     participant->subscriber()->delete_datareader(reader);
     reader = nullptr;
     matched = 0;
   }
-  void renew() override {
-    close();
-    try {
-      open();
-    } catch (const StartupError&) {  // tried again when the addresses change once more
-    }
-  }
-
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
     matched.fetch_add(status.current_count_change, std::memory_order_relaxed);
   }
@@ -85,26 +75,28 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
     }
   }
 
-  /// Who announces itself as another start than the stream's own is not the one who sends it. A stop is heard
-  /// from everyone: it can only make things safer, and who says it may not be known yet.
-  bool may_say(const T& value, const eprosima::fastrtps::rtps::GUID_t& writer) {
+  /// Whether what is in `wire` may come from this writer. Who announces itself as another start than the
+  /// stream's own is not the one who sends it. A stop is heard from everyone: it can only make things safer, and
+  /// who says it may not be known yet. What speaks another contract is judged by that.
+  bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer) {
+    if (wire.contract() != participant->settings().contract) return true;
     std::optional<std::uint32_t> epoch;
-    if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) epoch = value.epoch;
+    if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) epoch = wire.epoch();
     if constexpr (std::is_same_v<T, StopMessage>) {
-      if (value.set) return true;
+      if (wire.in_force() != 0) return true;
     }
     return participant->may_say(writer, bus::Topic<T>::kName, bus::Topic<T>::kFrom, epoch);
   }
 
   void accept(std::int64_t now_ns, const eprosima::fastrtps::rtps::GUID_t& writer) {
+    if (!may_say(writer)) {
+      strangers.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
     Received<T> sample;
     sample.received_ns = now_ns;
     switch (bus::from_wire(wire, participant->settings().contract, sample.value)) {
       case bus::Verdict::kGood:
-        if (!may_say(sample.value, writer)) {
-          strangers.fetch_add(1, std::memory_order_relaxed);
-          return;
-        }
         received.fetch_add(1, std::memory_order_relaxed);
         if (tap) {
           tap(sample.value);

@@ -24,27 +24,32 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   static constexpr bool kLatched = Topic::kIntent == bus::Intent::kLatched || Topic::kIntent == bus::Intent::kStop;
 
   explicit Impl(Bus& bus) : participant(bus.participant()) {
-    open();
     participant->add(this);
   }
   ~Impl() override {
     participant->remove(this);
-    close();
   }
 
-  void open() {
+  /// What is latched is said again by a new writer.
+  void open() override {
+    const Turn turn(*this);
     for (int lane = 0; lane < Topic::kLanes; ++lane) {
       dds::DataWriterQos qos = bus::writer_qos(Topic::kIntent);
       if (Topic::kEntity != 0) qos.endpoint().entity_id = static_cast<std::int16_t>(Topic::kEntity + lane);
       lanes[lane] = participant->publisher()->create_datawriter(bus::topic_of<T>(*participant), qos, this,
                                                                 dds::StatusMask::publication_matched());
       if (lanes[lane] == nullptr) {
-        close();
+        remove_lanes();
         throw environment_error(std::string("the middleware refused a writer of ") + Topic::kName);
       }
     }
+    for (Wire& value : kept) (void)lanes[0]->write(&value);
   }
-  void close() {
+  void close() override {
+    const Turn turn(*this);
+    remove_lanes();
+  }
+  void remove_lanes() {
     for (dds::DataWriter*& lane : lanes) {
       if (lane == nullptr) continue;
       lane->set_listener(nullptr);
@@ -53,28 +58,21 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
     }
     matched = 0;
   }
-  /// What is latched is said again by the new writer.
-  void renew() override {
-    while (busy.test_and_set(std::memory_order_acquire)) std::this_thread::yield();
-    close();
-    try {
-      open();
-      for (Wire& value : kept) (void)lanes[0]->write(&value);
-    } catch (const StartupError&) {  // tried again when the addresses change once more
+
+  /// Who writes, and who makes the lanes anew, one at a time.
+  struct Release {
+    std::atomic_flag& busy;
+    ~Release() { busy.clear(std::memory_order_release); }
+  };
+  struct Turn : Release {
+    explicit Turn(Impl& impl) : Release{impl.busy} {
+      while (this->busy.test_and_set(std::memory_order_acquire))
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    busy.clear(std::memory_order_release);
-  }
-  /// A block does not wait for a writer that is made anew: it is lost, as on the way. Others wait.
-  bool begin() noexcept {
-    while (busy.test_and_set(std::memory_order_acquire)) {
-      if (Topic::kIntent == bus::Intent::kStream) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return true;
-  }
+  };
   bool send() {
-    turn = (turn + 1) % lanes.size();
-    if (lanes[turn] == nullptr || !lanes[turn]->write(&wire)) return false;
+    next = (next + 1) % lanes.size();
+    if (lanes[next] == nullptr || !lanes[next]->write(&wire)) return false;
     if constexpr (kLatched) {
       if (kept.size() == bus::kept_samples(Topic::kIntent)) kept.erase(kept.begin());
       kept.push_back(wire);
@@ -88,7 +86,7 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
 
   std::shared_ptr<Bus::Participant> participant;
   std::array<dds::DataWriter*, Topic::kLanes> lanes{};
-  std::size_t turn = 0;
+  std::size_t next = 0;
   std::atomic_flag busy = ATOMIC_FLAG_INIT;  // written, or made anew
   Wire wire;                                 // reused, so that a stream allocates nothing
   std::vector<Wire> kept;                    // as many of the latched as whoever comes late gets
@@ -107,13 +105,19 @@ Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
 template <class T>
 bool Writer<T>::write(const T& value) noexcept {
   try {
-    if (!impl_->begin()) return false;
-    const bool sent =
-        bus::to_wire(value, impl_->participant->settings().contract, impl_->wire) && impl_->send();
-    impl_->busy.clear(std::memory_order_release);
-    return sent;
+    const auto send = [&] {
+      return bus::to_wire(value, impl_->participant->settings().contract, impl_->wire) && impl_->send();
+    };
+    if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) {
+      // A block does not wait for lanes that are made anew: it is lost, as on the way.
+      if (impl_->busy.test_and_set(std::memory_order_acquire)) return false;
+      const typename Impl::Release end{impl_->busy};
+      return send();
+    } else {
+      const typename Impl::Turn turn(*impl_);
+      return send();
+    }
   } catch (const std::exception&) {
-    impl_->busy.clear(std::memory_order_release);
     return false;
   }
 }
