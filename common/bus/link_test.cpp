@@ -191,7 +191,7 @@ class Side {
       fmt::print("{}\n", json.dump(2));
     } else {
       for (const LinkVerdict& verdict : verdicts)
-        fmt::print("  {:<52} {:<34} {}{}\n", verdict.what, verdict.value, text_of(verdict.word),
+        fmt::print("  {:<56} {:<34} {}{}\n", verdict.what, verdict.value, text_of(verdict.word),
                    verdict.word == LinkWord::kGood ? "" : ": " + verdict.remedy);
       for (const std::string& note : bus_.notes()) fmt::print("  {}\n", note);
       fmt::print("{}: the link is {}{}\n", master_ ? "master" : "slave", text_of(word),

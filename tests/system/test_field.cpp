@@ -20,6 +20,8 @@ std::vector<std::string> in_cell(std::vector<std::string> arguments, const std::
 
 class Field : public testing::Test {
  protected:
+  /// No stop of an earlier test holds.
+  Field() { std::filesystem::remove_all(Program::scratch() / "state"); }
   static std::unique_ptr<Program> start(const std::string& program, const std::vector<std::string>& more = {}) {
     return std::make_unique<Program>(program, in_cell(more));
   }
