@@ -13,10 +13,12 @@
 #include "common/bus/process.h"
 #include "common/bus/stop_line.h"
 #include "common/protocol/sentences.h"
+#include "common/runtime/clock.h"
 #include "common/runtime/program.h"
 #include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
 #include "slave/explainer.h"
+#include "slave/look_log.h"
 #include "slave/station.h"
 
 namespace telekerf::slave {
@@ -79,6 +81,14 @@ int run(Flags& flags) {
   process.status().say(fmt::format("commands older than {:g} s, there and back, give no light (--beam-age-s)",
                                    flags.station.node.interlock.beam_age_s));
 
+  const double look_age_s = flags.station.node.interlock.max_look_age_s;
+  process.status().say(look_age_s > 0.0
+                           ? fmt::format("no light when vision has not seen the contour for {:g} s (--look-age-s)", look_age_s)
+                           : "nobody asks how long ago vision has seen the contour (--look-age-s 0)");
+  LookLog looks;
+  const Reader<TelemetryMessage> vision(
+      process.bus(), [&looks](const TelemetryMessage& message) { looks.hear(message, monotonic_ns()); });
+
   std::vector<Received<CommandBlock>> arrived_commands;
   arrived_commands.reserve(64);
   Explainer explainer(process.status());
@@ -88,7 +98,9 @@ int run(Flags& flags) {
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(commands, arrived_commands);
     const Corridor* const corridor = contour.current();
-    const SlaveOutputs out = station.step(now_ns, corridor, arrived_commands, emergency.order());
+    const SlaveOutputs out = station.step(
+        now_ns, corridor, arrived_commands, emergency.order(),
+        corridor != nullptr ? looks.age_s(corridor->contour_id, now_ns) : laser::kAbsent);
     emergency.obeyed(out.stop);
     if (out.state) states.write(*out.state);
     process.status().state(text_of(out.mode, out.reason));

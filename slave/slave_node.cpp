@@ -108,6 +108,7 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
           .emission_agrees = inputs.emission_agrees,
           .monitor_agrees = inputs.monitor_agrees,
           .command_age_s = selected.due_age_s >= 0.0 ? selected.due_age_s : laser::kAbsent,
+          .look_age_s = inputs.look_age_s,
           .radius_m = place.norm(),
           .height_m = std::abs(tool.position_m.z()),
           .contour_distance_m = on_contour.distance_m,

@@ -54,6 +54,7 @@ struct SlaveInputs {
   std::span<const Received<CommandBlock>> commands;  ///< since the last step, in order of arrival
   StopOrder stop;
   const Corridor* corridor = nullptr;  ///< null: no contour yet; must outlive its use
+  double look_age_s = laser::kAbsent;  ///< since vision last saw this contour; absent: it has not
   bool monitor_agrees = true;          ///< see laser::BeamMonitor
   bool emission_agrees = true;         ///< see LaserOutput::emission_agrees()
 };

@@ -46,7 +46,8 @@ class Station {
   std::unique_ptr<Corridor> prepare(const ContourMessage& contour) const;
 
   SlaveOutputs step(std::int64_t now_ns, const Corridor* corridor,
-                    std::span<const Received<CommandBlock>> commands, const StopOrder& stop = {}) noexcept;
+                    std::span<const Received<CommandBlock>> commands, const StopOrder& stop = {},
+                    double look_age_s = laser::kAbsent) noexcept;
 
   /// See SlaveNode::change().
   void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {

@@ -104,14 +104,18 @@ int run(const Flags& flags) {
   Writer<ContourMessage> writer(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());
   auto report_at = std::chrono::steady_clock::now();
+  auto looked = report_at;  // when it was last seen where it is
   while (!stop_requested()) {
+    if (seen && *seen && node.confirms()) looked = std::chrono::steady_clock::now();
     if (!outcome.remark.empty()) write_line(stderr, "vision: " + outcome.remark);
     if (outcome.publish) {
       writer.write(*outcome.publish);
       say(*outcome.publish, process.status());
     }
     if (const auto now = std::chrono::steady_clock::now(); now >= report_at) {
-      telemetry.write(node.record());
+      TelemetryMessage record = node.record();
+      record.values.emplace_back("look_age_s", std::chrono::duration<double>(now - looked).count());
+      telemetry.write(record);
       report_at = now + std::chrono::seconds(1);
     }
     // A live camera sets the pace; for files and for what is gone, now and then will do.

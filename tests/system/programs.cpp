@@ -40,7 +40,12 @@ void Program::kill() { child_->terminate(); }
 bool Program::running() { return child_->running(); }
 
 int Program::wait(std::chrono::seconds timeout) {
-  if (!child_->wait_for(timeout)) return -1;
+  // Not wait_for(): it waits for a signal, which another child of ours may have used up.
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  while (child_->running()) {
+    if (std::chrono::steady_clock::now() > end) return -1;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   return child_->exit_code();
 }
 

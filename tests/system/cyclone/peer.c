@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A foreign peer in Telekerf's cell: announces an event, waits for the latched contour and one state block, prints both.
 // Usage: cyclone_peer DOMAIN CELL CONTRACT           the conversation above
-//        cyclone_peer DOMAIN CELL CONTRACT ROLE      says for a second what a master says, as this ROLE; "-": unnamed
+//        cyclone_peer DOMAIN CELL CONTRACT ROLE      says a hundred times what a master says, as this ROLE; "-": unnamed
 #include <dds/dds.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -28,6 +28,16 @@ static void take_one(dds_entity_t reader, void** sample, const char* what) {
   }
   fprintf(stderr, "no %s\n", what);
   exit(1);
+}
+
+// Within 20 s.
+static void wait_for_reader(dds_entity_t writer) {
+  for (int i = 0; i < 2000; ++i) {
+    dds_publication_matched_status_t status;
+    dds_get_publication_matched_status(writer, &status);
+    if (status.current_count > 0) break;
+    dds_sleepfor(DDS_MSECS(10));
+  }
 }
 
 // Presence as the IDL has it: little-endian plain CDR in USER_DATA.
@@ -75,7 +85,8 @@ static int command(dds_entity_t participant, const char* cell, uint16_t contract
   memset(&block, 0, sizeof block);
   block.contract = contract;
   block.epoch = 7;
-  for (int i = 0; i < 400; ++i) {
+  wait_for_reader(writer);
+  for (int i = 0; i < 100; ++i) {
     dds_write(writer, &block);
     dds_sleepfor(DDS_MSECS(10));
   }
@@ -133,12 +144,7 @@ int main(int argc, char** argv) {
   telekerf_wire_StateBlock_free(sample, DDS_FREE_ALL);
 
   telekerf_wire_Event event = {.contract = contract, .epoch = 7, .kind = 2, .value = 0.5, .text = "from elsewhere"};
-  for (int i = 0; i < 2000; ++i) {
-    dds_publication_matched_status_t status;
-    dds_get_publication_matched_status(event_writer, &status);
-    if (status.current_count > 0) break;
-    dds_sleepfor(DDS_MSECS(10));
-  }
+  wait_for_reader(event_writer);
   dds_write(event_writer, &event);
   dds_wait_for_acks(event_writer, DDS_SECS(10));
   dds_delete(participant);
