@@ -14,8 +14,10 @@ constexpr std::chrono::seconds kAgain{5};
 std::string link_sentence(double age_s) {
   if (age_s < 0.0) return {};
   return fmt::format(
-      "the link is too slow for the laser: commands are {:.2f} s old, there and back, when the slave applies them, "
-      "and its --beam-age-s allows less; mend the link, or start the slave with a --beam-age-s above that (at most 2)",
+      "the link is too slow for the laser: commands are {:.2f} s old, there and back, when the slave applies "
+      "them, "
+      "and its --beam-age-s allows less; mend the link, or start the slave with a --beam-age-s above that "
+      "(at most 2)",
       age_s);
 }
 

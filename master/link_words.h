@@ -10,8 +10,8 @@
 
 namespace telekerf::master {
 
-/// Why the link keeps the laser off, and what may be done; empty: it does not. `age_s`: of the commands, there
-/// and back, as the slave judges it; negative: it cannot.
+/// Why the link keeps the laser off, and what may be done; empty: it does not. `age_s`: of the commands,
+/// there and back, as the slave judges it; negative: it cannot.
 std::string link_sentence(double age_s);
 
 /// Hands the state of the link from the control loop to the thread that says it.
@@ -22,7 +22,8 @@ class LinkWords {
     const bool late = slave != nullptr && slave->command_age_s >= 0.0 && (slave->guards & kAgeGuard) != 0;
     late_s_.store(late ? slave->command_age_s : -1.0, std::memory_order_relaxed);
   }
-  /// Now and then: the sentence that is due, at once and then every few seconds while it lasts; empty: none is.
+  /// Now and then: the sentence that is due, at once and then every few seconds while it lasts; empty: none
+  /// is.
   std::string due(std::chrono::steady_clock::time_point now);
 
  private:

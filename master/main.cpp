@@ -80,8 +80,7 @@ int run(Flags& flags) {
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
   if (!flags.link.peer.empty()) settings.peers.push_back(flags.link.peer);
-  if (flags.link.link_test)
-    return run_link_test(settings, flags.link);
+  if (flags.link.link_test) return run_link_test(settings, flags.link);
   flags.station.epoch = settings.epoch;
   Station station(flags.station);
 
@@ -133,8 +132,10 @@ int run(Flags& flags) {
     if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
     // Who is stopped does not wait for anybody.
-    if (out.mode == MasterMode::kEngaged) engaged_s += station.control_period_s();
-    else if (out.mode != MasterMode::kStopped) waited_s += station.control_period_s();
+    if (out.mode == MasterMode::kEngaged)
+      engaged_s += station.control_period_s();
+    else if (out.mode != MasterMode::kStopped)
+      waited_s += station.control_period_s();
     const StateHeader* const slave = station.node().slave();
     status.state(text_of(out.mode, slave, slave != nullptr && slave->master_epoch == settings.epoch));
     for (std::size_t n = 0; n < out.verdict_count; ++n) verdicts.push(EventVerdict(out.verdicts[n]));

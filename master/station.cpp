@@ -70,7 +70,8 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
     const OperatorRequests::Heard heard =
         requests_.hear({&event, 1}, {stop.number != 0, slave != nullptr && slave->laser_on});
     out.prepare_anew = out.prepare_anew || heard.rescale;
-    if (out.verdict_count < out.verdicts.size()) out.verdicts[out.verdict_count++] = {event.epoch, heard.refusal};
+    if (out.verdict_count < out.verdicts.size())
+      out.verdicts[out.verdict_count++] = {event.epoch, heard.refusal};
   }
   const Tick tick = node_.tick();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();

@@ -38,7 +38,7 @@ struct StationOutputs : MasterOutputs {
   static constexpr std::size_t kMostVerdicts = 16;
   std::array<EventVerdict, kMostVerdicts> verdicts;
   std::size_t verdict_count = 0;
-  bool prepare_anew = false;      ///< another scale is asked for: prepare() the contour once more
+  bool prepare_anew = false;  ///< another scale is asked for: prepare() the contour once more
 };
 
 class Station {
@@ -67,7 +67,9 @@ class Station {
   /// The master's part of the record: rows and figures.
   void report(RunRecord& record) const;
   /// Beside the loop, several times a second: memory for a record that goes on.
-  void make_record_room() { recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz)); }
+  void make_record_room() {
+    recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz));
+  }
 
  private:
   static constexpr double kRoom_s = 10.0;

@@ -11,7 +11,8 @@ namespace telekerf::slave {
 
 class LookLog {
  public:
-  /// In the thread that hears: "contour_id" and "look_age_s" of vision's telemetry; other telemetry is nothing.
+  /// In the thread that hears: "contour_id" and "look_age_s" of vision's telemetry; other telemetry is
+  /// nothing.
   void hear(const TelemetryMessage& message, std::int64_t now_ns);
   /// For the control loop, wait-free: since this contour was last seen, s; not finite: it was not.
   double age_s(std::uint32_t contour_id, std::int64_t now_ns) const noexcept;

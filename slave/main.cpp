@@ -82,9 +82,10 @@ int run(Flags& flags) {
                                    flags.station.node.interlock.beam_age_s));
 
   const double look_age_s = flags.station.node.interlock.max_look_age_s;
-  process.status().say(look_age_s > 0.0
-                           ? fmt::format("no light when vision has not seen the contour for {:g} s (--look-age-s)", look_age_s)
-                           : "nobody asks how long ago vision has seen the contour (--look-age-s 0)");
+  process.status().say(
+      look_age_s > 0.0
+          ? fmt::format("no light when vision has not seen the contour for {:g} s (--look-age-s)", look_age_s)
+          : "nobody asks how long ago vision has seen the contour (--look-age-s 0)");
   LookLog looks;
   const Reader<TelemetryMessage> vision(
       process.bus(), [&looks](const TelemetryMessage& message) { looks.hear(message, monotonic_ns()); });
@@ -98,9 +99,9 @@ int run(Flags& flags) {
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(commands, arrived_commands);
     const Corridor* const corridor = contour.current();
-    const SlaveOutputs out = station.step(
-        now_ns, corridor, arrived_commands, emergency.order(),
-        corridor != nullptr ? looks.age_s(corridor->contour_id, now_ns) : laser::kAbsent);
+    const SlaveOutputs out =
+        station.step(now_ns, corridor, arrived_commands, emergency.order(),
+                     corridor != nullptr ? looks.age_s(corridor->contour_id, now_ns) : laser::kAbsent);
     emergency.obeyed(out.stop);
     if (out.state) states.write(*out.state);
     process.status().state(text_of(out.mode, out.reason));
@@ -119,7 +120,8 @@ int run(Flags& flags) {
     add_figures(process.bus().counters(), commands.counters(), record.slave_figures);
     netem::add_figures(emulator.get(), record.slave_figures);
     if (const auto lost = record.slave_figures["dropped_rows"]; lost > 0)
-      process.status().say(fmt::format("the record lacks its last {:.0f} rows: there was no memory for them", lost));
+      process.status().say(
+          fmt::format("the record lacks its last {:.0f} rows: there was no memory for them", lost));
     write_slave(flags.record, record);
   }
   if (contour.refused()) throw input_error(contour.refusal());

@@ -66,7 +66,9 @@ class Station {
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
   void report(RunRecord& record) const;
   /// Beside the loop, several times a second: memory for a record that goes on.
-  void make_record_room() { recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz)); }
+  void make_record_room() {
+    recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz));
+  }
 
  private:
   static constexpr double kRoom_s = 10.0;

@@ -60,7 +60,8 @@ class Bus {
   /// A sentence for each participant that has said what is not theirs to say in this cell, and was not heard:
   /// it has not announced itself here, has another role, or another start's number.
   std::vector<std::string> strangers() const;
-  /// Another process that has joined and does not fit beside this one: the two could not see each other before.
+  /// Another process that has joined and does not fit beside this one: the two could not see each other
+  /// before.
   struct Rival {
     std::string sentence;         ///< what does not fit, with its remedy
     bool we_come_second = false;  ///< see presence.h

@@ -27,10 +27,10 @@ namespace telekerf {
 std::string title_of(const ContourMessage& message);
 
 /// `Prepared` is what a node needs of a contour (a guide, a corridor). A first contour that does not fit ends
-/// the subscription with the StartupError's sentence. Another one than that in force waits until an operator takes
-/// it (EventMessage::Kind::kTakeContour); of several the last one waits. If it does not fit then it is refused
-/// with its sentence, and what is in force stays. So is one whose id is not its digest. The contour in force,
-/// published again, changes nothing.
+/// the subscription with the StartupError's sentence. Another one than that in force waits until an operator
+/// takes it (EventMessage::Kind::kTakeContour); of several the last one waits. If it does not fit then it is
+/// refused with its sentence, and what is in force stays. So is one whose id is not its digest. The contour
+/// in force, published again, changes nothing.
 template <class Prepared>
 class ContourSubscriber {
  public:
@@ -44,8 +44,8 @@ class ContourSubscriber {
         prepare_(std::move(prepare)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-  /// The contour in force as prepared last, null before the first. For one thread, the control loop's, once a step:
-  /// wait-free. What an earlier step got may be freed after the step that got another one (Handover).
+  /// The contour in force as prepared last, null before the first. For one thread, the control loop's, once a
+  /// step: wait-free. What an earlier step got may be freed after the step that got another one (Handover).
   Prepared* current() noexcept { return prepared_.current(); }
   /// True once a contour was refused; `refusal()` says why.
   bool refused() const noexcept { return refused_.load(std::memory_order_acquire); }
@@ -98,9 +98,10 @@ class ContourSubscriber {
       return;
     }
     if (message.id == message_.id || (waiting_ && message.id == waiting_->id)) return;
-    write_line(stdout, fmt::format("{}: {} has come and waits; {} stays in force unless it is told: telekerf-ctl "
-                                   "take-contour {}",
-                                   role_, title_of(message), title_of(message_), message.id));
+    write_line(stdout,
+               fmt::format("{}: {} has come and waits; {} stays in force unless it is told: telekerf-ctl "
+                           "take-contour {}",
+                           role_, title_of(message), title_of(message_), message.id));
     waiting_ = std::move(message);
   }
   /// Why nothing comes of it; empty: it is done.

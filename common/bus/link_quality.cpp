@@ -10,9 +10,9 @@
 namespace telekerf {
 namespace {
 
-constexpr double kBlock_ms = 16.0;     // between two blocks
-constexpr double kFilling_ms = 15.0;   // of a block, before it is sent
-constexpr double kMargin_ms = 2.0;     // of the play-out
+constexpr double kBlock_ms = 16.0;    // between two blocks
+constexpr double kFilling_ms = 15.0;  // of a block, before it is sent
+constexpr double kMargin_ms = 2.0;    // of the play-out
 constexpr double kMostPerSecond = 700.0;
 
 struct Limits {
@@ -46,7 +46,8 @@ void judge_way(const LinkWay& way, const char* name, std::vector<LinkVerdict>& o
     out.push_back({"loss" + where, fmt::format("{:.2f} %", 100.0 * f.loss), word_of(f.loss, kLoss),
                    "a cable instead of radio, or --redundancy"});
     out.push_back({"jitter (p99.9)" + where, fmt::format("{:.1f} ms", f.jitter_p999_ms),
-                   word_of(f.jitter_p999_ms, kJitter_ms), "something else fills the link, or the computer is busy"});
+                   word_of(f.jitter_p999_ms, kJitter_ms),
+                   "something else fills the link, or the computer is busy"});
     out.push_back({"longest gap" + where, fmt::format("{:.0f} ms", f.longest_gap_ms),
                    word_of(f.longest_gap_ms, kGap_ms), "the slave holds after --stale-s without commands"});
   }
@@ -88,12 +89,14 @@ LinkWay LinkMeter::result() const {
     }
     std::sort(numbers.begin(), numbers.end());
     const auto different = std::unique(numbers.begin(), numbers.end()) - numbers.begin();
-    const double sent = static_cast<double>(numbers[static_cast<std::size_t>(different - 1)] - numbers.front()) + 1.0;
+    const double sent =
+        static_cast<double>(numbers[static_cast<std::size_t>(different - 1)] - numbers.front()) + 1.0;
     f.loss = 1.0 - static_cast<double>(different) / sent;
     const double fastest = *std::min_element(transit_ms.begin(), transit_ms.end());
     const auto rank = std::min(transit_ms.size() - 1,
                                static_cast<std::size_t>(0.999 * static_cast<double>(transit_ms.size())));
-    std::nth_element(transit_ms.begin(), transit_ms.begin() + static_cast<std::ptrdiff_t>(rank), transit_ms.end());
+    std::nth_element(transit_ms.begin(), transit_ms.begin() + static_cast<std::ptrdiff_t>(rank),
+                     transit_ms.end());
     f.jitter_p999_ms = transit_ms[rank] - fastest;
   }
   // The fastest of the first and of the last third of the quicker rate: delay can only add to either.
@@ -123,12 +126,15 @@ std::vector<LinkVerdict> judged(const LinkReport& report) {
   std::vector<LinkVerdict> out;
   judge_way(report.forward, "operator to slave", out);
   judge_way(report.backward, "slave to operator", out);
-  out.push_back({"round trip (p99)", fmt::format("{:.1f} ms, median {:.1f} ms", report.rtt_p99_ms, report.rtt_p50_ms),
-                 word_of(report.rtt_p99_ms, kRtt_ms), "a shorter way, or patience: delay costs time, not accuracy"});
+  out.push_back(
+      {"round trip (p99)", fmt::format("{:.1f} ms, median {:.1f} ms", report.rtt_p99_ms, report.rtt_p50_ms),
+       word_of(report.rtt_p99_ms, kRtt_ms), "a shorter way, or patience: delay costs time, not accuracy"});
   const double age_ms = expected_age_ms(report);
-  out.push_back({"age of commands", fmt::format("about {:.0f} ms, light up to {:.0f} ms", age_ms, 1e3 * report.beam_age_s),
-                 word_of(age_ms / (1e3 * report.beam_age_s), kAgeOfGate),
-                 fmt::format("start the slave with --beam-age-s {:.2g} or more, at most 2", 1.3e-3 * age_ms)});
+  out.push_back(
+      {"age of commands",
+       fmt::format("about {:.0f} ms, light up to {:.0f} ms", age_ms, 1e3 * report.beam_age_s),
+       word_of(age_ms / (1e3 * report.beam_age_s), kAgeOfGate),
+       fmt::format("start the slave with --beam-age-s {:.2g} or more, at most 2", 1.3e-3 * age_ms)});
   return out;
 }
 

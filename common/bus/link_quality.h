@@ -13,7 +13,8 @@ namespace telekerf {
 enum class LinkWord : std::uint8_t { kGood, kFair, kBad };
 const char* text_of(LinkWord word) noexcept;
 
-/// Packets that were sent at one rate, one way, as their receiver counted them. Milliseconds; loss is a fraction.
+/// Packets that were sent at one rate, one way, as their receiver counted them. Milliseconds; loss is a
+/// fraction.
 struct LinkFigures {
   double packets = 0.0;         ///< received
   double loss = 0.0;            ///< of those that were numbered in between
@@ -55,8 +56,8 @@ struct LinkReport {
   double beam_age_s = 0.35;  ///< the slave's gate
 };
 
-/// How old a command will be when the slave applies it, there and back: round trip, the time between two states,
-/// the filling of a block and what the play-out waits for. Blocks of 16 samples at 1 kHz.
+/// How old a command will be when the slave applies it, there and back: round trip, the time between two
+/// states, the filling of a block and what the play-out waits for. Blocks of 16 samples at 1 kHz.
 double expected_age_ms(const LinkReport& report);
 
 /// One figure judged.
@@ -66,8 +67,8 @@ struct LinkVerdict {
   LinkWord word = LinkWord::kGood;
   std::string remedy;  ///< of what is not good
 };
-/// Every figure in turn. Thresholds: jitter 5 and 20 ms, loss 0.1 and 2 %, round trip 100 and 350 ms, longest gap 75
-/// and 150 ms (half of stale_s, and stale_s), skew 50 and 200 ppm, age 80 and 100 % of the gate.
+/// Every figure in turn. Thresholds: jitter 5 and 20 ms, loss 0.1 and 2 %, round trip 100 and 350 ms, longest
+/// gap 75 and 150 ms (half of stale_s, and stale_s), skew 50 and 200 ppm, age 80 and 100 % of the gate.
 std::vector<LinkVerdict> judged(const LinkReport& report);
 /// The worst of them.
 LinkWord worst(const std::vector<LinkVerdict>& verdicts);

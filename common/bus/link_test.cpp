@@ -61,7 +61,8 @@ class Side {
       if (passed_ns < send_ns && now_ns >= next_ns) {
         const std::size_t rate = passed_ns < send_ns / 2 ? 0 : 1;
         send(rate, now_ns);
-        next_ns = std::max(next_ns + kSamples * kSamplePeriod_ns[rate], now_ns - kSamples * kSamplePeriod_ns[rate]);
+        next_ns =
+            std::max(next_ns + kSamples * kSamplePeriod_ns[rate], now_ns - kSamples * kSamplePeriod_ns[rate]);
       }
       // Half a second after the last packet everything is there that will ever come.
       if (now_ns >= tell_ns + 5 * kTell_ns) {
@@ -74,8 +75,8 @@ class Side {
     }
     if (stop_requested()) throw environment_error("the link test was interrupted");
     if (!told)
-      throw environment_error(fmt::format("the {} does not answer to the link test: start it with --link-test, too",
-                                          other()));
+      throw environment_error(
+          fmt::format("the {} does not answer to the link test: start it with --link-test, too", other()));
     return print();
   }
 
@@ -182,7 +183,8 @@ class Side {
                                   {"rtt_p99_ms", report_.rtt_p99_ms},
                                   {"expected_age_ms", expected_age_ms(report_)},
                                   {"beam_age_ms", 1e3 * report_.beam_age_s}};
-      for (const auto& [name, way] : {std::pair{"forward", report_.forward}, std::pair{"backward", report_.backward}})
+      for (const auto& [name, way] :
+           {std::pair{"forward", report_.forward}, std::pair{"backward", report_.backward}})
         for (const auto& [figure, value] : numbers_of(way)) json[name][figure] = value;
       for (const LinkVerdict& verdict : verdicts)
         json["verdicts"].push_back(
@@ -220,21 +222,24 @@ class Side {
 }  // namespace
 
 void LinkTestFlags::add_parameters(Settings& settings) {
-  settings.add("link_test", link_test,
-               "tries the link with the other side's --link-test, says what it is worth, and ends; nothing moves");
+  settings.add(
+      "link_test", link_test,
+      "tries the link with the other side's --link-test, says what it is worth, and ends; nothing moves");
   settings.add("link_test_s", link_test_s, {.min = 1, .max = 600, .unit = "s"}, "how long the link is tried");
   settings.add("peer", peer,
                TextForm{.form = "HOST",
-                        .complaint = [](const std::string& text) {
-                          return text.empty() ? std::string() : complaint_about_peer(text);
-                        }},
+                        .complaint =
+                            [](const std::string& text) {
+                              return text.empty() ? std::string() : complaint_about_peer(text);
+                            }},
                "the other side's host, where multicast does not reach it; as one of peers");
   settings.add("json", json, "link_test says its figures as JSON");
 }
 
 int run_link_test(BusSettings settings, const LinkTestFlags& flags, double beam_age_s) {
   catch_stop_signals();
-  if (settings.role == "master") return Side<CommandBlock, StateBlock>(std::move(settings), flags, beam_age_s).run();
+  if (settings.role == "master")
+    return Side<CommandBlock, StateBlock>(std::move(settings), flags, beam_age_s).run();
   return Side<StateBlock, CommandBlock>(std::move(settings), flags, beam_age_s).run();
 }
 

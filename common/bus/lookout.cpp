@@ -27,13 +27,14 @@ std::string waiting_sentence(const Bus& bus, const std::string& what, const std:
     elsewhere.push_back(fmt::format("{} in cell '{}'", other.role, other.cell));
     next_door = next_door || other.role == role;
   }
-  std::string sentence = fmt::format("waiting for {}; seen in cell '{}' of domain {}: {}", what,
-                                     bus.settings().cell, bus.settings().domain,
-                                     here.empty() ? std::string("nobody") : fmt::format("{}", fmt::join(here, ", ")));
+  std::string sentence = fmt::format(
+      "waiting for {}; seen in cell '{}' of domain {}: {}", what, bus.settings().cell, bus.settings().domain,
+      here.empty() ? std::string("nobody") : fmt::format("{}", fmt::join(here, ", ")));
   if (!elsewhere.empty()) sentence += fmt::format("; elsewhere: {}", fmt::join(elsewhere, ", "));
   if (there) {
-    sentence += fmt::format("; what the {} sends does not arrive yet: does a firewall block UDP from port {} on?",
-                            role, 7400 + 250 * bus.settings().domain);
+    sentence +=
+        fmt::format("; what the {} sends does not arrive yet: does a firewall block UDP from port {} on?",
+                    role, 7400 + 250 * bus.settings().domain);
   } else if (next_door) {
     sentence += "; give both the same --cell";
   } else if (here.empty() && network_addresses().empty()) {

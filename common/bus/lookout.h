@@ -28,8 +28,8 @@ class Lookout {
 
   /// Wait-free, every step: what is missing now, a literal's address; null: nothing.
   void missing(const Wish* wish) noexcept { wish_.store(wish, std::memory_order_relaxed); }
-  /// Now and then, from a thread that may write: says every few seconds what is waited for, and once whoever is
-  /// not heard.
+  /// Now and then, from a thread that may write: says every few seconds what is waited for, and once whoever
+  /// is not heard.
   void look();
 
  private:

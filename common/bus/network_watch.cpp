@@ -29,7 +29,8 @@ std::set<std::string> network_addresses() {
     if (!counts) continue;
     std::array<char, INET_ADDRSTRLEN> text{};
     const auto* const address = reinterpret_cast<const sockaddr_in*>(at->ifa_addr);
-    if (inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) != nullptr) addresses.insert(text.data());
+    if (inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) != nullptr)
+      addresses.insert(text.data());
   }
   freeifaddrs(first);
   return addresses;

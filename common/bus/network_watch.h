@@ -9,14 +9,14 @@
 
 namespace telekerf {
 
-/// The IPv4 addresses of all interfaces that are up, without those by which a computer speaks to itself. Empty:
-/// none, or the system does not tell.
+/// The IPv4 addresses of all interfaces that are up, without those by which a computer speaks to itself.
+/// Empty: none, or the system does not tell.
 std::set<std::string> network_addresses();
 
 class NetworkWatch {
  public:
-  /// `changed` is called from a thread of the watch's own within a second after they have become others. `lost`:
-  /// one of those before is gone, or there was none but this computer's own.
+  /// `changed` is called from a thread of the watch's own within a second after they have become others.
+  /// `lost`: one of those before is gone, or there was none but this computer's own.
   explicit NetworkWatch(std::function<void(bool lost)> changed);
 
  private:

@@ -6,8 +6,8 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
-#include <algorithm>
 #include <fastrtps/utils/IPLocator.h>
+#include <algorithm>
 
 #include "common/bus/participant_qos.h"
 #include "common/bus/wire_messages.h"
@@ -145,9 +145,9 @@ void Bus::Participant::join() {
 }
 
 void Bus::Participant::addresses_changed(bool lost) {
-  // The middleware notices new interfaces when it is told to look, but whoever has found this participant before
-  // goes on with the addresses of then (Fast DDS 2.9). So it is made anew, unless that would interrupt what
-  // still works.
+  // The middleware notices new interfaces when it is told to look, but whoever has found this participant
+  // before goes on with the addresses of then (Fast DDS 2.9). So it is made anew, unless that would interrupt
+  // what still works.
   if (!lost && whole()) return;
   const std::lock_guard lock(endpoints_mutex_);
   for (Endpoint* const endpoint : endpoints_) endpoint->close();

@@ -37,8 +37,8 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   std::vector<PresenceMessage> elsewhere() const;
   std::optional<Rival> rival() const;
 
-  /// In a thread of the middleware, no allocation if it may. Whether this writer's process has announced itself
-  /// in this cell, in this role (null: any) and as the start `epoch`. Whoever has not is remembered.
+  /// In a thread of the middleware, no allocation if it may. Whether this writer's process has announced
+  /// itself in this cell, in this role (null: any) and as the start `epoch`. Whoever has not is remembered.
   bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer, const char* topic, const char* role,
                std::optional<std::uint32_t> epoch);
 
@@ -46,7 +46,8 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   eprosima::fastdds::dds::Topic* topic(const char* name, const eprosima::fastdds::dds::TypeSupport& type);
   eprosima::fastdds::dds::Publisher* publisher() { return publisher_; }
   eprosima::fastdds::dds::Subscriber* subscriber() { return subscriber_; }
-  /// A reader or writer. All are made anew, with the participant, where this computer's addresses have changed.
+  /// A reader or writer. All are made anew, with the participant, where this computer's addresses have
+  /// changed.
   class Endpoint {
    public:
     /// Throws StartupError.
@@ -94,9 +95,9 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   std::mutex endpoints_mutex_;
   std::set<Endpoint*> endpoints_;
   std::map<Key, PresenceMessage> elsewhere_;
-  std::map<Key, std::string> addresses_;       // of everyone seen in the domain, for people
-  std::map<Key, std::string> strangers_;       // a sentence each
-  std::unique_ptr<NetworkWatch> network_;      // last: ends first
+  std::map<Key, std::string> addresses_;   // of everyone seen in the domain, for people
+  std::map<Key, std::string> strangers_;   // a sentence each
+  std::unique_ptr<NetworkWatch> network_;  // last: ends first
 };
 
 }  // namespace telekerf

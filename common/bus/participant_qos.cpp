@@ -82,8 +82,8 @@ bool is_free(int port) {
   return free;
 }
 
-/// A name that only one process of this host has at a time, as long as the descriptor is open; negative: another
-/// one has it. It is a socket without a file, so nothing stays behind.
+/// A name that only one process of this host has at a time, as long as the descriptor is open; negative:
+/// another one has it. It is a socket without a file, so nothing stays behind.
 int claimed(const std::string& name) {
   const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return fd;

@@ -24,9 +24,7 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
         tap(std::move(to)) {
     participant->add(this);
   }
-  ~Impl() override {
-    participant->remove(this);
-  }
+  ~Impl() override { participant->remove(this); }
 
   void open() override {
     reader = participant->subscriber()->create_datareader(
@@ -76,8 +74,8 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
   }
 
   /// Whether what is in `wire` may come from this writer. Who announces itself as another start than the
-  /// stream's own is not the one who sends it. A stop is heard from everyone: it can only make things safer, and
-  /// who says it may not be known yet. What speaks another contract is judged by that.
+  /// stream's own is not the one who sends it. A stop is heard from everyone: it can only make things safer,
+  /// and who says it may not be known yet. What speaks another contract is judged by that.
   bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer) {
     if (wire.contract() != participant->settings().contract) return true;
     std::optional<std::uint32_t> epoch;

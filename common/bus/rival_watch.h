@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of two masters that could not see each other when they joined (a process that was stopped for long, a network
-// that was divided) one gives way as soon as they do.
+// Of two masters that could not see each other when they joined (a process that was stopped for long, a
+// network that was divided) one gives way as soon as they do.
 #pragma once
 
 #include <atomic>

@@ -68,7 +68,8 @@ std::vector<std::string> tell(Bus& bus, EventMessage event, const std::vector<st
   const std::vector<std::string> asked = present(bus, roles);
   if (asked.empty())
     throw environment_error(fmt::format("there is no {} in cell '{}' of domain {} to do it",
-                                        fmt::join(roles, " or "), bus.settings().cell, bus.settings().domain));
+                                        fmt::join(roles, " or "), bus.settings().cell,
+                                        bus.settings().domain));
   if (!writer.wait_for_reader(kPatience)) throw nobody_listens(bus);
   event.epoch = bus.settings().epoch;
   const auto start = Clock::now();
@@ -99,8 +100,9 @@ std::vector<std::string> tell(Bus& bus, EventMessage event, const std::vector<st
   const std::string but = done.empty() ? "" : fmt::format("; done by {}", fmt::join(done, ", "));
   if (!refusals.empty()) throw environment_error(fmt::format("{}{}", fmt::join(refusals, "; "), but));
   if (!silent.empty())
-    throw environment_error(fmt::format("{} of cell '{}' has not answered within {} s{}: see to it at the machine",
-                                        fmt::join(silent, ", "), bus.settings().cell, kPatience.count(), but));
+    throw environment_error(
+        fmt::format("{} of cell '{}' has not answered within {} s{}: see to it at the machine",
+                    fmt::join(silent, ", "), bus.settings().cell, kPatience.count(), but));
   return done;
 }
 

@@ -98,10 +98,10 @@ std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMess
         "{} has confirmed it, but no slave is seen in {}: see to it at the machine; a slave that comes back "
         "hears of it",
         fmt::join(now.told, ", "), place));
-  throw environment_error(fmt::format("{} of {} has not confirmed it within {} s{}: see to it at the machine",
-                                      fmt::join(now.missing, ", "), place, kPatience.count(),
-                                      now.told.empty() ? std::string()
-                                                       : fmt::format(", {} has", fmt::join(now.told, ", "))));
+  throw environment_error(
+      fmt::format("{} of {} has not confirmed it within {} s{}: see to it at the machine",
+                  fmt::join(now.missing, ", "), place, kPatience.count(),
+                  now.told.empty() ? std::string() : fmt::format(", {} has", fmt::join(now.told, ", "))));
 }
 
 }  // namespace

@@ -21,14 +21,11 @@ template <class T>
 struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   using Topic = bus::Topic<T>;
   using Wire = typename Topic::Type::type;
-  static constexpr bool kLatched = Topic::kIntent == bus::Intent::kLatched || Topic::kIntent == bus::Intent::kStop;
+  static constexpr bool kLatched =
+      Topic::kIntent == bus::Intent::kLatched || Topic::kIntent == bus::Intent::kStop;
 
-  explicit Impl(Bus& bus) : participant(bus.participant()) {
-    participant->add(this);
-  }
-  ~Impl() override {
-    participant->remove(this);
-  }
+  explicit Impl(Bus& bus) : participant(bus.participant()) { participant->add(this); }
+  ~Impl() override { participant->remove(this); }
 
   /// What is latched is said again by a new writer.
   void open() override {
@@ -90,7 +87,7 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   std::atomic_flag busy = ATOMIC_FLAG_INIT;  // written, or made anew
   Wire wire;                                 // reused, so that a stream allocates nothing
   std::vector<Wire> kept;                    // as many of the latched as whoever comes late gets
-  std::atomic<int> matched{0};      // over all lanes
+  std::atomic<int> matched{0};               // over all lanes
 };
 
 template <class T>

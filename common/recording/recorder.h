@@ -10,8 +10,8 @@
 
 namespace telekerf {
 
-/// Room for the first rows is taken before the loop starts. Further room is taken by make_room(), where another
-/// thread calls it; rows that find none are counted only.
+/// Room for the first rows is taken before the loop starts. Further room is taken by make_room(), where
+/// another thread calls it; rows that find none are counted only.
 template <typename Row>
 class Recorder {
  public:

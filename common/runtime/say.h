@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writing to standard output and error of a process that must go on whoever reads them: a reader that is gone or
-// a full disk is no reason to end with the beam on.
+// Writing to standard output and error of a process that must go on whoever reads them: a reader that is gone
+// or a full disk is no reason to end with the beam on.
 #pragma once
 
 #include <cstdio>

@@ -57,8 +57,8 @@ void StatusReporter::report() {
   if (terminal_) {
     const int full = static_cast<int>(fraction * kBarWidth);
     const std::lock_guard lock(writing_);
-    write_text(stdout, fmt::format("\r  [{:#<{}}{:.<{}}] {:4.1f} s of {:.0f} s", "", full, "", kBarWidth - full,
-                                   fraction * total_s, total_s));
+    write_text(stdout, fmt::format("\r  [{:#<{}}{:.<{}}] {:4.1f} s of {:.0f} s", "", full, "",
+                                   kBarWidth - full, fraction * total_s, total_s));
     bar_ = true;
   } else if (const int tenth = static_cast<int>(10.0 * fraction); tenth > tenth_ && tenth < 10) {
     tenth_ = tenth;

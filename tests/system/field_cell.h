@@ -14,7 +14,8 @@
 
 namespace telekerf::integration {
 
-inline std::vector<std::string> in_cell(std::vector<std::string> arguments, const std::string& cell = "field") {
+inline std::vector<std::string> in_cell(std::vector<std::string> arguments,
+                                        const std::string& cell = "field") {
   arguments.insert(arguments.end(), {"--domain", own_domain(), "--cell", cell});
   return arguments;
 }
@@ -23,7 +24,8 @@ class Field : public testing::Test {
  protected:
   /// No stop of an earlier test holds.
   Field() { std::filesystem::remove_all(Program::scratch() / "state"); }
-  static std::unique_ptr<Program> start(const std::string& program, const std::vector<std::string>& more = {}) {
+  static std::unique_ptr<Program> start(const std::string& program,
+                                        const std::vector<std::string>& more = {}) {
     return std::make_unique<Program>(program, in_cell(more));
   }
   /// Exit code of telekerf-ctl, and what it said.

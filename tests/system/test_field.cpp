@@ -41,8 +41,8 @@ TEST_F(Field, AReaderOfTheOutputThatGoesEndsNothing) {
     ::close(ends[0]);
     ::close(ends[1]);
     const std::string program = std::string(TELEKERF_BIN_DIR) + "/telekerf-slave";
-    ::execl(program.c_str(), program.c_str(), "--record", out.c_str(), "--domain", own_domain().c_str(), "--cell",
-            "piped", nullptr);
+    ::execl(program.c_str(), program.c_str(), "--record", out.c_str(), "--domain", own_domain().c_str(),
+            "--cell", "piped", nullptr);
     ::_exit(127);
   }
   ::close(ends[1]);
@@ -59,7 +59,8 @@ TEST_F(Field, AReaderOfTheOutputThatGoesEndsNothing) {
 }
 
 TEST_F(Field, TheLinkIsTriedBeforeTheWorkInWordsAndNumbers) {
-  const auto slave = start("telekerf-slave", {"--link-test", "--link-test-s", "2", "--json", "--peer", "127.0.0.1"});
+  const auto slave =
+      start("telekerf-slave", {"--link-test", "--link-test-s", "2", "--json", "--peer", "127.0.0.1"});
   const auto master = start("telekerf-master", {"--link-test", "--link-test-s", "2"});
   const int code = master->wait(seconds(30));
   EXPECT_TRUE(code == 0 || code == 1) << master->output();

@@ -15,7 +15,8 @@ TEST_F(Field, WhoIsStoppedIsNotScaledEngagedOrTiredOfWaitingAndASwitchThatNobody
   const auto [switched, switch_said] = say({"switch", "geo"}, "telekerf-netem");
   EXPECT_EQ(switched, 2);
   for (const char* role : {"master: ", "slave: ", "vision: "})
-    EXPECT_NE(switch_said.find(std::string(role) + "the network stays as it is"), std::string::npos) << switch_said;
+    EXPECT_NE(switch_said.find(std::string(role) + "the network stays as it is"), std::string::npos)
+        << switch_said;
   EXPECT_EQ(say({"stop"}).first, 0);
   for (const std::vector<std::string>& what : {std::vector<std::string>{"engage"}, {"beta", "0.4"}}) {
     const auto [code, said] = say(what);
@@ -44,9 +45,11 @@ TEST_F(Field, TheSamePictureAgainChangesNothingAndAnotherOneWaitsForTheOperator)
   const std::string said = master->output();
   EXPECT_NE(said.find("(gear.png, "), std::string::npos) << said;
   EXPECT_NE(said.find("(circle.png, "), std::string::npos) << said;
-  EXPECT_EQ(said.find("moving to the contour", before.size()), std::string::npos) << "the old one stays: " << said;
-  const std::string id = said.substr(said.find("take-contour ") + 13, said.find('\n', said.find("take-contour ")) -
-                                                                          said.find("take-contour ") - 13);
+  EXPECT_EQ(said.find("moving to the contour", before.size()), std::string::npos)
+      << "the old one stays: " << said;
+  const std::string id =
+      said.substr(said.find("take-contour ") + 13,
+                  said.find('\n', said.find("take-contour ")) - said.find("take-contour ") - 13);
   EXPECT_EQ(say({"take-contour", "1"}).first, 2) << "nobody has seen that one";
   const auto [code, taken] = say({"take-contour", id});
   EXPECT_EQ(code, 0) << taken;

@@ -108,8 +108,10 @@ int main(int argc, char** argv) {
   program.add(
       "take-contour", "Works on the contour that waits, in place of the one in force", take,
       [](Options& options, Settings& settings) {
-        settings.add("id", options.event.value, {.min = 1, .max = 4294967295.0},
-                     "its number, as master and slave have said it").as_argument();
+        settings
+            .add("id", options.event.value, {.min = 1, .max = 4294967295.0},
+                 "its number, as master and slave have said it")
+            .as_argument();
         add_parameters(options, settings);
       },
       run);

@@ -16,8 +16,8 @@ namespace {
 
 /// What the peer prints, line by line.
 std::string run_peer(const BusSettings& settings, const std::string& role = "") {
-  const std::string command = fmt::format("{} {} {} {} {}", TELEKERF_CYCLONE_PEER, settings.domain, settings.cell,
-                                          settings.contract, role);
+  const std::string command = fmt::format("{} {} {} {} {}", TELEKERF_CYCLONE_PEER, settings.domain,
+                                          settings.cell, settings.contract, role);
   std::string printed;
   FILE* pipe = popen(command.c_str(), "r");
   std::array<char, 1024> line{};

@@ -10,15 +10,16 @@ namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// 10 s: `lost` of each thousand never come, the receiver's clock is fast by `skew`, each `late`-th comes `late_ms` later.
+/// 10 s: `lost` of each thousand never come, the receiver's clock is fast by `skew`, each `late`-th comes
+/// `late_ms` later.
 LinkWay way(int lost, double skew, int late, std::int64_t late_ms) {
   LinkMeter meter(10.0);
   for (std::uint32_t n = 0; n < 5000; ++n) {
     const std::size_t rate = n < 1000 ? 0 : 1;
     const std::int64_t sent_ns = static_cast<std::int64_t>(n) * 2 * kMs;
     if (static_cast<int>(n % 1000) >= 1000 - lost && n != 999 && n != 4999) continue;
-    const auto received_ns = static_cast<std::int64_t>(static_cast<double>(sent_ns) * (1.0 + skew)) + 77 * kMs +
-                             (n % static_cast<unsigned>(late) == 5 ? late_ms * kMs : 0);
+    const auto received_ns = static_cast<std::int64_t>(static_cast<double>(sent_ns) * (1.0 + skew)) +
+                             77 * kMs + (n % static_cast<unsigned>(late) == 5 ? late_ms * kMs : 0);
     meter.add(rate, n, sent_ns, received_ns);
   }
   return meter.result();

@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "common/runtime/clock.h"
 #include "common/bus/send_event.h"
+#include "common/runtime/clock.h"
 #include "netem/drivers/netem_switch.h"
 #include "netem/drivers/receive_path_emulator.h"
 #include "tests/unit/bus/cell.h"

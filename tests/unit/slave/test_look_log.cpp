@@ -36,7 +36,9 @@ TEST(LookLog, WithoutALimitNobodyAsksAndWithOneAnUnseenContourForbids) {
   using laser::guard_bit;
   laser::InterlockSettings settings;
   laser::InterlockInputs now;
-  const auto forbids = [&] { return (laser::evaluate_interlock(settings, now).forbidden & guard_bit("look")) != 0; };
+  const auto forbids = [&] {
+    return (laser::evaluate_interlock(settings, now).forbidden & guard_bit("look")) != 0;
+  };
   EXPECT_FALSE(forbids()) << "unsaid, and not asked for";
   settings.max_look_age_s = 3.0;
   EXPECT_TRUE(forbids()) << "unsaid";
