@@ -155,11 +155,7 @@ int run(Flags& flags) {
   const bool failed = station.machine().failed();
   if (!flags.record.empty() && contour.current() != nullptr) {
     RunRecord record;
-    const ContourMessage message = contour.message();
-    record.contour_m = message.points_m;
-    record.contour_closed = message.closed;
-    record.words["image"] = message.source;
-    record.words["mode"] = message.mode;
+    station.report_contours(contour.adopted(), record);
     record.words["netem"] = flags.netem.name();
     station.report(record);
     add_figures(loop, record.master_figures);

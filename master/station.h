@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/protocol/messages.h"
 #include "common/recording/run_record.h"
@@ -66,6 +67,8 @@ class Station {
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
   /// The master's part of the record: rows and figures.
   void report(RunRecord& record) const;
+  /// The contours of the record: `adopted` have been in force, in order.
+  void report_contours(std::span<const ContourMessage> adopted, RunRecord& record) const;
   /// Beside the loop, several times a second: memory for a record that goes on.
   void make_record_room() {
     recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz));
@@ -84,6 +87,11 @@ class Station {
   bool simulated_button_;                    ///< nobody's hand: it lets go when it is told to
   MasterNode node_;
   Recorder<MasterRow> recorder_;
+  struct ContourBegin {
+    Tick tick = 0;
+    std::uint32_t id = 0;
+  };
+  std::vector<ContourBegin> contours_;  ///< in force, since when; room is taken at the start
   bool guided_ = false;
   bool engaged_ = false;
   std::optional<ConstraintMode> constraint_;

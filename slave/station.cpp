@@ -150,11 +150,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.monitor_agrees = monitor_.agrees();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
-  if (out.command_age_s >= 0.0) {
-    age_.sum_s += out.command_age_s;
-    age_.max_s = std::max(age_.max_s, out.command_age_s);
-    ++age_.count;
-  }
+  if (out.command_age_s >= 0.0) age_.add(out.command_age_s);
   if (inputs.joints.valid) machine_.watch(out.tool_m);
   if (machine_.failed()) {
     out.laser_w = 0.0;

@@ -84,6 +84,11 @@ class Station {
     double sum_s = 0.0;
     double max_s = 0.0;
     std::uint64_t count = 0;
+    void add(double age_s) noexcept {
+      sum_s += age_s;
+      max_s = max_s > age_s ? max_s : age_s;
+      ++count;
+    }
   } age_;  ///< of the commands applied
 };
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "common/bus/endpoints.h"
 #include "common/bus/event_answers.h"
@@ -62,6 +63,11 @@ class ContourSubscriber {
   ContourMessage message() const {
     const std::lock_guard lock(mutex_);
     return message_;
+  }
+  /// Those that have been in force, in order; of very many the last ones.
+  std::vector<ContourMessage> adopted() const {
+    const std::lock_guard lock(mutex_);
+    return adopted_;
   }
 
  private:
@@ -127,6 +133,9 @@ class ContourSubscriber {
     {
       const std::lock_guard lock(mutex_);
       message_ = message;
+      constexpr std::size_t kMost = 16;
+      if (adopted_.size() == kMost) adopted_.erase(adopted_.begin());
+      adopted_.push_back(message);
     }
     prepared_.offer(std::move(prepared));
     any_ = true;
@@ -155,6 +164,7 @@ class ContourSubscriber {
   Handover<Prepared> prepared_;
   mutable std::mutex mutex_;
   ContourMessage message_;
+  std::vector<ContourMessage> adopted_;
   std::string refusal_;
   std::atomic<bool> refused_{false};
   std::atomic<std::uint64_t> unfit_{0};

@@ -29,9 +29,17 @@ struct DriveRecord {
 /// As results say it: `name`, and `tool`: "true" or "measured".
 Metadata words_of(const DriveRecord& drive);
 
+/// A contour that was in force before another one took its place.
+struct EarlierContour {
+  std::uint64_t until_tick = 0;  ///< of the master: the first at which the next one was in force
+  bool closed = true;
+  std::vector<Vec2> points_m;
+};
+
 struct RunRecord {
   std::vector<Vec2> contour_m;  ///< as extracted, true size
   bool contour_closed = true;
+  std::vector<EarlierContour> earlier;  ///< in order; the one above was the last
   std::vector<MasterRow> master;
   std::vector<SlaveRow> slave;
   Metrics master_figures, slave_figures;
