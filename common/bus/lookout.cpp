@@ -13,19 +13,22 @@ namespace {
 
 constexpr std::chrono::seconds kFirst{3};
 constexpr std::chrono::seconds kAgain{5};
+/// Who has waited for a minute will wait for longer.
+constexpr std::chrono::seconds kPatient{60};
 
 }  // namespace
 
 std::string waiting_sentence(const Bus& bus, const std::string& what, const std::string& role) {
   std::vector<std::string> here, elsewhere;
-  bool there = false, next_door = false;
+  bool there = false;
   for (const PresenceMessage& other : bus.others()) {
     here.push_back(other.role);
     there = there || other.role == role;
   }
+  constexpr std::size_t kMost = 3;
   for (const PresenceMessage& other : bus.elsewhere()) {
-    elsewhere.push_back(fmt::format("{} in cell '{}'", other.role, other.cell));
-    next_door = next_door || other.role == role;
+    if (other.role == role && elsewhere.size() < kMost)
+      elsewhere.push_back(fmt::format("{} in cell '{}'", other.role, other.cell));
   }
   std::string sentence = fmt::format(
       "waiting for {}; seen in cell '{}' of domain {}: {}", what, bus.settings().cell, bus.settings().domain,
@@ -35,7 +38,7 @@ std::string waiting_sentence(const Bus& bus, const std::string& what, const std:
     sentence +=
         fmt::format("; what the {} sends does not arrive yet: does a firewall block UDP from port {} on?",
                     role, 7400 + 250 * bus.settings().domain);
-  } else if (next_door) {
+  } else if (!elsewhere.empty()) {
     sentence += "; give both the same --cell";
   } else if (here.empty() && network_addresses().empty()) {
     sentence += "; this computer has no network: is its cable plugged in?";
@@ -56,11 +59,12 @@ void Lookout::look() {
   const auto now = Clock::now();
   if (wish != said_) {
     said_ = wish;
+    since_ = now;
     next_ = now + kFirst;
   }
   if (wish == nullptr || now < next_) return;
   status_.say(waiting_sentence(bus_, wish->what, wish->role));
-  next_ = now + kAgain;
+  next_ = now + (now - since_ < kPatient ? kAgain : kPatient);
 }
 
 }  // namespace telekerf

@@ -39,7 +39,7 @@ class Lookout {
   StatusReporter& status_;
   std::atomic<const Wish*> wish_{nullptr};
   const Wish* said_ = nullptr;
-  Clock::time_point next_;
+  Clock::time_point since_, next_;
   std::set<std::string> strangers_;  ///< told of
 };
 

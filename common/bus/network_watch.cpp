@@ -24,8 +24,8 @@ std::set<std::string> network_addresses() {
   if (getifaddrs(&first) != 0) return {};
   std::set<std::string> addresses;
   for (const ifaddrs* at = first; at != nullptr; at = at->ifa_next) {
-    const bool counts = at->ifa_addr != nullptr && at->ifa_addr->sa_family == AF_INET &&
-                        (at->ifa_flags & IFF_UP) != 0 && (at->ifa_flags & IFF_LOOPBACK) == 0;
+    const bool counts =
+        at->ifa_addr != nullptr && at->ifa_addr->sa_family == AF_INET && (at->ifa_flags & IFF_LOOPBACK) == 0;
     if (!counts) continue;
     std::array<char, INET_ADDRSTRLEN> text{};
     const auto* const address = reinterpret_cast<const sockaddr_in*>(at->ifa_addr);
