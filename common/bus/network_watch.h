@@ -9,8 +9,8 @@
 
 namespace telekerf {
 
-/// The IPv4 addresses of all interfaces that are up, without those by which a computer speaks to itself.
-/// Empty: none, or the system does not tell.
+/// The IPv4 addresses of all interfaces, without those by which a computer speaks to itself. One that is down
+/// for a while keeps its own. Empty: none, or the system does not tell.
 std::set<std::string> network_addresses();
 
 class NetworkWatch {

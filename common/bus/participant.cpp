@@ -85,8 +85,13 @@ void Bus::Participant::create() {
   // link.
   const RealTimePriority inherited(kNetworkPriority);
   self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
-  number_ = std::make_unique<bus::ParticipantNumber>(settings_.domain);
-  qos.wire_protocol().participant_id = number_->value();
+  // Another number each time: whoever has not forgotten the one before would take the ports for its own.
+  numbers_.push_back(std::make_unique<bus::ParticipantNumber>(settings_.domain));
+  if (numbers_.back()->value() < 0) {
+    numbers_.clear();
+    numbers_.push_back(std::make_unique<bus::ParticipantNumber>(settings_.domain));
+  }
+  qos.wire_protocol().participant_id = numbers_.back()->value();
   participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
   if (participant_ == nullptr) {

@@ -81,7 +81,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   BusSettings settings_;
   std::vector<std::string> notes_;
   std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> transport_;
-  std::unique_ptr<bus::ParticipantNumber> number_;
+  std::vector<std::unique_ptr<bus::ParticipantNumber>> numbers_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
