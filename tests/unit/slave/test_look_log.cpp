@@ -37,7 +37,7 @@ TEST(LookLog, WithoutALimitNobodyAsksAndWithOneAnUnseenContourForbids) {
   laser::InterlockSettings settings;
   laser::InterlockInputs now;
   const auto forbids = [&] {
-    return (laser::evaluate_interlock(settings, now).forbidden & guard_bit("look")) != 0;
+    return (laser::evaluate_interlock(now, settings).forbidden & guard_bit("look")) != 0;
   };
   EXPECT_FALSE(forbids()) << "unsaid, and not asked for";
   settings.max_look_age_s = 3.0;
