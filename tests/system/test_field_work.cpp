@@ -10,7 +10,7 @@ using std::chrono::seconds;
 TEST_F(Field, WhoIsStoppedIsNotScaledEngagedOrTiredOfWaitingAndASwitchThatNobodyMakesIsNoSuccess) {
   const auto vision = start("telekerf-vision", {"--image", "circle"});
   const auto slave = start("telekerf-slave");
-  const auto master = start("telekerf-master", {"--engage", "--duration-s", "60", "--wait-s", "2"});
+  const auto master = start("telekerf-master", {"--engage", "--duration-s", "60", "--wait-s", "8"});
   ASSERT_TRUE(slave->says("beam on", seconds(30))) << slave->output();
   const auto [switched, switch_said] = say({"switch", "geo"}, "telekerf-netem");
   EXPECT_EQ(switched, 2);
@@ -23,7 +23,7 @@ TEST_F(Field, WhoIsStoppedIsNotScaledEngagedOrTiredOfWaitingAndASwitchThatNobody
     EXPECT_EQ(code, 2) << said;
     EXPECT_NE(said.find("refused while stopped"), std::string::npos) << said;
   }
-  std::this_thread::sleep_for(seconds(2));
+  std::this_thread::sleep_for(seconds(5));  // with what has passed: longer than it would wait
   EXPECT_TRUE(master->running()) << master->output();
 }
 
