@@ -6,8 +6,8 @@
 namespace telekerf::master {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{500};  ///< a single late block is no word worth
-constexpr std::chrono::seconds kAgain{5};
+constexpr std::chrono::milliseconds kLinkPatience{500};  ///< a single late block is no word worth
+constexpr std::chrono::seconds kLinkAgain{5};
 
 }  // namespace
 
@@ -29,9 +29,9 @@ std::string LinkWords::due(std::chrono::steady_clock::time_point now) {
     since_ = now;
     return over ? "the link is fast enough for the laser again" : "";
   }
-  if (now - since_ < kPatience || (said_ && now < next_)) return {};
+  if (now - since_ < kLinkPatience || (said_ && now < next_)) return {};
   said_ = true;
-  next_ = now + kAgain;
+  next_ = now + kLinkAgain;
   return link_sentence(late_s);
 }
 

@@ -4,7 +4,7 @@
 namespace telekerf {
 namespace {
 
-constexpr std::chrono::milliseconds kAgain{300};
+constexpr std::chrono::milliseconds kAnswerAgain{300};
 constexpr std::size_t kMostText = 256;
 constexpr std::size_t kMostGiven = 64;
 
@@ -24,7 +24,7 @@ void EventAnswers::again() {
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
   std::erase_if(given_, [&](const Given& given) {
-    if (now - given.when < kAgain) return false;
+    if (now - given.when < kAnswerAgain) return false;
     (void)writer_.write(given.answer);
     return true;
   });

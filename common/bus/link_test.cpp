@@ -24,9 +24,9 @@ namespace {
 
 /// Of the samples of a packet, which also says at which rate it was sent.
 constexpr std::array<std::uint32_t, LinkWay::kRates> kSamplePeriod_ns{1'000'000, 100'000};
-constexpr std::int64_t kSamples = 16;
+constexpr std::int64_t kTestSamples = 16;
 constexpr std::uint16_t kPayloadBytes = 60;  // what the default codec makes of a block
-constexpr std::chrono::seconds kPatience{20};
+constexpr std::chrono::seconds kFound{20};
 constexpr std::int64_t kLinger_ns = 4'000'000'000;
 constexpr std::int64_t kTell_ns = 100'000'000;
 
@@ -61,8 +61,8 @@ class Side {
       if (passed_ns < send_ns && now_ns >= next_ns) {
         const std::size_t rate = passed_ns < send_ns / 2 ? 0 : 1;
         send(rate, now_ns);
-        next_ns =
-            std::max(next_ns + kSamples * kSamplePeriod_ns[rate], now_ns - kSamples * kSamplePeriod_ns[rate]);
+        next_ns = std::max(next_ns + kTestSamples * kSamplePeriod_ns[rate],
+                           now_ns - kTestSamples * kSamplePeriod_ns[rate]);
       }
       // Half a second after the last packet everything is there that will ever come.
       if (now_ns >= tell_ns + 5 * kTell_ns) {
@@ -84,7 +84,7 @@ class Side {
   const char* other() const { return master_ ? "slave" : "master"; }
 
   void find() {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto end = std::chrono::steady_clock::now() + kFound;
     auto say = std::chrono::steady_clock::now() + std::chrono::seconds(3);
     while (reader_.writers() == 0 || writer_.readers() == 0) {
       if (stop_requested()) throw environment_error("the link test was interrupted");

@@ -11,10 +11,10 @@
 namespace telekerf {
 namespace {
 
-constexpr std::chrono::seconds kFirst{3};
-constexpr std::chrono::seconds kAgain{5};
+constexpr std::chrono::seconds kFirstWord{3};
+constexpr std::chrono::seconds kNextWord{5};
 /// Who has waited for a minute will wait for longer.
-constexpr std::chrono::seconds kPatient{60};
+constexpr std::chrono::seconds kPatientAfter{60};
 
 }  // namespace
 
@@ -60,11 +60,11 @@ void Lookout::look() {
   if (wish != said_) {
     said_ = wish;
     since_ = now;
-    next_ = now + kFirst;
+    next_ = now + kFirstWord;
   }
   if (wish == nullptr || now < next_) return;
   status_.say(waiting_sentence(bus_, wish->what, wish->role));
-  next_ = now + (now - since_ < kPatient ? kAgain : kPatient);
+  next_ = now + (now - since_ < kPatientAfter ? kNextWord : kPatientAfter);
 }
 
 }  // namespace telekerf

@@ -16,7 +16,7 @@ namespace telekerf {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::seconds kPatience{5};
+constexpr std::chrono::seconds kAnswered{5};
 
 /// Role -> its answer.
 class Answered {
@@ -70,11 +70,11 @@ std::vector<std::string> tell(Bus& bus, EventMessage event, const std::vector<st
     throw environment_error(fmt::format("there is no {} in cell '{}' of domain {} to do it",
                                         fmt::join(roles, " or "), bus.settings().cell,
                                         bus.settings().domain));
-  if (!writer.wait_for_reader(kPatience)) throw nobody_listens(bus);
+  if (!writer.wait_for_reader(kAnswered)) throw nobody_listens(bus);
   event.epoch = bus.settings().epoch;
   const auto start = Clock::now();
   std::vector<std::string> done, refusals, silent;
-  for (int told = 0; Clock::now() - start < kPatience;) {
+  for (int told = 0; Clock::now() - start < kAnswered;) {
     // Who is there hears it at once, the rest as soon as they are found.
     if (const int readers = writer.readers(); readers > told) {
       if (!writer.write(event)) throw environment_error("the event could not be sent");
@@ -102,7 +102,7 @@ std::vector<std::string> tell(Bus& bus, EventMessage event, const std::vector<st
   if (!silent.empty())
     throw environment_error(
         fmt::format("{} of cell '{}' has not answered within {} s{}: see to it at the machine",
-                    fmt::join(silent, ", "), bus.settings().cell, kPatience.count(), but));
+                    fmt::join(silent, ", "), bus.settings().cell, kAnswered.count(), but));
   return done;
 }
 
