@@ -21,7 +21,8 @@ constexpr int kMostAnswers = 8;  ///< that are looked at in a step
 
 }  // namespace
 
-UdpLaser::UdpLaser(const UdpAddress& address, double control_hz) : socket_(context_) {
+UdpLaser::UdpLaser(const UdpAddress& address, double control_hz, std::int64_t (*clock)() noexcept)
+    : socket_(context_), clock_(clock), sent_ns_(clock()) {
   const auto endpoint = open_udp(socket_, address, "laser");
   outgoing_.period_ns = static_cast<std::uint32_t>(std::lround(1e9 / control_hz));
   boost::system::error_code error;
@@ -43,8 +44,10 @@ boost::system::error_code UdpLaser::send() noexcept {
 }
 
 bool UdpLaser::emit(const Emission& emission) noexcept {
-  outgoing_.power_w = emission.power_w;
-  outgoing_.pilot = emission.pilot ? 1 : 0;
+  const std::int64_t now_ns = clock_();
+  const bool held_up = now_ns - std::exchange(sent_ns_, now_ns) > udp_silence_ns(outgoing_.period_ns);
+  outgoing_.power_w = held_up ? 0.0 : emission.power_w;
+  outgoing_.pilot = emission.pilot && !held_up ? 1 : 0;
   outgoing_.enable = emission.enable;
   outgoing_.lasts_ns = static_cast<std::uint32_t>(
       std::clamp<std::int64_t>(emission.lasts_ns, 0, 2 * std::int64_t{outgoing_.period_ns}));

@@ -76,7 +76,7 @@ class LaserAtWork {
   }
 
   laser::LaserSocket socket_;
-  laser::LaserDevice device_{20.0};
+  laser::UdpLaserDevice device_{20.0};
   laser::UdpPower newest_;
   long told_ = 0, refused_ = 0, lit_ = 0;
   std::atomic<bool> on_ = false;
