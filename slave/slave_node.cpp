@@ -97,13 +97,13 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
   // As long as a permit lasts.
   const double more_j = dose.kept ? 2.0 * dt_s_ * power_w : laser::kAbsent;
   return {.stopped = stop_ != 0,
-          .fault = false,
+          .fault = inputs.fault,
           .contour_known = known,
           .engaged = selector_.mode() == SlaveMode::kFollowing,
           .armed = selector_.arming().armed(),
           .button_armed = selector_.arming().button_armed(),
           .fresh = selected.following && joints_.posed() && inputs.joints.valid && led_m_per_s.allFinite(),
-          .unlit = true,
+          .unlit = unlit(selected),
           .on_time = on_time,
           .emission_agrees = inputs.emission_agrees,
           .monitor_agrees = inputs.monitor_agrees,
@@ -121,6 +121,11 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
           .power_w = power_w,
           .dose_j = dose.place_j + more_j,
           .area_dose_j_per_mm2 = dose.area_j_per_mm2 + more_j};
+}
+
+bool SlaveNode::unlit(const Selected& selected) const noexcept {
+  return selected.applied_tick < 0.0 || commands_.header().epoch != lit_sample_.master_epoch ||
+         selected.applied_tick > lit_sample_.tick;
 }
 
 void SlaveNode::book(std::int64_t now_ns) noexcept {
@@ -167,6 +172,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   out.permit = std::move(permit);
   out.laser_w = judgement.permits() && selected.button ? now.power_w : 0.0;
   lit_ = {now_ns, tool.position_m.head<2>(), out.laser_w};
+  if (out.laser_w > 0.0) lit_sample_ = {commands_.header().epoch, selected.applied_tick};
   out.mode = selector_.mode();
   out.reason = selector_.reason();
   out.stop = stop_;

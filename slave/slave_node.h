@@ -54,6 +54,7 @@ struct SlaveInputs {
   std::span<const Received<CommandBlock>> commands;  ///< since the last step, in order of arrival
   StopOrder stop;
   const Corridor* corridor = nullptr;  ///< null: no contour yet; must outlive its use
+  bool fault = false;                  ///< robot or laser has failed
   bool monitor_agrees = true;          ///< see laser::BeamMonitor
   bool emission_agrees = true;         ///< see LaserOutput::emission_agrees()
 };
@@ -111,6 +112,8 @@ class SlaveNode {
   Vec3 track(const Selected& selected, const KinematicState& tool) const noexcept;
   laser::InterlockInputs judged(const SlaveInputs& inputs, const Selected& selected,
                                 const KinematicState& tool, bool on_time) noexcept;
+  /// No sample was lit that is not older.
+  bool unlit(const Selected& selected) const noexcept;
   /// The energy of the step before is in the account when this one is judged.
   void book(std::int64_t now_ns) noexcept;
   /// A step that comes later than a laser waits for keeps the beam off for a while.
@@ -138,6 +141,10 @@ class SlaveNode {
     Vec2 place_m = Vec2::Zero();
     double power_w = 0.0;
   } lit_;  ///< of the step before
+  struct {
+    std::uint32_t master_epoch = 0;
+    double tick = -1.0;
+  } lit_sample_;  ///< newest that was lit
   std::int64_t on_time_from_ns_ = 0;
   std::uint64_t late_steps_ = 0;
   StateReport report_;

@@ -142,6 +142,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.commands = commands;
   inputs.stop = stop;
   inputs.corridor = corridor;
+  inputs.fault = machine_.failed() || beam_.failed();
   inputs.emission_agrees = beam_.emission_agrees();
   inputs.monitor_agrees = monitor_.agrees();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();

@@ -36,6 +36,7 @@ PlantLaser::PlantLaser(asio::io_context& context, const PlantLaserSettings& sett
   socket_.open(udp::v4(), error);
   const auto port = static_cast<std::uint16_t>(settings.port);
   if (!error) socket_.bind({asio::ip::address_v4::loopback(), port}, error);
+  if (!error) socket_.non_blocking(true, error);
   if (error)
     throw environment_error(
         fmt::format("laser_port = {}: {}; use a free one, or 0 for any", port, error.message()));
@@ -45,7 +46,14 @@ PlantLaser::PlantLaser(asio::io_context& context, const PlantLaserSettings& sett
 void PlantLaser::receive() {
   socket_.async_receive_from(asio::buffer(&incoming_, sizeof(incoming_)), from_,
                              [this](boost::system::error_code error, std::size_t size) {
-                               if (!error) hear(size, monotonic_ns());
+                               // What waits came at one time: of a queue from a sleep the newest alone gives
+                               // light.
+                               const std::int64_t now_ns = monotonic_ns();
+                               while (!error) {
+                                 hear(size, now_ns);
+                                 size = socket_.receive_from(asio::buffer(&incoming_, sizeof(incoming_)),
+                                                             from_, 0, error);
+                               }
                                receive();
                              });
 }
