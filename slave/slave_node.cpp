@@ -11,8 +11,6 @@ namespace {
 static_assert(laser::guard_bit("button") == kButtonGuard);
 
 constexpr double kSettled_m = 2e-6;
-constexpr std::int64_t kLatePeriods = 3;
-constexpr std::int64_t kDarkAfterLate_ns = 20'000'000;
 
 std::int64_t period_ns(const SlaveSettings& settings) noexcept {
   return std::llround(1e9 / settings.control_hz);
@@ -46,6 +44,7 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
       interlock_(limits_of(model, settings), period_ns(settings)),
       cut_speed_(dt_s_),
       dose_(model.workspace.radius_m),
+      punctuality_(period_ns(settings)),
       report_({.positions = settings.feedback,
                .forces = settings.force,
                .ticks_per_sample = static_cast<int>(std::lround(settings.control_hz / settings.stream_hz)),
@@ -134,14 +133,6 @@ void SlaveNode::book(std::int64_t now_ns) noexcept {
   dose_.add(lit_.place_m, lit_.power_w * static_cast<double>(lasted_ns) * 1e-9);
 }
 
-bool SlaveNode::on_time(std::int64_t now_ns) noexcept {
-  if (tick_ > 0 && now_ns - lit_.time_ns > kLatePeriods * period_ns(settings_)) {
-    on_time_from_ns_ = now_ns + kDarkAfterLate_ns;
-    ++late_steps_;
-  }
-  return now_ns >= on_time_from_ns_;
-}
-
 SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept {
   SlaveOutputs out;
   const KinematicState tool = observe(inputs.joints);
@@ -165,7 +156,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   out.currents_a = joints_.currents(track(selected, tool));
 
   book(now_ns);
-  const laser::InterlockInputs now = judged(inputs, selected, tool, on_time(now_ns));
+  const laser::InterlockInputs now = judged(inputs, selected, tool, punctuality_.step(now_ns));
   auto [judgement, permit] = interlock_.decide(now_ns, now);
   out.interlock = judgement.reason();
   out.forbidden = judgement.forbidden;

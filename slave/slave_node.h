@@ -19,6 +19,7 @@
 #include "slave/laser/contour_place.h"
 #include "slave/laser/dose_book.h"
 #include "slave/laser/interlock.h"
+#include "slave/laser/punctuality.h"
 #include "slave/reference_selector.h"
 #include "slave/state_report.h"
 
@@ -98,7 +99,7 @@ class SlaveNode {
   }
 
   SlaveCounters counters() const noexcept {
-    return {commands_.counters(), report_.counters(), selector_.missed_ticks(), late_steps_};
+    return {commands_.counters(), report_.counters(), selector_.missed_ticks(), punctuality_.late_steps()};
   }
   /// What the work has got so far.
   const laser::DoseBook& dose() const noexcept { return dose_; }
@@ -116,8 +117,6 @@ class SlaveNode {
   bool unlit(const Selected& selected) const noexcept;
   /// The energy of the step before is in the account when this one is judged.
   void book(std::int64_t now_ns) noexcept;
-  /// A step that comes later than a laser waits for keeps the beam off for a while.
-  bool on_time(std::int64_t now_ns) noexcept;
 
   robot::RobotModel model_;
   SlaveSettings settings_;
@@ -145,8 +144,7 @@ class SlaveNode {
     std::uint32_t master_epoch = 0;
     double tick = -1.0;
   } lit_sample_;  ///< newest that was lit
-  std::int64_t on_time_from_ns_ = 0;
-  std::uint64_t late_steps_ = 0;
+  laser::Punctuality punctuality_;
   StateReport report_;
 };
 

@@ -58,9 +58,10 @@ TEST(MachiningSettings, HaveTheseDefaultsAndBounds) {
     double min;
     double max;
   };
-  constexpr Row kBounds[] = {{"laser_w", 0, 1000}, {"laser_max_w", 0, 1000},
-                             {"mismatch", 0, 0.5}, {"speed_mm_s", 0.1, 100},
-                             {"kerf_um", 0, 2000}, {"machining_hz", 800, 10000}};
+  constexpr Row kBounds[] = {{"laser_w", 0, 1000},       {"laser_max_w", 0, 1000},
+                             {"mismatch", 0, 0.5},       {"speed_mm_s", 0.1, 100},
+                             {"kerf_um", 0, 2000},       {"machining_hz", 800, 10000},
+                             {"dose_max_j", 0.01, 1000}, {"dose_max_j_per_mm2", 0.1, 1000}};
   const auto declared = settings.declared();
   const auto find = [&](const std::string& name) {
     return std::find_if(declared.begin(), declared.end(), [&](const Setting& s) { return s.name == name; });
@@ -144,6 +145,17 @@ TEST(MachiningStation, WhatCannotBeMachinedOrReachedIsRefused) {
   }
 }
 
+TEST(MachiningStation, MoreThanAPlaceMayHaveInOnePassIsRefused) {
+  StationSettings settings = quick();
+  settings.speed_mm_s = 1.0;
+  EXPECT_EQ(
+      refusal_of([&] { settings.validate(); }),
+      "laser_w = 10 at speed_mm_s = 1 gives a place 2.7 J in one pass, more than dose_max_j = 2; lower the "
+      "power, or raise dose_max_j if the material bears it");
+  settings.interlock.max_dose_j = 3.0;
+  EXPECT_EQ(refusal_of([&] { settings.validate(); }), "accepted");
+}
+
 int count_lines(const fs::path& file) {
   std::ifstream in(file);
   return static_cast<int>(std::count(std::istreambuf_iterator<char>(in), {}, '\n'));
@@ -166,7 +178,7 @@ class MachiningAtWork : public testing::Test {
     while (!station_.ended()) {
       ASSERT_LT(steps_, 100'000);
       const bool stop = stop_at >= 0 && lit_ >= stop_at;
-      const JobExecutorOutputs out = station_.step(stop);
+      const JobExecutorOutputs out = station_.step(now_ns(), stop);
       ++steps_;
       held_ += stop ? 1 : 0;
       if (stop) {
@@ -177,6 +189,10 @@ class MachiningAtWork : public testing::Test {
       energy_j_ += out.laser_w * job_->period_s;
     }
   }
+
+  /// Of the next step.
+  std::int64_t now_ns() { return now_ns_ += 416'667; }
+  std::int64_t now_ns_ = 0;
 
   fs::path folder_ =
       fs::path(testing::TempDir()) / ("telekerf_machining_station-" + std::to_string(::getpid()));
@@ -251,6 +267,56 @@ TEST_F(MachiningAtWork, AJobIsWorkedOffToItsEndAndLeavesItsFigures) {
   EXPECT_EQ(nlohmann::ordered_json::parse(result_file), result);
 }
 
+/// The light that it was on for comes to nothing within the dose: what is beyond is left out.
+class DosedAtWork : public MachiningAtWork {
+ protected:
+  DosedAtWork()
+      : MachiningAtWork([] {
+          StationSettings settings = quick();
+          settings.interlock.max_dose_j = 0.3;
+          settings.laser_w = 20.0;
+          return settings;
+        }()) {}
+};
+
+TEST_F(DosedAtWork, NoPlaceGetsMoreThanItMayWhereverThePathComesByAgain) {
+  // To and fro over the same millimetres.
+  ContourMessage message;
+  message.closed = false;
+  for (int n = 0; n < 4; ++n) {
+    message.points_m.emplace_back(n % 2 == 0 ? -1e-3 : 1e-3, 20e-6 * n);
+  }
+  job_ = station_.prepare(message);
+  laser::DoseBook book(0.03);
+  station_.begin(*job_);
+  std::uint32_t forbidden = 0;
+  while (!station_.ended()) {
+    const JobExecutorOutputs out = station_.step(now_ns(), false);
+    book.add(out.tool_m.head<2>(), out.laser_w * job_->period_s);
+    EXPECT_LE(book.at(out.tool_m.head<2>()).place_j, 0.3 + 1e-6);
+    if (out.phase == JobPhase::kCut) forbidden |= out.forbidden;
+  }
+  EXPECT_NE(forbidden & laser::guard_bit("dose"), 0u);
+}
+
+TEST_F(MachiningAtWork, AStepThatComesLateKeepsTheBeamOffForTwentyMilliseconds) {
+  station_.begin(*job_);
+  std::int64_t late_ns = 0;
+  int dark = 0, lit = 0;
+  while (!station_.ended()) {
+    std::int64_t at_ns = now_ns();
+    if (lit == 500 && late_ns == 0) at_ns = late_ns = now_ns_ += 4'000'000;
+    const JobExecutorOutputs out = station_.step(at_ns, false);
+    lit += out.laser_w > 0.0 ? 1 : 0;
+    const bool late = late_ns != 0 && at_ns - late_ns < 20'000'000;
+    ASSERT_EQ((out.forbidden & laser::guard_bit("on-time")) != 0, late);
+    ASSERT_FALSE(late && out.laser_w > 0.0);
+    dark += late ? 1 : 0;
+  }
+  EXPECT_EQ(dark, 48);
+  EXPECT_TRUE(station_.finished());
+}
+
 TEST_F(MachiningAtWork, TheTraceTellsEveryStepInOrder) {
   work();
   (void)station_.report(folder_, {.rate_hz = 2400.0});
@@ -303,7 +369,7 @@ TEST_F(MachiningAtWork, MotorsAtTheirLimitAreCountedAndTheBeamIsOffThen) {
   station_.machine().plant()->set_tool_force({0.0, 0.0, 200.0});
   station_.begin(*job_);
   for (int n = 0; n < 300; ++n) {
-    ASSERT_EQ(station_.step(false).laser_w, 0.0);
+    ASSERT_EQ(station_.step(now_ns(), false).laser_w, 0.0);
     station_.machine().plant()->set_tool_force(n < 150 ? Vec3(0.0, 0.0, 200.0) : Vec3(Vec3::Zero()));
   }
   const int violations = station_.report(folder_, {.rate_hz = 2400.0})["limit_violations"];
