@@ -185,7 +185,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
                             .engage_spent = selector_.arming().spent(),
                             .stop = stop_,
                             .stop_tick = stop_tick_,
-                            .guards = out.forbidden,
+                            .guards = out.forbidden | (settings_.real_laser ? kRealLaser : 0U),
                             .command_age_s = out.command_age_s},
                            commands_, selected.acknowledgement);
   if (out.state) commands_.state_sent(out.state->sequence, out.state->sent_ns);

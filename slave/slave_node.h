@@ -32,6 +32,7 @@ struct SlaveSettings {
   double observer_rad_s = 0.0;      ///< of the disturbance observer; 0: likewise (loop_design.h)
   double command_timeout_s = 0.15;  ///< no command for this long: laser off, hold
   double laser_w = 10.0;            ///< at beam_power's speed
+  bool real_laser = false;          ///< it is not simulated: told to the master
   laser::BeamPowerSettings beam_power;
   BareAccelerations bare_accelerations = BareAccelerations::kObeyed;
   codec::StreamSettings feedback;  ///< of the positions in the state stream, m

@@ -64,6 +64,7 @@ StationSettings StationSettings::validated() const {
                                           node.control_hz, node.stream_hz));
   }
   beam.validate(node.laser_w);
+  settings.node.real_laser = !beam.simulated();
   settings.node.beam_power.speed_m_per_s = 1e-3 * laser_speed_mm_s;
   laser::require_dose(node.interlock, node.laser_w, laser_speed_mm_s, "laser_speed_mm_s");
   settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));

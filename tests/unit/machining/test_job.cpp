@@ -317,29 +317,6 @@ TEST_F(AtWork, EachDoubtPutsTheBeamOutAtItsVeryStep) {
   EXPECT_GT(ready, 500);
 }
 
-TEST_F(AtWork, WhatDevicesAndTheClockSayForbidsAtItsVeryStep) {
-  JobExecutor executor(model, *job, {});
-  executor.reset(plant.read().joints_m);
-  constexpr DeviceState kDoubts[] = {
-      {}, {.fault = true}, {.on_time = false}, {.emission_agrees = false}, {.monitor_agrees = false}};
-  constexpr std::uint32_t kBits[] = {0, laser::guard_bit("fault"), laser::guard_bit("on-time"),
-                                     laser::guard_bit("emission"), laser::guard_bit("monitor")};
-  std::array<int, 5> seen{};
-  for (std::size_t i = 0; i < job->trajectory.size(); ++i) {
-    const std::size_t doubt = i / 40 % 5;
-    const auto out = executor.step(plant.read(), false, kDoubts[doubt]);
-    plant.write(out.currents_a);
-    plant.advance(job->period_s);
-    constexpr std::uint32_t kDevices = kBits[1] | kBits[2] | kBits[3] | kBits[4];
-    ASSERT_EQ(out.forbidden & kDevices, kBits[doubt]) << i;
-    if (doubt != 0) {
-      ASSERT_EQ(out.laser_w, 0.0) << i;
-    }
-    if ((out.forbidden & ~kDevices) == 0) ++seen[doubt];
-  }
-  for (const int n : seen) EXPECT_GT(n, 100) << "nothing else was against it";
-}
-
 TEST_F(AtWork, TheBeamsPowerFollowsTheSpeedAlongThePathBetweenNothingAndHalfAsMuchAgain) {
   PathFollowerSettings settings;
   const Controller controller = make_controller(ControllerKind::kContouring, true, settings);

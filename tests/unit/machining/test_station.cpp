@@ -17,37 +17,10 @@
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 #include "slave/machining/station.h"
+#include "tests/unit/machining/work.h"
 
 namespace telekerf::machining {
 namespace {
-
-namespace fs = std::filesystem;
-
-template <class Action>
-std::string refusal_of(Action action) {
-  try {
-    action();
-  } catch (const StartupError& refusal) {
-    return refusal.what();
-  }
-  return "accepted";
-}
-
-ContourMessage square(double side_m) {
-  const double h = side_m / 2;
-  ContourMessage message;
-  message.id = 1;
-  message.closed = true;
-  message.points_m = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
-  return message;
-}
-
-StationSettings quick() {
-  StationSettings settings;
-  settings.no_framing = true;
-  settings.speed_mm_s = 20.0;
-  return settings;
-}
 
 TEST(MachiningSettings, HaveTheseDefaultsAndBounds) {
   StationSettings station;
@@ -145,64 +118,10 @@ TEST(MachiningStation, WhatCannotBeMachinedOrReachedIsRefused) {
   }
 }
 
-TEST(MachiningStation, MoreThanAPlaceMayHaveInOnePassIsRefused) {
-  StationSettings settings = quick();
-  settings.speed_mm_s = 1.0;
-  EXPECT_EQ(
-      refusal_of([&] { settings.validate(); }),
-      "laser_w = 10 at speed_mm_s = 1 gives a place 2.7 J in one pass, more than dose_max_j = 2; lower the "
-      "power, or raise dose_max_j if the material bears it");
-  settings.interlock.max_dose_j = 3.0;
-  EXPECT_EQ(refusal_of([&] { settings.validate(); }), "accepted");
-}
-
 int count_lines(const fs::path& file) {
   std::ifstream in(file);
   return static_cast<int>(std::count(std::istreambuf_iterator<char>(in), {}, '\n'));
 }
-
-class MachiningAtWork : public testing::Test {
- protected:
-  explicit MachiningAtWork(const StationSettings& settings = quick()) : station_(settings) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    job_ = station_.prepare(square(1.5e-3));
-  }
-  ~MachiningAtWork() override { fs::remove_all(folder_); }
-  MachiningAtWork(const MachiningAtWork&) = delete;
-  MachiningAtWork& operator=(const MachiningAtWork&) = delete;
-
-  /// Steps until it has ended; `stop_at` lit steps: from then on the stop is pressed.
-  void work(int stop_at = -1) {
-    station_.begin(*job_);
-    while (!station_.ended()) {
-      ASSERT_LT(steps_, 100'000);
-      const bool stop = stop_at >= 0 && lit_ >= stop_at;
-      const JobExecutorOutputs out = station_.step(now_ns(), stop);
-      ++steps_;
-      held_ += stop ? 1 : 0;
-      if (stop) {
-        ASSERT_EQ(out.laser_w, 0.0);
-      }
-      if (out.laser_w <= 0.0) continue;
-      ++lit_;
-      energy_j_ += out.laser_w * job_->period_s;
-    }
-  }
-
-  /// Of the next step.
-  std::int64_t now_ns() { return now_ns_ += 416'667; }
-  std::int64_t now_ns_ = 0;
-
-  fs::path folder_ =
-      fs::path(testing::TempDir()) / ("telekerf_machining_station-" + std::to_string(::getpid()));
-  Station station_;
-  std::unique_ptr<Job> job_;
-  int steps_ = 0;
-  int lit_ = 0;
-  int held_ = 0;
-  double energy_j_ = 0.0;
-};
 
 TEST_F(MachiningAtWork, AJobIsWorkedOffToItsEndAndLeavesItsFigures) {
   EXPECT_FALSE(station_.ended());
@@ -265,56 +184,6 @@ TEST_F(MachiningAtWork, AJobIsWorkedOffToItsEndAndLeavesItsFigures) {
   EXPECT_EQ(timing["laser_untold"], 0);
   std::ifstream result_file(folder_ / "result.json");
   EXPECT_EQ(nlohmann::ordered_json::parse(result_file), result);
-}
-
-/// The light that it was on for comes to nothing within the dose: what is beyond is left out.
-class DosedAtWork : public MachiningAtWork {
- protected:
-  DosedAtWork()
-      : MachiningAtWork([] {
-          StationSettings settings = quick();
-          settings.interlock.max_dose_j = 0.3;
-          settings.laser_w = 20.0;
-          return settings;
-        }()) {}
-};
-
-TEST_F(DosedAtWork, NoPlaceGetsMoreThanItMayWhereverThePathComesByAgain) {
-  // To and fro over the same millimetres.
-  ContourMessage message;
-  message.closed = false;
-  for (int n = 0; n < 4; ++n) {
-    message.points_m.emplace_back(n % 2 == 0 ? -1e-3 : 1e-3, 20e-6 * n);
-  }
-  job_ = station_.prepare(message);
-  laser::DoseBook book(0.03);
-  station_.begin(*job_);
-  std::uint32_t forbidden = 0;
-  while (!station_.ended()) {
-    const JobExecutorOutputs out = station_.step(now_ns(), false);
-    book.add(out.tool_m.head<2>(), out.laser_w * job_->period_s);
-    EXPECT_LE(book.at(out.tool_m.head<2>()).place_j, 0.3 + 1e-6);
-    if (out.phase == JobPhase::kCut) forbidden |= out.forbidden;
-  }
-  EXPECT_NE(forbidden & laser::guard_bit("dose"), 0u);
-}
-
-TEST_F(MachiningAtWork, AStepThatComesLateKeepsTheBeamOffForTwentyMilliseconds) {
-  station_.begin(*job_);
-  std::int64_t late_ns = 0;
-  int dark = 0, lit = 0;
-  while (!station_.ended()) {
-    std::int64_t at_ns = now_ns();
-    if (lit == 500 && late_ns == 0) at_ns = late_ns = now_ns_ += 4'000'000;
-    const JobExecutorOutputs out = station_.step(at_ns, false);
-    lit += out.laser_w > 0.0 ? 1 : 0;
-    const bool late = late_ns != 0 && at_ns - late_ns < 20'000'000;
-    ASSERT_EQ((out.forbidden & laser::guard_bit("on-time")) != 0, late);
-    ASSERT_FALSE(late && out.laser_w > 0.0);
-    dark += late ? 1 : 0;
-  }
-  EXPECT_EQ(dark, 48);
-  EXPECT_TRUE(station_.finished());
 }
 
 TEST_F(MachiningAtWork, TheTraceTellsEveryStepInOrder) {
