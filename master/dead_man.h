@@ -3,6 +3,8 @@
 // beam.
 #pragma once
 
+#include <cmath>
+
 namespace telekerf::master {
 
 class DeadMan {
@@ -10,19 +12,19 @@ class DeadMan {
   static constexpr double kFelt_n = 0.2;
   static constexpr double kPatience_s = 0.3;
 
-  explicit DeadMan(double dt_s) noexcept : dt_s_(dt_s) {}
+  explicit DeadMan(double dt_s) noexcept : patience_(std::lround(kPatience_s / dt_s)) {}
 
   /// Every control step. `force_n`: magnitude of the hand's estimated force in the plane of the work. False
   /// for good, until the button is released, once nothing was felt for longer than kPatience_s.
   bool step(bool button, double force_n) noexcept {
-    gone_s_ = force_n > kFelt_n ? 0.0 : gone_s_ + dt_s_;  // a NaN is no hand
-    lost_ = button && (lost_ || gone_s_ > kPatience_s);
+    gone_ = force_n > kFelt_n ? 0 : gone_ + 1;  // a NaN is no hand
+    lost_ = button && (lost_ || gone_ > patience_);
     return button && !lost_;
   }
 
  private:
-  double dt_s_;
-  double gone_s_ = 0.0;  ///< since a hand was felt
+  long patience_;  ///< steps
+  long gone_ = 0;  ///< since a hand was felt
   bool lost_ = false;
 };
 

@@ -39,13 +39,13 @@ class ProcessChaos : public CellAtWork {
 
 TEST_F(ProcessChaos, AHungSlave) {
   begin();
-  for (const int ms : {50, 100, 200, 340, 500, 1000, 2000}) hang(*cell->slave, ms);
+  for (const int ms : {50, 100, 200, 500, 2000}) hang(*cell->slave, ms);
 }
 
 TEST_F(ProcessChaos, AHungMaster) {
   begin();
   // The play-out has some milliseconds left; then silence is noticed after 0.15 s at the latest.
-  for (const int ms : {50, 100, 800, 2000}) {
+  for (const int ms : {50, 200, 2000}) {
     cell->master->interrupt(SIGSTOP);
     const double from_s = clock_s() + 0.3;
     sleep_ms(ms);
@@ -190,6 +190,35 @@ TEST_F(ProcessChaos, AForgerAndOneWhoReplays) {
       EXPECT_TRUE(cell->lit(before)) << "the true master is heard again\n" << cell->said();
     }
   }
+}
+
+TEST_F(ProcessChaos, ATapeThatIsPlayedWhileTheMasterIsAway) {
+  begin();
+  Bus bus(stranger());
+  Reader<CommandBlock> heard(bus);
+  Writer<CommandBlock> said(bus);
+  ASSERT_TRUE(said.wait_for_reader(seconds(10)));
+  experiments::Replayer replayer;
+  const double from_s = clock_s();
+  for (; clock_s() < from_s + 2.0; sleep_ms(1))
+    while (const auto block = heard.take()) replayer.saw(monotonic_ns(), block->value);
+  cell->master->interrupt(SIGSTOP);
+  const double away_s = clock_s() + 0.3;
+  experiments::BirthRegister births;
+  experiments::FaultWindow window;
+  for (window.word = 0; window.word < 3; ++window.word) {  // as it was, under another epoch, renumbered
+    window.from_s = clock_s();
+    std::vector<experiments::Datagram> out;
+    for (; clock_s() < window.from_s + 2.5; sleep_ms(1)) {
+      replayer.step(monotonic_ns(), window, births, out);
+      for (const auto& datagram : out) (void)said.write(datagram.block);
+      out.clear();
+    }
+  }
+  dark.emplace_back(away_s, clock_s());
+  cell->master->interrupt(SIGCONT);
+  sleep_ms(1500);  // whoever followed a tape hears the true master again
+  dark_until_engaged(away_s);
 }
 
 TEST_F(ProcessChaos, AFloodOfEvents) {
