@@ -101,9 +101,8 @@ double LaserOutput::tell(const Emission& emission) noexcept {
 std::string LaserOutput::failure() const {
   if (!emission_agrees()) {
     return fmt::format(
-        "laser = {}: it gives light though it was told to be off, so it is told nothing else any more; cut "
-        "its power, "
-        "and have it looked at",
+        "laser = {}: it gives light that it was not told to give, so it is told nothing but off any more; "
+        "cut its power, and have it looked at",
         name_);
   }
   return fmt::format(

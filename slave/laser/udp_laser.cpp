@@ -37,7 +37,7 @@ UdpLaser::UdpLaser(const UdpAddress& address, double control_hz, std::int64_t (*
 
 boost::system::error_code UdpLaser::send() noexcept {
   ++outgoing_.sequence;
-  dark_[outgoing_.sequence % dark_.size()] = outgoing_.power_w == 0.0;
+  told_w_[outgoing_.sequence % told_w_.size()] = outgoing_.power_w;
   boost::system::error_code error;
   socket_.send(boost::asio::buffer(&outgoing_, sizeof(outgoing_)), 0, error);
   return error;
@@ -71,11 +71,11 @@ bool UdpLaser::stray() noexcept {
     const bool known = size == sizeof(answer) && answer.magic == UdpEmission::kMagic &&
                        answer.version == UdpPower::kVersion && answer.sequence > answered_ &&
                        answer.sequence <= outgoing_.sequence &&
-                       outgoing_.sequence - answer.sequence < dark_.size();
+                       outgoing_.sequence - answer.sequence < told_w_.size();
     if (!known) continue;
     answered_ = answer.sequence;
     // Written so that what is not a number is light.
-    stray = dark_[answer.sequence % dark_.size()] && !(answer.emission_w <= kDark_w);
+    stray = !(answer.emission_w <= kDark_w + kTolerance * told_w_[answer.sequence % told_w_.size()]);
   }
   return stray;
 }

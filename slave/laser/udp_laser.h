@@ -57,9 +57,11 @@ class UdpLaser final : public Laser {
   /// False also if the one before did not arrive. Later after the one before than the laser waits for it says
   /// off, whatever it was given: a step that was held up was judged by what was.
   bool emit(const Emission& emission) noexcept override;
-  /// The newest answer says so of a datagram without power, and more than kDark_w.
+  /// The newest answer says so: more than kTolerance times what its datagram asked for, and more than
+  /// kDark_w.
   bool stray() noexcept override;
   static constexpr double kDark_w = 1e-3;
+  static constexpr double kTolerance = 1.5;
 
  private:
   boost::system::error_code send() noexcept;
@@ -68,10 +70,10 @@ class UdpLaser final : public Laser {
   boost::asio::ip::udp::socket socket_;
   UdpPower outgoing_;
   std::int64_t (*clock_)() noexcept;
-  std::int64_t sent_ns_ = 0;     ///< the datagram before
-  bool refused_ = false;         ///< the datagram before, as was learned meanwhile
-  std::uint64_t answered_ = 0;   ///< newest datagram that was
-  std::array<bool, 64> dark_{};  ///< of the last datagrams, by their number: without power
+  std::int64_t sent_ns_ = 0;         ///< the datagram before
+  bool refused_ = false;             ///< the datagram before, as was learned meanwhile
+  std::uint64_t answered_ = 0;       ///< newest datagram that was
+  std::array<double, 64> told_w_{};  ///< by the last datagrams, by their number
 };
 
 std::unique_ptr<Laser> open_udp_laser(std::string_view rest, double control_hz);

@@ -28,7 +28,7 @@ TEST_F(PlantProcesses, ALaserThatIsStuckIsCutOffAndEndsTheSlave) {
   begin({.plant = {"--stuck-after-j", "3"}, .master = {"--engage"}});
   EXPECT_EQ(cell->slave->wait(seconds(60)), 2) << cell->said();
   dark.emplace_back(clock_s(), kNever_s);
-  EXPECT_TRUE(cell->slave->says("gives light though it was told to be off", seconds(1))) << cell->said();
+  EXPECT_TRUE(cell->slave->says("gives light that it was not told to give", seconds(1))) << cell->said();
   judge = [](const nlohmann::json& book) { EXPECT_TRUE(book["laser_stuck"].get<bool>()) << book; };
 }
 

@@ -271,6 +271,13 @@ TEST_F(Measured, LightThatNobodyAskedForIsStray) {
   EXPECT_FALSE(step(8.0, 0.0)) << "too little is no danger";
 }
 
+TEST_F(Measured, MoreThanHalfAsMuchAgainAsWasAskedForIsStray) {
+  EXPECT_FALSE(step(8.0, 12.0));
+  EXPECT_TRUE(step(8.0, 12.002));
+  EXPECT_FALSE(step(8.0, 8.0));
+  EXPECT_TRUE(step(8.0, kNan));
+}
+
 TEST_F(Measured, AnAnswerCountsOnceAndOnlyToWhatWasSent) {
   laser.emit({0.0, false, kMs, 0});
   std::optional<LaserSocket::Arrival> newest;
