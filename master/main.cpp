@@ -113,12 +113,13 @@ int run(Flags& flags) {
     if (node.tick() % kTelemetryTicks == 0)
       values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks()));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
-    return !done && !contour.refused() && !station.machine().failed();
+    return !done && !contour.refused() && !station.machine().failed() && station.obstacle() == nullptr;
   });
   station.release();
 
   const bool failed = station.machine().failed();
   if (contour.refused()) throw input_error(contour.refusal());
+  if (station.obstacle() != nullptr) throw configuration_error(station.obstacle());
   if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !failed) {
     throw environment_error(fmt::format(
         "nobody to work with for {:.0f} s in {}: are telekerf-vision and telekerf-slave running there?",

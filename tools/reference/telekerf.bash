@@ -16,7 +16,7 @@ _telekerf_flags() {
   case $1 in
     'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --stop-file --record --wait-s --dry-run --select --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --dose-max-j --dose-max-j-per-mm2 --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -31,6 +31,7 @@ _telekerf_flags() {
     'telekerf-netem list') echo '--config --print-config --help --version' ;;
     'telekerf-netem switch') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-robot ') echo '--robot --mismatch --seed --port --config --print-config --help --version' ;;
+    'telekerf-plant ') echo '--robot --mismatch --seed --drive-port --laser-port --max-w --stuck-after-j --record --domain --cell --name --peers --config --print-config --help --version' ;;
     'telekerf-experiment chaos') echo '--runs --seed --duration-s --mode --faults --beam-age-s --no-shrink --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
@@ -100,7 +101,7 @@ _telekerf_values() {
     'telekerf-slave  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-slave  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-slave  --drive-stale-s') echo "" ;;
-    'telekerf-slave  --laser') echo "-W 'simulated udp:'" ;;
+    'telekerf-slave  --laser') echo "-W 'simulated udp: plant:'" ;;
     'telekerf-slave  --laser-max-w') echo "" ;;
     'telekerf-slave  --mismatch') echo "" ;;
     'telekerf-slave  --seed') echo "" ;;
@@ -133,9 +134,11 @@ _telekerf_values() {
     'telekerf-machine  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-machine  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-machine  --drive-stale-s') echo "" ;;
-    'telekerf-machine  --laser') echo "-W 'simulated udp:'" ;;
+    'telekerf-machine  --laser') echo "-W 'simulated udp: plant:'" ;;
     'telekerf-machine  --laser-max-w') echo "" ;;
     'telekerf-machine  --laser-w') echo "" ;;
+    'telekerf-machine  --dose-max-j') echo "" ;;
+    'telekerf-machine  --dose-max-j-per-mm2') echo "" ;;
     'telekerf-machine  --mismatch') echo "" ;;
     'telekerf-machine  --seed') echo "" ;;
     'telekerf-machine  --sensor') echo "-W 'encoder hall'" ;;
@@ -144,11 +147,11 @@ _telekerf_values() {
     'telekerf-machine  --corner') echo "-W 'exact rounded slow'" ;;
     'telekerf-machine  --material') echo "-W 'wood fibreglass'" ;;
     'telekerf-machine  --kerf-um') echo "" ;;
+    'telekerf-machine  --select') echo "" ;;
     'telekerf-machine  --machining-hz') echo "" ;;
     'telekerf-machine  --stop-file') echo "-W 'auto off'" ;;
     'telekerf-machine  --record') echo "-d" ;;
     'telekerf-machine  --wait-s') echo "" ;;
-    'telekerf-machine  --select') echo "" ;;
     'telekerf-machine  --domain') echo "" ;;
     'telekerf-machine  --cell') echo "" ;;
     'telekerf-machine  --name') echo "" ;;
@@ -258,6 +261,18 @@ _telekerf_values() {
     'telekerf-robot  --mismatch') echo "" ;;
     'telekerf-robot  --seed') echo "" ;;
     'telekerf-robot  --port') echo "" ;;
+    'telekerf-plant  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
+    'telekerf-plant  --mismatch') echo "" ;;
+    'telekerf-plant  --seed') echo "" ;;
+    'telekerf-plant  --drive-port') echo "" ;;
+    'telekerf-plant  --laser-port') echo "" ;;
+    'telekerf-plant  --max-w') echo "" ;;
+    'telekerf-plant  --stuck-after-j') echo "" ;;
+    'telekerf-plant  --record') echo "-d" ;;
+    'telekerf-plant  --domain') echo "" ;;
+    'telekerf-plant  --cell') echo "" ;;
+    'telekerf-plant  --name') echo "" ;;
+    'telekerf-plant  --peers') echo "" ;;
     'telekerf-experiment chaos --runs') echo "" ;;
     'telekerf-experiment chaos --seed') echo "" ;;
     'telekerf-experiment chaos --duration-s') echo "" ;;
@@ -493,4 +508,4 @@ _telekerf() {
     eval "mapfile -t COMPREPLY < <(compgen $how -- \"\$word\")"
   fi
 }
-complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-ctl telekerf-netem telekerf-robot telekerf-experiment telekerf-inspect
+complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-ctl telekerf-netem telekerf-robot telekerf-plant telekerf-experiment telekerf-inspect
