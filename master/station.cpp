@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "master/station.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/protocol/overhead.h"
@@ -15,6 +16,8 @@ namespace {
 bool wants_release(const StateHeader* slave) noexcept {
   return slave != nullptr && (slave->guards & kButtonGuard) != 0;
 }
+
+constexpr std::size_t kMostContours = 64;
 
 }  // namespace
 
@@ -35,6 +38,7 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
   control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
                           "constraint_rad_s", "observer_rad_s");
+  contours_.reserve(kMostContours);
 }
 
 std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
@@ -79,10 +83,14 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                              std::span<const EventMessage> events, const StopOrder& stop) noexcept {
   StationOutputs out;
   const StateHeader* const slave = node_.slave();
-  const OperatorRequests::Heard heard =
-      requests_.hear(events, {stop.number != 0, slave != nullptr && slave->laser_on});
-  out.prepare_anew = heard.rescale;
-  out.refusal = heard.refusal;
+  for (const EventMessage& event : events) {
+    if (!OperatorRequests::concerns(event)) continue;
+    const OperatorRequests::Heard heard =
+        requests_.hear({&event, 1}, {stop.number != 0, slave != nullptr && slave->laser_on});
+    out.prepare_anew = out.prepare_anew || heard.rescale;
+    if (out.verdict_count < out.verdicts.size())
+      out.verdicts[out.verdict_count++] = {event.epoch, heard.refusal};
+  }
   const Tick tick = node_.tick();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
 
@@ -102,6 +110,9 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   constraint_.reset();
   HandSample hand;
   if (task != nullptr) {
+    const std::uint32_t id = task->guide.contour_id;
+    if ((contours_.empty() || contours_.back().id != id) && contours_.size() < contours_.capacity())
+      contours_.push_back({tick, id});
     inputs.guide = &task->guide;
     hand = this->hand(*task);
     if (told.force_n) hand.force_n = *told.force_n;
@@ -128,6 +139,24 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                   out.slave_force.force_n});
   machine_.advance();
   return out;
+}
+
+void Station::report_contours(std::span<const ContourMessage> adopted, RunRecord& record) const {
+  const auto message_of = [&](std::uint32_t id) {
+    return std::find_if(adopted.begin(), adopted.end(), [&](const ContourMessage& m) { return m.id == id; });
+  };
+  for (std::size_t n = 0; n + 1 < contours_.size(); ++n) {
+    const auto found = message_of(contours_[n].id);
+    if (found != adopted.end())
+      record.earlier.push_back({contours_[n + 1].tick, found->closed, found->points_m});
+  }
+  if (contours_.empty()) return;
+  const auto last = message_of(contours_.back().id);
+  if (last == adopted.end()) return;
+  record.contour_m = last->points_m;
+  record.contour_closed = last->closed;
+  record.words["image"] = last->source;
+  record.words["mode"] = last->mode;
 }
 
 void Station::report(RunRecord& record) const {

@@ -106,7 +106,8 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
           .on_time = on_time,
           .emission_agrees = inputs.emission_agrees,
           .monitor_agrees = inputs.monitor_agrees,
-          .command_age_s = selected.age_s >= 0.0 ? selected.age_s : laser::kAbsent,
+          .command_age_s = selected.due_age_s >= 0.0 ? selected.due_age_s : laser::kAbsent,
+          .look_age_s = inputs.look_age_s,
           .radius_m = place.norm(),
           .height_m = std::abs(tool.position_m.z()),
           .contour_distance_m = on_contour.distance_m,
@@ -186,7 +187,7 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
                             .stop = stop_,
                             .stop_tick = stop_tick_,
                             .guards = out.forbidden | (settings_.real_laser ? kRealLaser : 0U),
-                            .command_age_s = out.command_age_s},
+                            .command_age_s = selected.due_age_s},
                            commands_, selected.acknowledgement);
   if (out.state) commands_.state_sent(out.state->sequence, out.state->sent_ns);
   return out;

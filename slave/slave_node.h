@@ -57,6 +57,7 @@ struct SlaveInputs {
   StopOrder stop;
   const Corridor* corridor = nullptr;  ///< null: no contour yet; must outlive its use
   bool fault = false;                  ///< robot or laser has failed
+  double look_age_s = laser::kAbsent;  ///< since vision last saw this contour; absent: it has not
   bool monitor_agrees = true;          ///< see laser::BeamMonitor
   bool emission_agrees = true;         ///< see LaserOutput::emission_agrees()
 };

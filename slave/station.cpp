@@ -47,6 +47,8 @@ void StationSettings::add_node_parameters(Settings& settings) {
                "no command for this long: hold, laser off");
   settings.add("beam_age_s", node.interlock.beam_age_s, {.min = 0.02, .max = 2, .unit = "s"},
                "commands older than this, measured there and back, give no light");
+  settings.add("look_age_s", node.interlock.max_look_age_s, {.min = 0, .max = 3600, .unit = "s"},
+               "no light after vision has not seen the contour where it is for this long; 0: not asked");
   settings.add("bare_accelerations", node.bare_accelerations, kBareAccelerations,
                "of law remote-acceleration, what the slave makes of them");
   settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"},
@@ -120,7 +122,8 @@ std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const 
 }
 
 SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
-                           std::span<const Received<CommandBlock>> commands, const StopOrder& stop) noexcept {
+                           std::span<const Received<CommandBlock>> commands, const StopOrder& stop,
+                           double look_age_s) noexcept {
   SlaveInputs inputs;
   inputs.joints = machine_.read();
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to report
@@ -134,15 +137,12 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.stop = stop;
   inputs.corridor = corridor;
   inputs.fault = machine_.failed() || beam_.failed();
+  inputs.look_age_s = look_age_s;
   inputs.emission_agrees = beam_.emission_agrees();
   inputs.monitor_agrees = monitor_.agrees();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
-  if (out.command_age_s >= 0.0) {
-    age_.sum_s += out.command_age_s;
-    age_.max_s = std::max(age_.max_s, out.command_age_s);
-    ++age_.count;
-  }
+  if (out.command_age_s >= 0.0) age_.add(out.command_age_s);
   if (inputs.joints.valid) machine_.watch(out.tool_m);
   if (machine_.failed()) {
     out.laser_w = 0.0;

@@ -20,6 +20,7 @@
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
+#include "netem/drivers/netem_switch.h"
 #include "slave/machining/station.h"
 
 namespace telekerf::machining {
@@ -92,11 +93,13 @@ int run(const Flags& flags) {
   if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "result");
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "slave");  // of which a cell has one
   if (settings.name.empty()) settings.name = "machine";
-  settings.receive_filter = flags.netem.emulator(settings.site);
+  const auto emulator = flags.netem.emulator(settings.site);
+  settings.receive_filter = emulator;
   Station station(flags.station);
 
   Process process(settings, "machine");
   StatusReporter& status = process.status();
+  const netem::NetemSwitch netem_switch(process.bus(), emulator);
   StopLine emergency(process.bus(), flags.stop.path(settings));
   ContourSubscriber<Job> contour(process.bus(), [&](const ContourMessage& m) { return station.prepare(m); });
   if (station.machine().plant() == nullptr)
