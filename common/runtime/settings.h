@@ -93,6 +93,8 @@ class Settings {
   void load(std::span<const std::string> words);
   /// Throws StartupError if a setting that must be given has not been.
   void require_given() const;
+  /// Throws StartupError if a setting is given that nothing reads beside the others.
+  void refuse_without_effect() const;
 
   /// What --help lists, what --config reads, and all of it for programs.
   std::string help() const;
@@ -105,7 +107,7 @@ class Settings {
     Setting setting;
     std::function<std::optional<ConfigValue>()> get;
     std::function<void(const ConfigValue&)> set;
-    bool given = false;
+    std::string given;  ///< by whom: the file's name or the command line
   };
   struct Gone {
     std::string name;
@@ -113,7 +115,9 @@ class Settings {
   };
   static Entry described(const std::string& name, Setting::Type type, const std::string& sentence);
   Setting& enter(Entry entry);
-  std::string take(Entry& entry, const ConfigValue& value);
+  std::string take(Entry& entry, const ConfigValue& value, const std::string& source);
+  /// The word that another setting has now; none: the command has no such setting.
+  std::optional<std::string> word_of(const Setting& setting, const std::string& other) const;
   /// Words of the command line that belong to one setting.
   struct Given {
     Entry* entry;  ///< null: --config

@@ -56,7 +56,9 @@ Recording load_recording(const std::string& file) {
     const bool lost = field[3] == 1;
     if (!is_flag(field[3]) || !is_flag(field[4]) || !is_flag(field[5])) refuse("flags must be 0 or 1");
     if (field[0] != static_cast<std::int64_t>(recording.size())) refuse("index must count up from 0");
+    constexpr std::int64_t kLatest_ns = 1'000'000'000'000'000'000;  // thirty years
     if (field[1] < 0) refuse("in_ns must not be negative");
+    if (field[1] > kLatest_ns || field[2] > kLatest_ns) refuse("in_ns and out_ns must not exceed 10^18");
     if (!lost && field[2] < field[1]) refuse("out_ns must not lie before in_ns");
     if (!recording.empty() && field[1] < recording.back().in_ns) refuse("in_ns must not go backwards");
     recording.push_back({field[1], lost ? 0 : field[2] - field[1], lost, field[4] == 1, field[5] == 1});

@@ -174,7 +174,9 @@ TEST(Trace, DamagedFilesAreRefusedByLine) {
                                     {header + "1,0,5,0,0,0\n", "line 2"},
                                     {header + "0,9,5,0,0,0\n", "line 2"},
                                     {header + "0,9,10,0,0,0\n1,8,10,0,0,0\n", "line 3"},
-                                    {header + "0,-9,10,0,0,0\n", "line 2"}}) {
+                                    {header + "0,-9,10,0,0,0\n", "line 2"},
+                                    {header + "0,1000000000000000001,1000000000000000002,0,0,0\n", "10^18"},
+                                    {header + "0,18446744073709551616,18446744073709551616,0,0,0\n", "line 2"}}) {
     const File file(text);
     try {
       load_recording(file.path);
