@@ -160,10 +160,10 @@ TEST_F(NetemLink, GivesEveryPacketTheFateOfVirtualTime) {
   const std::string folder = testing::TempDir() + "netem-fates-" + std::to_string(::getpid());
   std::filesystem::create_directories(folder);
   const std::string file = folder + "/profile.toml";
-  std::ofstream(file)
-      << "[both]\ndelay_ms = 8\njitter_ms = 3\ndistribution = \"gamma\"\nshape = 2\ncorrelation_ms = 1.442695\n"
-         "order = \"free\"\nloss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_ms = 3\n"
-         "duplicate = 0.05\ncorrupt = 0.05\n";
+  std::ofstream(file) << "[both]\ndelay_ms = 8\njitter_ms = 3\ndistribution = \"gamma\"\nshape = "
+                         "2\ncorrelation_ms = 1.442695\n"
+                         "order = \"free\"\nloss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_ms = 3\n"
+                         "duplicate = 0.05\ncorrupt = 0.05\n";
   start_link(file, {"--seed", "11", "--record", folder});
   round_trips(kOverLink, 200, milliseconds(40));
   stop_link();

@@ -164,19 +164,20 @@ TEST(Trace, VerifyHoldsRecordedLossesAgainstTheRecording) {
 
 TEST(Trace, DamagedFilesAreRefusedByLine) {
   const std::string header = std::string(kTraceHeader) + "\n";
-  for (const auto& [text, named] : {std::pair<std::string, std::string>{"", "line 1"},
-                                    {"a,b\n", "line 1"},
-                                    {header, "no packet"},
-                                    {header + "0,0,5,0,0\n", "line 2"},
-                                    {header + "0,0,5,0,0,0,0\n", "line 2"},
-                                    {header + "0,0,x,0,0,0\n", "line 2"},
-                                    {header + "0,0,5,2,0,0\n", "line 2"},
-                                    {header + "1,0,5,0,0,0\n", "line 2"},
-                                    {header + "0,9,5,0,0,0\n", "line 2"},
-                                    {header + "0,9,10,0,0,0\n1,8,10,0,0,0\n", "line 3"},
-                                    {header + "0,-9,10,0,0,0\n", "line 2"},
-                                    {header + "0,1000000000000000001,1000000000000000002,0,0,0\n", "10^18"},
-                                    {header + "0,18446744073709551616,18446744073709551616,0,0,0\n", "line 2"}}) {
+  for (const auto& [text, named] :
+       {std::pair<std::string, std::string>{"", "line 1"},
+        {"a,b\n", "line 1"},
+        {header, "no packet"},
+        {header + "0,0,5,0,0\n", "line 2"},
+        {header + "0,0,5,0,0,0,0\n", "line 2"},
+        {header + "0,0,x,0,0,0\n", "line 2"},
+        {header + "0,0,5,2,0,0\n", "line 2"},
+        {header + "1,0,5,0,0,0\n", "line 2"},
+        {header + "0,9,5,0,0,0\n", "line 2"},
+        {header + "0,9,10,0,0,0\n1,8,10,0,0,0\n", "line 3"},
+        {header + "0,-9,10,0,0,0\n", "line 2"},
+        {header + "0,1000000000000000001,1000000000000000002,0,0,0\n", "10^18"},
+        {header + "0,18446744073709551616,18446744073709551616,0,0,0\n", "line 2"}}) {
     const File file(text);
     try {
       load_recording(file.path);
