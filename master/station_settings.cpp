@@ -48,10 +48,8 @@ void StationSettings::add_guidance_parameters(Settings& settings) {
   settings.add("curve", node.constraint.curve, kCurves, "what the hand is guided along");
   settings.add("corridor_mm", corridor_mm, {.min = 0, .max = 10, .unit = "mm"},
                "half width of a corridor in which the hand is free, 0: guided on the curve");
-  settings
-      .add("corridor_stiffness_n_per_m", node.constraint.stiffness_n_per_m,
-           {.min = 0, .max = 20000, .unit = "N/m"}, "spring inside the corridor, towards the curve")
-      .not_with("corridor_mm", {"0"});
+  settings.add("corridor_stiffness_n_per_m", node.constraint.stiffness_n_per_m,
+               {.min = 0, .max = 20000, .unit = "N/m"}, "spring inside the corridor, towards the curve");
   settings.add("constraint_rad_s", node.constraint_rad_s, {.min = 0, .max = 5000, .unit = "rad/s"},
                "bandwidth across the curve, 0: chosen from robot, rate and drive");
   settings.add("virtual_mass_kg", node.constraint.mass_kg, {.min = 0.1, .max = 20, .unit = "kg"},
@@ -64,6 +62,7 @@ void StationSettings::add_guidance_parameters(Settings& settings) {
                "mean speed of the simulated hand");
   settings.add("hand_sideways_n", hand.max_sideways_n, {.min = 0, .max = 30, .unit = "N"},
                "how hard the simulated hand pushes off the curve");
+  settings.not_with({"corridor_stiffness_n_per_m"}, "corridor_mm", {"0"});
 }
 
 void StationSettings::add_stream_parameters(Settings& settings) {
@@ -73,49 +72,35 @@ void StationSettings::add_stream_parameters(Settings& settings) {
   settings.add("codec", codec, codec::kCodecs, "of the command stream");
   settings.add("tracking_rad_s", tracking_rad_s, {.min = 0, .max = 5000, .unit = "rad/s"},
                "bandwidth of the law that makes the commands, 0: 400, less on a slow stream");
-  settings
-      .add("timing_error_s", node.command.timing_error_s, {.min = 1e-4, .max = 1, .unit = "s"},
-           "of the slave's answer, that remote-acceleration's loop across the delay bears")
-      .only_with("law", {"remote-acceleration"});
-  settings
-      .add("thesis_cutoff_rad_s", node.command.observer.thesis_cutoff_rad_s,
-           {.min = 0.1, .max = 1000, .unit = "rad/s"}, "estimator thesis: g of eq. 93's low-pass")
-      .only_with("estimator", {"thesis", "thesis-convergent"});
-  settings
-      .add("innovation_gain_per_s", node.command.observer.innovation_gain_per_s,
-           {.min = 0, .max = 1000, .unit = "1/s"},
-           "estimator delayed-innovation: gain, 0: 1/(e D) of the delay D that is seen")
-      .only_with("estimator", {"delayed-innovation", "thesis-convergent"});
-  settings
-      .add("predictor_rad_s", node.command.observer.predictor_rad_s,
-           {.min = 0.1, .max = 1000, .unit = "rad/s"},
-           "estimator predictor of remote-acceleration: poles of position and velocity")
-      .only_with("estimator", {"predictor"})
-      .only_with("law", {"remote-acceleration"});
-  settings
-      .add("disturbance_rad_s", node.command.observer.disturbance_rad_s,
-           {.min = 0, .max = 1000, .unit = "rad/s"},
-           "estimator predictor of remote-acceleration: pole of the disturbance")
-      .only_with("estimator", {"predictor"})
-      .only_with("law", {"remote-acceleration"});
-  settings
-      .add("block", node.command.codec.block, {.min = 4, .max = 64}, "samples a block of the command stream")
-      .not_with("codec", {"raw"});
-  settings.add("keep", node.command.codec.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis")
-      .not_with("codec", {"raw", "batched", "deadband", "weber", "dpcm"})
-      .only_with("max_rms", {"0"});
-  settings
-      .add("max_rms", node.command.codec.max_rms, {.min = 0, .max = 1000},
-           "RMS error of a block that is kept instead [m/s^2; law local: m], 0: keep")
-      .not_with("codec", {"raw", "batched"});
-  settings
-      .add("redundancy", node.command.codec.redundancy, {.min = 0, .max = 7},
-           "previous blocks repeated in a packet")
-      .not_with("codec", {"raw"});
-  settings
-      .add("max_redundancy", node.command.max_redundancy, {.min = 0, .max = 7},
-           "and at most, after losses that these did not cover; redundancy if that is more")
-      .not_with("codec", {"raw"});
+  settings.add("timing_error_s", node.command.timing_error_s, {.min = 1e-4, .max = 1, .unit = "s"},
+               "of the slave's answer, that remote-acceleration's loop across the delay bears");
+  settings.add("thesis_cutoff_rad_s", node.command.observer.thesis_cutoff_rad_s,
+               {.min = 0.1, .max = 1000, .unit = "rad/s"}, "estimator thesis: g of eq. 93's low-pass");
+  settings.add("innovation_gain_per_s", node.command.observer.innovation_gain_per_s,
+               {.min = 0, .max = 1000, .unit = "1/s"},
+               "estimator delayed-innovation: gain, 0: 1/(e D) of the delay D that is seen");
+  settings.add("predictor_rad_s", node.command.observer.predictor_rad_s,
+               {.min = 0.1, .max = 1000, .unit = "rad/s"},
+               "estimator predictor of remote-acceleration: poles of position and velocity");
+  settings.add("disturbance_rad_s", node.command.observer.disturbance_rad_s,
+               {.min = 0, .max = 1000, .unit = "rad/s"},
+               "estimator predictor of remote-acceleration: pole of the disturbance");
+  settings.add("block", node.command.codec.block, {.min = 4, .max = 64},
+               "samples a block of the command stream");
+  settings.add("keep", node.command.codec.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
+  settings.add("max_rms", node.command.codec.max_rms, {.min = 0, .max = 1000},
+               "RMS error of a block that is kept instead [m/s^2; law local: m], 0: keep");
+  settings.add("redundancy", node.command.codec.redundancy, {.min = 0, .max = 7},
+               "previous blocks repeated in a packet");
+  settings.add("max_redundancy", node.command.max_redundancy, {.min = 0, .max = 7},
+               "and at most, after losses that these did not cover; redundancy if that is more");
+  codec::refuse_unread(settings, {""});
+  settings.not_with({"max_redundancy"}, "codec", {"raw"});
+  settings.only_with({"thesis_cutoff_rad_s"}, "estimator", {"thesis", "thesis-convergent"});
+  settings.only_with({"innovation_gain_per_s"}, "estimator", {"delayed-innovation", "thesis-convergent"});
+  settings.only_with({"predictor_rad_s", "disturbance_rad_s"}, "estimator", {"predictor"});
+  settings.only_with({"timing_error_s", "predictor_rad_s", "disturbance_rad_s"}, "law",
+                     {"remote-acceleration"});
 }
 
 StationSettings StationSettings::validated() const {

@@ -27,30 +27,17 @@ void StationSettings::add_parameters(Settings& settings) {
 
 void StationSettings::add_node_parameters(Settings& settings) {
   settings.add("codec", codec, codec::kCodecs, "of the state stream");
-  settings.add("block", node.feedback.block, {.min = 4, .max = 64}, "samples a block of the state stream")
-      .not_with("codec", {"raw"});
-  settings
-      .add("keep", node.feedback.keep, {.min = 1, .max = 64},
-           "coefficients kept of a block's positions, an axis")
-      .not_with("codec", {"raw", "batched", "deadband", "weber", "dpcm"})
-      .only_with("max_rms", {"0"});
-  settings
-      .add("max_rms", node.feedback.max_rms, {.min = 0, .max = 1},
-           "RMS error of a block's positions that is kept instead [m], 0: keep")
-      .not_with("codec", {"raw", "batched"});
-  settings
-      .add("force_keep", node.force.keep, {.min = 1, .max = 64},
-           "coefficients kept of a block's forces, an axis")
-      .not_with("codec", {"raw", "batched", "deadband", "weber", "dpcm"})
-      .only_with("force_max_rms", {"0"});
-  settings
-      .add("force_max_rms", node.force.max_rms, {.min = 0, .max = 1000},
-           "RMS error of a block's forces that is kept instead [N], 0: force_keep")
-      .not_with("codec", {"raw", "batched"});
-  settings
-      .add("redundancy", node.feedback.redundancy, {.min = 0, .max = 7},
-           "previous blocks repeated in a packet")
-      .not_with("codec", {"raw"});
+  settings.add("block", node.feedback.block, {.min = 4, .max = 64}, "samples a block of the state stream");
+  settings.add("keep", node.feedback.keep, {.min = 1, .max = 64},
+               "coefficients kept of a block's positions, an axis");
+  settings.add("max_rms", node.feedback.max_rms, {.min = 0, .max = 1},
+               "RMS error of a block's positions that is kept instead [m], 0: keep");
+  settings.add("force_keep", node.force.keep, {.min = 1, .max = 64},
+               "coefficients kept of a block's forces, an axis");
+  settings.add("force_max_rms", node.force.max_rms, {.min = 0, .max = 1000},
+               "RMS error of a block's forces that is kept instead [N], 0: force_keep");
+  settings.add("redundancy", node.feedback.redundancy, {.min = 0, .max = 7},
+               "previous blocks repeated in a packet");
   settings.add("bandwidth_rad_s", node.bandwidth_rad_s, {.min = 0, .max = 5000, .unit = "rad/s"},
                "of the tracking law, 0: chosen from robot, rate and drive");
   settings.add("observer_rad_s", node.observer_rad_s, {.min = 0, .max = 15000, .unit = "rad/s"},
@@ -59,10 +46,8 @@ void StationSettings::add_node_parameters(Settings& settings) {
                "no command for this long: hold, laser off");
   settings.add("beam_age_s", node.interlock.beam_age_s, {.min = 0.02, .max = 2, .unit = "s"},
                "commands older than this, measured there and back, give no light");
-  settings
-      .add("bare_accelerations", node.bare_accelerations, kBareAccelerations,
-           "of law remote-acceleration, what the slave makes of them")
-      .only_with("law", {"remote-acceleration"});
+  settings.add("bare_accelerations", node.bare_accelerations, kBareAccelerations,
+               "of law remote-acceleration, what the slave makes of them");
   settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"},
                "laser power at laser_speed_mm_s; it follows the tool's speed up to 1.5 times");
   settings.add("laser_speed_mm_s", laser_speed_mm_s, {.min = 0.5, .max = 200, .unit = "mm/s"},
@@ -72,6 +57,7 @@ void StationSettings::add_node_parameters(Settings& settings) {
   settings.add("dose_max_j_per_mm2", node.interlock.max_area_dose_j_per_mm2,
                {.min = 0.1, .max = 1000, .unit = "J/mm^2"},
                "mean energy that no square millimetre gets more of, over all passes");
+  codec::refuse_unread(settings, {"", "force_"});
 }
 
 StationSettings StationSettings::validated() const {

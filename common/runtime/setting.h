@@ -7,7 +7,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "common/runtime/bounds.h"
@@ -71,16 +70,6 @@ struct Setting {
   Setting& as_argument() {
     positional = true;
     return must_be_given();
-  }
-  /// Without effect unless `other` is one of the words: then it is refused, if it is given and not the
-  /// default. A command that has no such setting reads it always.
-  Setting& only_with(const std::string& other, std::vector<std::string> words) {
-    conditions.push_back({other, std::move(words), true});
-    return *this;
-  }
-  Setting& not_with(const std::string& other, std::vector<std::string> words) {
-    conditions.push_back({other, std::move(words), false});
-    return *this;
   }
   Setting& empty_is_said() {
     may_be_empty = true;

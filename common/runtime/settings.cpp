@@ -9,6 +9,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "common/runtime/resources.h"
@@ -127,6 +128,25 @@ Setting& Settings::add(const std::string& name, std::vector<double>& value, std:
   entry.get = [&value] { return value; };
   entry.set = [&value](const ConfigValue& given) { value = std::get<std::vector<double>>(given); };
   return enter(std::move(entry));
+}
+
+void Settings::only_with(const std::vector<std::string>& names, const std::string& other,
+                         const std::vector<std::string>& words) {
+  add_condition(names, {other, words, true});
+}
+
+void Settings::not_with(const std::vector<std::string>& names, const std::string& other,
+                        const std::vector<std::string>& words) {
+  add_condition(names, {other, words, false});
+}
+
+void Settings::add_condition(const std::vector<std::string>& names, const Setting::Condition& condition) {
+  for (const std::string& name : names) {
+    const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const Entry& e) { return e.setting.name == prefix_ + name; });
+    if (entry == entries_.end()) throw std::logic_error("no setting " + prefix_ + name);
+    entry->setting.conditions.push_back(condition);
+  }
 }
 
 void Settings::renamed(const std::string& old, const std::string& now) {

@@ -83,6 +83,14 @@ class Settings {
   /// same name.
   void prefix(const std::string& word) { prefix_ = word; }
 
+  /// These have no effect unless (or if) another setting is one of the words, a number written "0": then they
+  /// are refused, if they are given and not the default. A command without that other setting reads them
+  /// always.
+  void only_with(const std::vector<std::string>& names, const std::string& other,
+                 const std::vector<std::string>& words);
+  void not_with(const std::vector<std::string>& names, const std::string& other,
+                const std::vector<std::string>& words);
+
   /// A key and flag of before: refused with the name of today, or with the program that has it now.
   void renamed(const std::string& old, const std::string& now);
   void moved(const std::string& old, const std::string& remedy);
@@ -124,6 +132,7 @@ class Settings {
     std::vector<std::string> words;
   };
   std::vector<Given> sorted(std::span<const std::string> words);
+  void add_condition(const std::vector<std::string>& names, const Setting::Condition& condition);
   Entry* find_flag(const std::string& flag);
   Entry& next_argument(const std::string& word);
 

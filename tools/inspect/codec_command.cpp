@@ -78,28 +78,25 @@ void add_codec_parameters(CodecOptions& o, Settings& s) {
   auto& stream = o.stream;
   s.add("trace", o.trace, kFile, "CSV, columns of numbers").as_argument();
   s.add("codec", o.codec, codec::kCodecs, "which one");
-  s.add("block", stream.block, {.min = 1, .max = 64}, "samples a block; 4 or more of a transform")
-      .not_with("codec", {"raw"});
+  s.add("block", stream.block, {.min = 1, .max = 64}, "samples a block; 4 or more of a transform");
   s.add("keep", o.keep, {.min = 1, .max = 64},
-        fmt::format("coefficients kept an axis and block; without max_rms {}", stream.keep))
-      .not_with("codec", {"raw", "batched", "deadband", "weber", "dpcm"});
+        fmt::format("coefficients kept an axis and block; without max_rms {}", stream.keep));
   s.add("max_rms", o.max_rms, {.min = 0, .max = 1e6},
-        "RMS error that no block exceeds, in the trace's unit, instead of keep")
-      .not_with("codec", {"raw", "batched"});
+        "RMS error that no block exceeds, in the trace's unit, instead of keep");
   s.add("quantum", stream.quantum, {.min = 1e-15, .max = 1e6},
         "finest step (with keep, and of the time-domain codecs)");
-  s.add("threshold", stream.threshold, {.min = 0, .max = 1e6}, "dead-band: absolute, or weber's fraction")
-      .only_with("codec", {"deadband", "weber"});
+  s.add("threshold", stream.threshold, {.min = 0, .max = 1e6}, "dead-band: absolute, or weber's fraction");
   s.add("rate_hz", o.rate_hz, {.min = 1, .max = 1e6, .unit = "Hz"}, "samples a second");
   s.add("columns", o.columns, kName, "of the columns to take; without it all");
   s.add("anchored", stream.anchored, "packets carry position and velocity of their newest block");
-  s.add("redundancy", stream.redundancy, {.min = 0, .max = 7}, "previous blocks repeated in a packet")
-      .not_with("codec", {"raw"});
+  s.add("redundancy", stream.redundancy, {.min = 0, .max = 7}, "previous blocks repeated in a packet");
   s.add("loss", o.link.loss, {.min = 0, .max = 1}, "packets lost, as a fraction");
-  s.add("burst", o.link.burst, {.min = 1, .max = 1e6}, "mean length of a burst of losses, packets")
-      .not_with("loss", {"0"});
-  s.add("seed", o.link.seed, kSeeds, "of the losses").not_with("loss", {"0"});
+  s.add("burst", o.link.burst, {.min = 1, .max = 1e6}, "mean length of a burst of losses, packets");
+  s.add("seed", o.link.seed, kSeeds, "of the losses");
   s.add("decoded", o.decoded, kFile, "CSV for what the receiver has in the end");
+  codec::refuse_unread(s, {""});
+  s.only_with({"threshold"}, "codec", {"deadband", "weber"});
+  s.not_with({"burst", "seed"}, "loss", {"0"});
 }
 
 }  // namespace

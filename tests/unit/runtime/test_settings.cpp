@@ -173,13 +173,16 @@ std::string refusal_of_effect(const std::vector<std::string>& words, const std::
   if (!prefix.empty()) settings.add("codec", coding.codec, TextForm{.form = "CODEC"}, "another's");
   settings.prefix(prefix);
   settings.add("codec", coding.codec, TextForm{.form = "CODEC"}, "which");
-  settings.add("rms", coding.rms, {}, "an error").not_with("codec", {"raw"});
-  settings.add("keep", coding.keep, {}, "how many")
-      .only_with("codec", {"sdct", "truncated"})
-      .only_with("rms", {"0"});
+  settings.add("rms", coding.rms, {}, "an error");
+  settings.add("keep", coding.keep, {}, "how many");
   settings.add("loss", coding.loss, {}, "share");
-  settings.add("burst", coding.burst, {}, "length").not_with("loss", {"0", ""});
-  settings.add("window", coding.burst, {}, "length").only_with("curve", {"circle"});
+  settings.add("burst", coding.burst, {}, "length");
+  settings.add("window", coding.burst, {}, "length");
+  settings.not_with({"rms"}, "codec", {"raw"});
+  settings.only_with({"keep"}, "codec", {"sdct", "truncated"});
+  settings.only_with({"keep"}, "rms", {"0"});
+  settings.not_with({"burst"}, "loss", {"0", ""});
+  settings.only_with({"window"}, "curve", {"circle"});
   if (!file.empty()) settings.load(ConfigFile(file, "f.toml"));
   settings.load(words);
   return refusal([&] { settings.refuse_without_effect(); }).first;
