@@ -323,7 +323,7 @@ std::optional<std::string> Settings::word_of(const Setting& setting, const std::
     for (const Entry& entry : entries_) {
       if (entry.setting.name != name) continue;
       const auto now = entry.get();
-      if (!now) return "";
+      if (!now) return std::nullopt;
       if (const auto* number = std::get_if<double>(&*now)) return fmt::format("{:g}", *number);
       if (const auto* text = std::get_if<std::string>(&*now)) return *text;
     }
@@ -342,8 +342,7 @@ void Settings::refuse_without_effect() const {
           std::find(condition.words.begin(), condition.words.end(), *word) != condition.words.end();
       if (found == condition.among) continue;
       throw usage_error(fmt::format(
-          "{}: {} has no effect with {} = {}; {}", entry.given, s.name, condition.other,
-          word->empty() ? "none" : *word,
+          "{}: {} has no effect with {} = {}; {}", entry.given, s.name, condition.other, *word,
           condition.among ? fmt::format("it needs {}", fmt::join(condition.words, " or ")) : "leave it out"));
     }
   }

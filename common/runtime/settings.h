@@ -84,8 +84,8 @@ class Settings {
   void prefix(const std::string& word) { prefix_ = word; }
 
   /// These have no effect unless (or if) another setting is one of the words, a number written "0": then they
-  /// are refused, if they are given and not the default. A command without that other setting reads them
-  /// always.
+  /// are refused, if they are given and not the default. Where there is no such other setting, or none is
+  /// given, they are read.
   void only_with(const std::vector<std::string>& names, const std::string& other,
                  const std::vector<std::string>& words);
   void not_with(const std::vector<std::string>& names, const std::string& other,
@@ -124,7 +124,7 @@ class Settings {
   static Entry described(const std::string& name, Setting::Type type, const std::string& sentence);
   Setting& enter(Entry entry);
   std::string take(Entry& entry, const ConfigValue& value, const std::string& source);
-  /// The word that another setting has now; none: the command has no such setting.
+  /// The word that another setting has now; none: the command has no such setting, or it is not set.
   std::optional<std::string> word_of(const Setting& setting, const std::string& other) const;
   /// Words of the command line that belong to one setting.
   struct Given {
