@@ -15,8 +15,9 @@ void NetemSwitch::run(const std::stop_token& stop) {
     while (const auto event = events_.take()) {
       if (event->value.kind != EventMessage::Kind::kSetNetem) continue;
       try {
-        switch_to(event->value.text);
-        fmt::print("{}: the network is now '{}'\n", role_, event->value.text);
+        const std::string note = switch_to(event->value.text);
+        fmt::print("{}: the network is now '{}'{}{}\n", role_, event->value.text, note.empty() ? "" : "; ",
+                   note);
         std::fflush(stdout);
       } catch (const StartupError& refusal) {
         fmt::print(stderr, "{}: the network stays as it is: {}\n", role_, refusal.what());
@@ -26,11 +27,12 @@ void NetemSwitch::run(const std::stop_token& stop) {
   }
 }
 
-void NetemSwitch::switch_to(const std::string& profile) {
+std::string NetemSwitch::switch_to(const std::string& profile) {
   const Profile fresh = load_profile(profile);
   if (!emulator_)
     throw environment_error("this process runs without an emulated network; start it with --netem");
   emulator_->set_profile(fresh);
+  return trace_note(fresh);
 }
 
 }  // namespace telekerf::netem

@@ -27,8 +27,8 @@ class NetemSwitch {
 
  private:
   void run(const std::stop_token& stop);
-  /// Throws StartupError.
-  void switch_to(const std::string& profile);
+  /// What is to be said of the profile's recordings. Throws StartupError.
+  std::string switch_to(const std::string& profile);
 
   std::string role_;
   std::shared_ptr<ReceivePathEmulator> emulator_;
