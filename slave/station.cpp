@@ -56,6 +56,7 @@ void StationSettings::add_node_parameters(Settings& settings) {
   settings.add("laser_speed_mm_s", laser_speed_mm_s, {.min = 0.5, .max = 200, .unit = "mm/s"},
                "speed of the tool that gets laser_w");
   laser::add_dose_parameters(node.interlock, settings);
+  codec::refuse_unread(settings, {"", "force_"});
 }
 
 StationSettings StationSettings::validated() const {
