@@ -148,11 +148,13 @@ int run(Flags& flags) {
     link.step(slave);
     const bool goes_on = rivals.goes_on(obeyed_by(slave, settings.epoch));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
-    return goes_on && !done && !contour.refused() && !station.machine().failed();
+    return goes_on && !done && !contour.refused() && !station.machine().failed() &&
+           station.obstacle() == nullptr;
   });
   station.release();
 
   const bool failed = station.machine().failed();
+  if (station.obstacle() != nullptr) throw configuration_error(station.obstacle());
   if (!flags.record.empty() && contour.current() != nullptr) {
     RunRecord record;
     station.report_contours(contour.adopted(), record);

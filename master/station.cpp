@@ -64,6 +64,20 @@ HandSample Station::hand(GuidedContour& task) noexcept {
   return task.hand.sample(now_s, *tool_m, *velocity, guided_);
 }
 
+const char* Station::obstacle() const noexcept {
+  const StateHeader* const slave = node_.slave();
+  if (slave == nullptr || (slave->guards & kRealLaser) == 0) return nullptr;
+  if (settings_.engage)
+    return "engage: the slave's laser is not simulated, so it is engaged by somebody who looks at it; leave "
+           "--engage "
+           "out and say telekerf-ctl engage";
+  if (settings_.button == "pressed")
+    return "button = pressed: the slave's laser is not simulated, so its button is held by a hand or a foot; "
+           "name a "
+           "pedal (--button udp:HOST:PORT)";
+  return nullptr;
+}
+
 StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                              std::span<const Received<StateBlock>> states,
                              std::span<const EventMessage> events, const StopOrder& stop) noexcept {
@@ -91,7 +105,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   }
   inputs.states = states;
   inputs.stop = stop;
-  inputs.engage = requests_.engage();
+  inputs.engage = requests_.engage() && obstacle() == nullptr;
   inputs.constraint = constraint_;
   constraint_.reset();
   HandSample hand;
@@ -103,6 +117,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
     hand = this->hand(*task);
     if (told.force_n) hand.force_n = *told.force_n;
     inputs.button = operator_ ? told.trigger : hand.trigger;
+    inputs.pedal = settings_.button.starts_with("udp:");
     if (simulated_button_ && (!engaged_ || wants_release(slave))) inputs.button = false;
   }
   static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);

@@ -60,6 +60,9 @@ class Station {
   /// Guidance or corridor from the next step on.
   void set_constraint(const ConstraintMode& mode) noexcept { constraint_ = mode; }
 
+  /// Why these settings do not go with the slave that answers, whose laser is real: somebody has to be there.
+  /// A literal; null: they go.
+  const char* obstacle() const noexcept;
   const MasterNode& node() const { return node_; }
   const robot::RobotSupervisor& machine() const { return machine_; }
   /// After the last step: leaves the robot without current.

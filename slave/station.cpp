@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/runtime/startup_error.h"
+#include "slave/laser/dose_limits.h"
 
 namespace telekerf::slave {
 void StationSettings::add_parameters(Settings& settings) {
@@ -54,11 +55,8 @@ void StationSettings::add_node_parameters(Settings& settings) {
                "laser power at laser_speed_mm_s; it follows the tool's speed up to 1.5 times");
   settings.add("laser_speed_mm_s", laser_speed_mm_s, {.min = 0.5, .max = 200, .unit = "mm/s"},
                "speed of the tool that gets laser_w");
-  settings.add("dose_max_j", node.interlock.max_dose_j, {.min = 0.01, .max = 1000, .unit = "J"},
-               "energy that no place gets more of within 0.1 mm, over all passes");
-  settings.add("dose_max_j_per_mm2", node.interlock.max_area_dose_j_per_mm2,
-               {.min = 0.1, .max = 1000, .unit = "J/mm^2"},
-               "mean energy that no square millimetre gets more of, over all passes");
+  laser::add_dose_parameters(node.interlock, settings);
+  codec::refuse_unread(settings, {"", "force_"});
 }
 
 StationSettings StationSettings::validated() const {
@@ -69,15 +67,9 @@ StationSettings StationSettings::validated() const {
                                           node.control_hz, node.stream_hz));
   }
   beam.validate(node.laser_w);
+  settings.node.real_laser = !beam.simulated();
   settings.node.beam_power.speed_m_per_s = 1e-3 * laser_speed_mm_s;
-  const double pass_j = node.laser_w / settings.node.beam_power.speed_m_per_s *
-                        (2.0 * laser::DoseBook::kRadius_m + laser::DoseBook::kCell_m);
-  if (pass_j > node.interlock.max_dose_j) {
-    throw configuration_error(
-        fmt::format("laser_w = {:g} at laser_speed_mm_s = {:g} gives a place {:.2g} J in one pass, more than "
-                    "dose_max_j = {:g}; lower the power, or raise dose_max_j if the material bears it",
-                    node.laser_w, laser_speed_mm_s, pass_j, node.interlock.max_dose_j));
-  }
+  laser::require_dose(node.interlock, node.laser_w, laser_speed_mm_s, "laser_speed_mm_s");
   settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   settings.node.feedback = codec::with_codec(settings.node.feedback, codec).validated();
   codec::StreamSettings& force = settings.node.force;
@@ -124,10 +116,10 @@ std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const 
                     "use a smaller --width-mm",
                     reach_m * 1e3, model_.name, model_.workspace.radius_m * 1e3));
   }
+  const geometry::Polyline line{contour.points_m, contour.closed};
   return std::make_unique<Corridor>(
-      Corridor{contour.id, geometry::NearestIndex(geometry::Polyline{contour.points_m, contour.closed}),
-               laser::CorridorRaster(contour.points_m, contour.closed, settings_.node.interlock.corridor_m,
-                                     model_.workspace.radius_m)});
+      Corridor{contour.id, geometry::NearestIndex(line),
+               laser::CorridorRaster(line, settings_.node.interlock.corridor_m, model_.workspace.radius_m)});
 }
 
 SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
@@ -145,6 +137,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.commands = commands;
   inputs.stop = stop;
   inputs.corridor = corridor;
+  inputs.fault = machine_.failed() || beam_.failed();
   inputs.look_age_s = look_age_s;
   inputs.emission_agrees = beam_.emission_agrees();
   inputs.monitor_agrees = monitor_.agrees();

@@ -123,6 +123,7 @@ int Program::dispatch(std::vector<std::string> words) {
     return 0;
   }
   settings.require_given();
+  settings.refuse_without_effect();
   return command->run();
 }
 

@@ -24,8 +24,9 @@ void NetemSwitch::hear() {
   while (const auto event = events_.take()) {
     if (event->value.kind != EventMessage::Kind::kSetNetem) continue;
     try {
-      switch_to(event->value.text);
-      write_line(stdout, fmt::format("{}: the network is now '{}'", role_, event->value.text));
+      const std::string note = switch_to(event->value.text);
+      write_line(stdout, fmt::format("{}: the network is now '{}'{}{}", role_, event->value.text,
+                                     note.empty() ? "" : "; ", note));
       answers_.give(event->value.epoch, "");
     } catch (const StartupError& refusal) {
       write_line(stderr, fmt::format("{}: the network stays as it is: {}", role_, refusal.what()));
@@ -34,13 +35,14 @@ void NetemSwitch::hear() {
   }
 }
 
-void NetemSwitch::switch_to(const std::string& profile) {
+std::string NetemSwitch::switch_to(const std::string& profile) {
   const Profile fresh = load_profile(profile);
   if (!emulator_)
     throw environment_error("this process runs without an emulated network; start it with --netem");
   if (beam_.load(std::memory_order_relaxed))
     throw environment_error("not while the beam is on; disengage first (telekerf-ctl disengage)");
   emulator_->set_profile(fresh);
+  return trace_note(fresh);
 }
 
 }  // namespace telekerf::netem

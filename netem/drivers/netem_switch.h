@@ -26,8 +26,8 @@ class NetemSwitch {
 
  private:
   void hear();
-  /// Throws StartupError.
-  void switch_to(const std::string& profile);
+  /// What is to be said of the profile's recordings. Throws StartupError.
+  std::string switch_to(const std::string& profile);
 
   std::string role_;
   std::shared_ptr<ReceivePathEmulator> emulator_;

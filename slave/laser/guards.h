@@ -207,7 +207,7 @@ inline constexpr Guard kGuards[] = {
      "the contour was not seen where it is for longer than --look-age-s"},
 };
 inline constexpr std::size_t kGuardCount = std::size(kGuards);
-static_assert(kGuardCount <= 32, "a bit each");
+static_assert(kGuardCount <= 31, "a bit each, and one is kRealLaser");
 
 /// Bit of the guard of this name; of a name that is none the program does not compile.
 consteval std::uint32_t guard_bit(std::string_view name) {

@@ -40,7 +40,7 @@ void Program::kill() { child_->terminate(); }
 bool Program::running() { return child_->running(); }
 
 int Program::wait(std::chrono::seconds timeout) {
-  // Not wait_for(): it waits for a signal, which another child of ours may have used up.
+  // Boost's own wait sleeps to its end where another child has ended before.
   const auto end = std::chrono::steady_clock::now() + timeout;
   while (child_->running()) {
     if (std::chrono::steady_clock::now() > end) return -1;

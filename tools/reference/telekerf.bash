@@ -5,7 +5,7 @@
 
 _telekerf_commands() {
   case $1 in
-    telekerf-ctl) echo 'stop clear-stop engage disengage beta take-contour ' ;;
+    telekerf-ctl) echo 'stop clear-stop engage disengage beta ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
     telekerf-experiment) echo 'chaos closed-contour codec constraint contours delay kinematics lap open-contour robots space-contour ' ;;
     telekerf-inspect) echo 'codec contour drive efd robot run ' ;;
@@ -14,8 +14,8 @@ _telekerf_commands() {
 
 _telekerf_flags() {
   case $1 in
-    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --link-test --link-test-s --peer --json --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --look-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --link-test --link-test-s --peer --json --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --stop-file --record --wait-s --dry-run --select --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -23,9 +23,8 @@ _telekerf_flags() {
     'telekerf-ctl engage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl disengage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl beta') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-ctl take-contour') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-netem link') echo '--seed --operator-dev --slave-dev --operator-netns --slave-netns --operator-address --slave-address --operator-default-route --slave-default-route --record --seconds --config --print-config --help --version' ;;
-    'telekerf-netem tc') echo '--dev --direction --config --print-config --help --version' ;;
+    'telekerf-netem tc') echo '--dev --direction --packet-bytes --config --print-config --help --version' ;;
     'telekerf-netem verify') echo '--packets --seed --rate-hz --json --config --print-config --help --version' ;;
     'telekerf-netem trace') echo '--rate-hz --packets --seed --bytes --direction --config --print-config --help --version' ;;
     'telekerf-netem replay') echo '--link --seed --operator-dev --slave-dev --operator-netns --slave-netns --operator-address --slave-address --operator-default-route --slave-default-route --record --seconds --config --print-config --help --version' ;;
@@ -37,9 +36,9 @@ _telekerf_flags() {
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --page --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
-    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --seed --page --out --config --print-config --help --version' ;;
+    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --seed --page --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
-    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --record --out --config --print-config --help --version' ;;
+    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --record --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
@@ -92,13 +91,11 @@ _telekerf_values() {
     'telekerf-master  --record') echo "-d" ;;
     'telekerf-master  --duration-s') echo "" ;;
     'telekerf-master  --wait-s') echo "" ;;
-    'telekerf-master  --link-test-s') echo "" ;;
-    'telekerf-master  --peer') echo "" ;;
     'telekerf-master  --domain') echo "" ;;
     'telekerf-master  --cell') echo "" ;;
     'telekerf-master  --name') echo "" ;;
     'telekerf-master  --peers') echo "" ;;
-    'telekerf-master  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-master  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-master  --netem-seed') echo "" ;;
     'telekerf-slave  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-slave  --drive') echo "-W 'simulated udp:'" ;;
@@ -120,7 +117,6 @@ _telekerf_values() {
     'telekerf-slave  --observer-rad-s') echo "" ;;
     'telekerf-slave  --stale-s') echo "" ;;
     'telekerf-slave  --beam-age-s') echo "" ;;
-    'telekerf-slave  --look-age-s') echo "" ;;
     'telekerf-slave  --bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-slave  --laser-w') echo "" ;;
     'telekerf-slave  --laser-speed-mm-s') echo "" ;;
@@ -128,13 +124,11 @@ _telekerf_values() {
     'telekerf-slave  --dose-max-j-per-mm2') echo "" ;;
     'telekerf-slave  --stop-file') echo "-W 'auto off'" ;;
     'telekerf-slave  --record') echo "-d" ;;
-    'telekerf-slave  --link-test-s') echo "" ;;
-    'telekerf-slave  --peer') echo "" ;;
     'telekerf-slave  --domain') echo "" ;;
     'telekerf-slave  --cell') echo "" ;;
     'telekerf-slave  --name') echo "" ;;
     'telekerf-slave  --peers') echo "" ;;
-    'telekerf-slave  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-slave  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-slave  --netem-seed') echo "" ;;
     'telekerf-machine  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-machine  --drive') echo "-W 'simulated udp:'" ;;
@@ -159,7 +153,7 @@ _telekerf_values() {
     'telekerf-machine  --cell') echo "" ;;
     'telekerf-machine  --name') echo "" ;;
     'telekerf-machine  --peers') echo "" ;;
-    'telekerf-machine  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-machine  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-machine  --netem-seed') echo "" ;;
     'telekerf-vision  --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;
     'telekerf-vision  --camera') echo "-W 'none v4l2: file: folder: video:'" ;;
@@ -184,7 +178,7 @@ _telekerf_values() {
     'telekerf-vision  --cell') echo "" ;;
     'telekerf-vision  --name') echo "" ;;
     'telekerf-vision  --peers') echo "" ;;
-    'telekerf-vision  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-vision  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-vision  --netem-seed') echo "" ;;
     'telekerf-ctl stop --reason') echo "" ;;
     'telekerf-ctl stop --as') echo "" ;;
@@ -192,42 +186,35 @@ _telekerf_values() {
     'telekerf-ctl stop --cell') echo "" ;;
     'telekerf-ctl stop --name') echo "" ;;
     'telekerf-ctl stop --peers') echo "" ;;
-    'telekerf-ctl stop --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl stop --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl stop --netem-seed') echo "" ;;
     'telekerf-ctl clear-stop --as') echo "" ;;
     'telekerf-ctl clear-stop --domain') echo "" ;;
     'telekerf-ctl clear-stop --cell') echo "" ;;
     'telekerf-ctl clear-stop --name') echo "" ;;
     'telekerf-ctl clear-stop --peers') echo "" ;;
-    'telekerf-ctl clear-stop --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl clear-stop --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl clear-stop --netem-seed') echo "" ;;
     'telekerf-ctl engage --domain') echo "" ;;
     'telekerf-ctl engage --cell') echo "" ;;
     'telekerf-ctl engage --name') echo "" ;;
     'telekerf-ctl engage --peers') echo "" ;;
-    'telekerf-ctl engage --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl engage --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl engage --netem-seed') echo "" ;;
     'telekerf-ctl disengage --domain') echo "" ;;
     'telekerf-ctl disengage --cell') echo "" ;;
     'telekerf-ctl disengage --name') echo "" ;;
     'telekerf-ctl disengage --peers') echo "" ;;
-    'telekerf-ctl disengage --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl disengage --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl disengage --netem-seed') echo "" ;;
     'telekerf-ctl beta ') echo "" ;;
     'telekerf-ctl beta --domain') echo "" ;;
     'telekerf-ctl beta --cell') echo "" ;;
     'telekerf-ctl beta --name') echo "" ;;
     'telekerf-ctl beta --peers') echo "" ;;
-    'telekerf-ctl beta --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl beta --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl beta --netem-seed') echo "" ;;
-    'telekerf-ctl take-contour ') echo "" ;;
-    'telekerf-ctl take-contour --domain') echo "" ;;
-    'telekerf-ctl take-contour --cell') echo "" ;;
-    'telekerf-ctl take-contour --name') echo "" ;;
-    'telekerf-ctl take-contour --peers') echo "" ;;
-    'telekerf-ctl take-contour --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
-    'telekerf-ctl take-contour --netem-seed') echo "" ;;
-    'telekerf-netem link ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem link ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem link --seed') echo "" ;;
     'telekerf-netem link --operator-dev') echo "" ;;
     'telekerf-netem link --slave-dev') echo "" ;;
@@ -237,14 +224,14 @@ _telekerf_values() {
     'telekerf-netem link --slave-address') echo "" ;;
     'telekerf-netem link --record') echo "-d" ;;
     'telekerf-netem link --seconds') echo "" ;;
-    'telekerf-netem tc ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem tc ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem tc --dev') echo "" ;;
     'telekerf-netem tc --direction') echo "-W 'forward backward'" ;;
-    'telekerf-netem verify ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem verify ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem verify --packets') echo "" ;;
     'telekerf-netem verify --seed') echo "" ;;
     'telekerf-netem verify --rate-hz') echo "" ;;
-    'telekerf-netem trace ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem trace ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem trace --rate-hz') echo "" ;;
     'telekerf-netem trace --packets') echo "" ;;
     'telekerf-netem trace --seed') echo "" ;;
@@ -260,12 +247,12 @@ _telekerf_values() {
     'telekerf-netem replay --slave-address') echo "" ;;
     'telekerf-netem replay --record') echo "-d" ;;
     'telekerf-netem replay --seconds') echo "" ;;
-    'telekerf-netem switch ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem switch ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem switch --domain') echo "" ;;
     'telekerf-netem switch --cell') echo "" ;;
     'telekerf-netem switch --name') echo "" ;;
     'telekerf-netem switch --peers') echo "" ;;
-    'telekerf-netem switch --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem switch --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem switch --netem-seed') echo "" ;;
     'telekerf-robot  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-robot  --mismatch') echo "" ;;
@@ -319,7 +306,7 @@ _telekerf_values() {
     'telekerf-experiment delay --max-rms') echo "" ;;
     'telekerf-experiment delay --redundancy') echo "" ;;
     'telekerf-experiment delay --max-redundancy') echo "" ;;
-    'telekerf-experiment delay --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-experiment delay --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-experiment delay --rtt-ms') echo "" ;;
     'telekerf-experiment delay --jitter-ms') echo "" ;;
     'telekerf-experiment delay --loss') echo "" ;;
@@ -334,7 +321,6 @@ _telekerf_values() {
     'telekerf-experiment delay --slave-observer-rad-s') echo "" ;;
     'telekerf-experiment delay --slave-stale-s') echo "" ;;
     'telekerf-experiment delay --slave-beam-age-s') echo "" ;;
-    'telekerf-experiment delay --slave-look-age-s') echo "" ;;
     'telekerf-experiment delay --slave-bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-experiment delay --slave-laser-w') echo "" ;;
     'telekerf-experiment delay --slave-laser-speed-mm-s') echo "" ;;
@@ -351,7 +337,7 @@ _telekerf_values() {
     'telekerf-experiment lap --width-mm') echo "" ;;
     'telekerf-experiment lap --master-robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-experiment lap --slave-robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
-    'telekerf-experiment lap --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-experiment lap --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-experiment lap --seed') echo "" ;;
     'telekerf-experiment lap --beta') echo "" ;;
     'telekerf-experiment lap --mismatch') echo "" ;;
@@ -392,7 +378,6 @@ _telekerf_values() {
     'telekerf-experiment lap --slave-observer-rad-s') echo "" ;;
     'telekerf-experiment lap --slave-stale-s') echo "" ;;
     'telekerf-experiment lap --slave-beam-age-s') echo "" ;;
-    'telekerf-experiment lap --slave-look-age-s') echo "" ;;
     'telekerf-experiment lap --slave-bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-experiment lap --slave-laser-w') echo "" ;;
     'telekerf-experiment lap --slave-laser-speed-mm-s') echo "" ;;
