@@ -18,7 +18,8 @@ bool wants_release(const StateHeader* slave) noexcept {
 
 }  // namespace
 
-Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> input)
+Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> input,
+                 std::unique_ptr<OperatorInput> hand)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
       machine_(model_, settings_.machine, settings_.node.control_hz,
@@ -29,8 +30,9 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                          {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}}),
                robot::Pushed::kYes),
       requests_(settings_.engage, settings_.beta),
+      hand_(hand ? std::move(hand) : open_hand(settings_.hand_device)),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
-      simulated_button_(!operator_ || settings_.button == "pressed"),
+      simulated_button_(settings_.button == "pressed" || (!operator_ && !hand_)),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
   control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
@@ -52,12 +54,32 @@ std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
   }
 }
 
-HandSample Station::hand(GuidedContour& task) noexcept {
+HandSample Station::hand(std::int64_t now_ns, GuidedContour* task) noexcept {
+  const OperatorSample told = hand_ ? hand_->sample(now_ns) : OperatorSample{};
+  if (task == nullptr) return {};
+  HandSample hand{.force_n = Vec3::Zero(), .trigger = told.trigger};
   const auto tool_m = machine_.true_tool_m();
   const auto velocity = machine_.true_tool_velocity_m_per_s();
-  if (!tool_m || !velocity) return {};
-  const double now_s = static_cast<double>(node_.tick()) * control_period_s();
-  return task.hand.sample(now_s, *tool_m, *velocity, guided_);
+  if (!tool_m || !velocity) return hand;
+  if (!hand_) {
+    const double now_s = static_cast<double>(node_.tick()) * control_period_s();
+    return task->hand.sample(now_s, *tool_m, *velocity, guided_);
+  }
+  if (!guided_) return hand;
+  if (told.force_n) hand.force_n = *told.force_n;
+  if (told.pointer_m)
+    hand.force_n += arm_force(settings_.arm, *told.pointer_m / task->guide.beta, *tool_m, *velocity);
+  return hand;
+}
+
+void Station::answer(std::int64_t now_ns, const GuidedContour* task, const MasterOutputs& out,
+                     const HandSample& hand) noexcept {
+  if (!hand_) return;
+  const double beta = task != nullptr ? task->guide.beta : settings_.beta;
+  hand_->answer({.now_ns = now_ns,
+                 .guided = guided_,
+                 .tool_m = beta * out.tool_m.head<2>(),
+                 .force_n = hand.force_n.head<2>()});
 }
 
 StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
@@ -86,10 +108,9 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   inputs.engage = requests_.engage();
   inputs.constraint = constraint_;
   constraint_.reset();
-  HandSample hand;
+  HandSample hand = this->hand(now_ns, task);
   if (task != nullptr) {
     inputs.guide = &task->guide;
-    hand = this->hand(*task);
     if (told.force_n) hand.force_n = *told.force_n;
     inputs.button = operator_ ? told.trigger : hand.trigger;
     if (simulated_button_ && (!engaged_ || wants_release(slave))) inputs.button = false;
@@ -111,6 +132,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                   task != nullptr ? task->guide.beta : settings_.beta,
                   out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                   out.slave_force.force_n});
+  answer(now_ns, task, out, hand);
   machine_.advance();
   return out;
 }

@@ -32,9 +32,9 @@ struct StationOutputs : MasterOutputs {
 
 class Station {
  public:
-  /// `drive`, `input`: others than those that the settings name. Throws StartupError.
+  /// `drive`, `input` (of the button), `hand`: others than those that the settings name. Throws StartupError.
   explicit Station(const StationSettings& settings, robot::Drive drive = {},
-                   std::unique_ptr<OperatorInput> input = {});
+                   std::unique_ptr<OperatorInput> input = {}, std::unique_ptr<OperatorInput> hand = {});
 
   /// At the scale that the settings name or an operator has asked for since. Allocates: call it outside the
   /// loop, from one thread at a time. Throws StartupError if the robot cannot take the scaled contour; then
@@ -57,14 +57,19 @@ class Station {
   void report(RunRecord& record) const;
 
  private:
-  /// Simulated on a simulated robot; a real hand is felt by the robot alone.
-  HandSample hand(GuidedContour& task) noexcept;
+  /// Of the device or the simulated operator. It moves a simulated robot alone: a real hand is felt by the
+  /// robot.
+  HandSample hand(std::int64_t now_ns, GuidedContour* task) noexcept;
+  /// Tells the devices what became of it.
+  void answer(std::int64_t now_ns, const GuidedContour* task, const MasterOutputs& out,
+              const HandSample& hand) noexcept;
 
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
   OperatorRequests requests_;
-  std::unique_ptr<OperatorInput> operator_;  ///< null: the simulated operator alone
+  std::unique_ptr<OperatorInput> hand_;      ///< null: the simulated operator
+  std::unique_ptr<OperatorInput> operator_;  ///< who holds the button; null: the hand
   bool simulated_button_;                    ///< nobody's hand: it lets go when it is told to
   MasterNode node_;
   Recorder<MasterRow> recorder_;

@@ -7,12 +7,11 @@
 #include <chrono>
 #include <mutex>
 #include <random>
-#include <set>
 #include <thread>
 
 #include "common/bus/endpoints.h"
 #include "common/bus/send_event.h"
-#include "common/protocol/stop_latch.h"
+#include "common/protocol/stop_answers.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
@@ -24,43 +23,29 @@ constexpr std::chrono::seconds kPatience{5};
 /// Time to hear of the stops that the stations have latched.
 constexpr std::chrono::milliseconds kListen{1500};
 
-bool is_station(const PresenceMessage& process) {
-  return process.role == "master" || process.role == "slave";
-}
-
-/// What the stations say of the stops that they obey.
+/// What the stations say of the stops that they obey, heard in the middleware's thread.
 class Answers {
  public:
-  explicit Answers(Bus& bus) : reader_(bus, [this](const StopMessage& message) { hear(message); }) {}
+  explicit Answers(Bus& bus)
+      : reader_(bus, [this](const StopMessage& message) {
+          const std::lock_guard lock(mutex_);
+          answers_.hear(message);
+        }) {}
 
-  /// Of the stations that are there, those that have not said that this stop is in force (or over) for them.
   std::vector<std::string> missing(const Bus& bus, std::uint32_t number, bool set,
                                    std::vector<std::string>& told) const {
+    const std::vector<PresenceMessage> others = bus.others();
     const std::lock_guard lock(mutex_);
-    std::vector<std::string> missing;
-    told.clear();
-    for (const PresenceMessage& other : bus.others()) {
-      if (!is_station(other)) continue;
-      (said_.contains({other.epoch, number, set}) ? told : missing).push_back(other.name);
-    }
-    return missing;
+    return answers_.missing(others, number, set, told);
   }
   std::vector<StopLatch::Entry> in_force() const {
     const std::lock_guard lock(mutex_);
-    return latch_.in_force();
+    return answers_.in_force();
   }
 
  private:
-  void hear(const StopMessage& message) {
-    const std::lock_guard lock(mutex_);
-    if (!message.obeyed) return;
-    (void)latch_.hear(message);
-    said_.insert({message.epoch, message.number, message.set});
-  }
-
   mutable std::mutex mutex_;
-  StopLatch latch_;
-  std::set<std::tuple<std::uint32_t, std::uint32_t, bool>> said_;
+  StopAnswers answers_;
   Reader<StopMessage> reader_;  ///< last: hears from its construction on
 };
 
