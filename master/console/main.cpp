@@ -97,7 +97,7 @@ int run(Flags& flags) {
     timer.expires_after(kStep);
     timer.async_wait([&step](const boost::system::error_code&) { step(); });
   };
-  process.status().say(fmt::format("{} (Ctrl-C ends it)", web.address()));
+  process.status().say(web.address());
   step();
   context.run();
   deliver = [] {};
