@@ -23,6 +23,10 @@ constexpr int kMostInASecond = 1500;
 constexpr std::size_t kMarksAtOnce = 1000;
 /// The master's answer may come before a state is due, but no sooner after the last one than this.
 constexpr std::int64_t kSoonest_ns = 7'000'000;
+/// A master that listens answers every frame at its next step.
+constexpr std::int64_t kUnanswered_ns = 500'000'000;
+/// A contour is prepared for another scale within this time.
+constexpr std::int64_t kPreparing_ns = 3'000'000'000;
 /// Between two looks at whether the words are others.
 constexpr std::int64_t kWords_ns = 40'000'000;
 
@@ -75,6 +79,8 @@ void Console::hear_frame(std::uint32_t id, std::span<const std::byte> bytes, std
   const std::optional<UdpHandFrame> hand = seat_.hear(id, *frame, now_ns);
   if (!hand || stop_.in_force()) return;
   last_hand_ = *hand;
+  sent_ns_ = now_ns;
+  if (unheard_ns_ == 0) unheard_ns_ = now_ns;
   outbox_.hand.push_back(*hand);
 }
 
@@ -148,6 +154,8 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
         return refuse(page, fmt::format("The scale must be within [{}, {}]", kSmallestBeta, kLargestBeta));
       if (stop_.in_force()) return refuse(page, "No other scale while everything is stopped");
       if (beam_on) return refuse(page, "No other scale while the beam is on; let go of the fire button");
+      asked_beta_ = command.value;
+      asked_ns_ = now_ns;
       return tell(EventMessage::Kind::kSetBeta, command.value);
     case Kind::kClearStop:
       if (const std::string wrong = stop_.clear(now_ns); !wrong.empty()) refuse(page, wrong);
@@ -170,13 +178,32 @@ void Console::hear(const UdpHandAnswer& answer) noexcept {
     echo_ms_ = passed->page_ms;
     step_s_ = static_cast<double>(answer.step_ns - passed->heard_ns) * 1e-9;
   }
+  unheard_ns_ = 0;
   answer_ = answer;
   ++answers_;
   cell_.hear(answer);
 }
 
+bool Console::deaf(std::int64_t now_ns) const noexcept {
+  return unheard_ns_ != 0 && now_ns - unheard_ns_ > kUnanswered_ns && now_ns - sent_ns_ < kUnanswered_ns;
+}
+
+void Console::follow_up(std::int64_t now_ns) {
+  constexpr double kSame = 1e-6;  // single precision on its way
+  if (asked_beta_ == 0.0 || now_ns - asked_ns_ < kPreparing_ns) return;
+  if (std::abs(cell_.beta() - asked_beta_) > kSame * asked_beta_) {
+    for (auto& [id, page] : pages_) {
+      if (seat_.drives(id))
+        refuse(page, fmt::format("The scale stays {:.2f}: the master cannot take the contour at {:.2f} now",
+                                 cell_.beta(), asked_beta_));
+    }
+  }
+  asked_beta_ = 0.0;
+}
+
 void Console::step(std::int64_t now_ns) {
   seat_.step(now_ns);
+  follow_up(now_ns);
   if (stop_.in_force()) seat_.arm(false);
 }
 
@@ -206,6 +233,7 @@ std::string Console::words(std::uint32_t id, std::int64_t now_ns) const {
               {"armed", seat_.armed()},
               {"engaged", cell_.engaged(now_ns)},
               {"profile", profile_},
+              {"deaf", deaf(now_ns)},
               {"contour", cell_.contour() ? cell_.contour()->id : 0U}}
       .dump(-1, ' ', false, Json::error_handler_t::replace);
 }

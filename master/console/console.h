@@ -96,6 +96,10 @@ class Console {
   std::string words(std::uint32_t id, std::int64_t now_ns) const;
   std::string hello() const;
   PageMessage state(std::int64_t now_ns);
+  /// Frames go out, and the master answers none of them.
+  bool deaf(std::int64_t now_ns) const noexcept;
+  /// What became of a scale that was asked for.
+  void follow_up(std::int64_t now_ns);
 
   ConsoleSettings settings_;
   CellView cell_;
@@ -111,6 +115,10 @@ class Console {
   double echo_ms_;
   double step_s_ = 0.0;
   std::string profile_;
+  std::int64_t sent_ns_ = 0;     ///< of the newest frame,
+  std::int64_t unheard_ns_ = 0;  ///< and of the first since the master's last answer; 0: none
+  double asked_beta_ = 0.0;      ///< a scale that was asked for; 0: none,
+  std::int64_t asked_ns_ = 0;    ///< and when
   Counters counters_;
 };
 

@@ -6,7 +6,7 @@ import { Plot } from "./plots.js";
 
 const kStale_ms = 250;
 const $ = (id) => document.getElementById(id);
-const token = document.querySelector("meta[name=token]").content || location.hash.slice(1);
+let token = document.querySelector("meta[name=token]").content || location.hash.slice(1);
 const mm = (m) => (m * 1e3).toFixed(Math.abs(m) < 1e-2 ? 1 : 0);
 const quantile = (numbers, share) => {
   const sorted = [...numbers].sort((a, b) => a - b);
@@ -22,7 +22,10 @@ const remember = (list, number) => { list.push(number); if (list.length > 5000) 
 
 const stage = new Stage($("workpiece"));
 const link = new Link({
-  open() { link.command("rate", { value: document.hidden ? 1 : 60 }); },
+  open() {
+    link.command("rate", { value: document.hidden ? 1 : 60 });
+    renewToken();
+  },
   closed() { hand.setLease(0); shownContour = -1; setWords({ ...words, driver: "nobody", lease: 0 }); },
   hello(m) {
     $("cell").textContent = m.cell;
@@ -75,6 +78,14 @@ function setWords(m) {
   $("clear-stop").hidden = !m.stopped;
   if (m.profile) $("profile").value = m.profile;
   if (m.contour !== undefined && m.contour !== shownContour && link.open) loadContour(m.contour);
+}
+
+// A console that was started anew has another token, which stands in the page that it serves to this host.
+async function renewToken() {
+  try {
+    const page = new DOMParser().parseFromString(await (await fetch("./")).text(), "text/html");
+    token = page.querySelector("meta[name=token]").content || token;
+  } catch { /* the next connection asks again */ }
 }
 
 async function loadContour(id) {
@@ -162,7 +173,8 @@ function pullText(s) {
   const off = stage.nearest(hand.at.x, hand.at.y);
   const tool = stage.nearest(s.tool_x_m, s.tool_y_m);
   const force = Math.hypot(s.hand_x_n, s.hand_y_n).toFixed(1);
-  const where = `tool ${(tool.distance_m * 1e6).toFixed(0)} µm from the line, ${force} N`;
+  if (words.deaf) return "The master does not listen to this page: it has to be started with --hand browser";
+  const where = `tool ${(tool.distance_m * 1e6).toFixed(tool.distance_m < 1e-5 ? 1 : 0)} µm from the line, ${force} N`;
   if (off.distance_m > 1e-3) return `You pull ${mm(off.distance_m)} mm off the line: it holds (${where})`;
   return `You pull along the line (${where})`;
 }
@@ -187,7 +199,7 @@ function frame(now_ms) {
     $("pull").textContent = pullText(s);
     $("round-trip").textContent = `${(s.round_trip_s * 1e3).toFixed(1)} ms`;
     $("playout").textContent = `${(s.playout_s * 1e3).toFixed(0)} ms`;
-    $("page-trip").textContent = `${quantile(trip_ms.slice(-20), 0.5).toFixed(1)} ms`;
+    if (trip_ms.length) $("page-trip").textContent = `${quantile(trip_ms.slice(-20), 0.5).toFixed(1)} ms`;
     $("lost").textContent = s.lost.toFixed(0);
     $("late").textContent = s.late_frames.toFixed(0);
     const recent = drawn_ms.slice(-300);

@@ -254,5 +254,30 @@ TEST_F(ConsoleTest, TheMastersAnswerSaysWhichFrameItActedOnAndHowFast) {
   EXPECT_NEAR(field_of(state, page_field("step_s")), 2e-3, 1e-6);
 }
 
+TEST_F(ConsoleTest, AMasterThatDoesNotListenIsSaid) {
+  take(first);
+  const auto deaf = [&] {
+    bool said = false;
+    for (const auto& text : read(first))
+      if (text["type"] == "words") said = text["deaf"];
+    return said;
+  };
+  EXPECT_FALSE(deaf());
+  for (int n = 0; n < 30; ++n, pass(20)) move(first, PageFrame::kHeld);
+  EXPECT_TRUE(deaf());
+  console.hear(UdpHandAnswer{});
+  pass(100);
+  EXPECT_FALSE(deaf());
+}
+
+TEST_F(ConsoleTest, AScaleThatTheMasterDoesNotTakeIsSaid) {
+  take(first);
+  read(first);
+  say(first, R"({"do":"beta","value":0.05})");
+  EXPECT_EQ(refusal(first), "");
+  for (int n = 0; n < 3; ++n, pass(1000)) move(first, 0);
+  EXPECT_EQ(refusal(first), "The scale stays 1.00: the master cannot take the contour at 0.05 now");
+}
+
 }  // namespace
 }  // namespace telekerf::master
