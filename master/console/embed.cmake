@@ -1,4 +1,4 @@
-# cmake -DOUT=page_files.cpp -DFILES="a;b" -P embed.cmake: the page's files as a source.
+# cmake -DOUT=SOURCE -DFILES="a;b" -P embed.cmake: the page's files as a source, for page_files.h.
 set(text "// Made by embed.cmake.\n#include \"master/console/page_files.h\"\n\nnamespace telekerf::master {\nnamespace {\n\n")
 set(rows "")
 set(number 0)

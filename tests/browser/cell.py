@@ -86,7 +86,7 @@ class Cell:
     def __init__(self, programs, folder, domain, netem="thesis-constant", hand=True, image="heart"):
         self.programs, self.folder = programs, folder
         os.makedirs(folder, exist_ok=True)
-        self.bus = ["--domain", str(domain), "--cell", f"page-{os.getpid()}", "--netem", netem]
+        self.bus = ["--domain", str(domain), "--cell", "cell-1", "--netem", netem]
         self.port = free_port()
         self.running = {}
         hand_port = free_port()
@@ -146,7 +146,13 @@ class Page:
         self.driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
         self.driver.set_script_timeout(20)
         self.pid = self.driver.capabilities.get("goog:processID")
+        self.size(*size)
         self.driver.get(f"http://127.0.0.1:{port}/")
+
+    def size(self, width, height, ratio=1, mobile=False):
+        """Of what is seen, without the browser's own bars."""
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": width, "height": height, "deviceScaleFactor": ratio, "mobile": mobile})
 
     def js(self, text, *words):
         return self.driver.execute_script(text, *words)

@@ -138,9 +138,7 @@ def comes_back(page):
 
 
 def on_a_phone(page):
-    page.driver.set_window_size(376, 760)
-    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                                {"width": 360, "height": 640, "deviceScaleFactor": 2, "mobile": True})
+    page.size(360, 640, mobile=True)
     page.driver.get(f"http://127.0.0.1:{cell.port}/")
     page.until("telekerf.words.sentence?.startsWith('You may move')")
     targets_are_large(page, 360)

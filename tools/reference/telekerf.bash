@@ -14,7 +14,7 @@ _telekerf_commands() {
 
 _telekerf_flags() {
   case $1 in
-    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --stop-file --record --wait-s --dry-run --select --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -58,6 +58,7 @@ _telekerf_values() {
     'telekerf-master  --beta') echo "" ;;
     'telekerf-master  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-master  --drive-stale-s') echo "" ;;
+    'telekerf-master  --hand') echo "-W 'simulated browser[: udp: recorded:'" ;;
     'telekerf-master  --button') echo "-W 'hand pressed udp:'" ;;
     'telekerf-master  --mismatch') echo "" ;;
     'telekerf-master  --seed') echo "" ;;

@@ -13,6 +13,7 @@ const quantile = (numbers, share) => {
   return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] : NaN;
 };
 
+let refusalEnds = 0;
 let words = { driver: "nobody", stopped: false, engaged: false, armed: false, contour: 0 };
 let shownContour = -1;
 let newest = null;
@@ -34,7 +35,7 @@ const link = new Link({
     $("profile").value = chosen;
   },
   words: setWords,
-  lease(m) { hand.setLease(m.lease); },
+  lease(m) { hand.setLease(m.lease); refusalEnds = 0; },
   refused(m) { say(m.why); },
   pong(m) { remember(trip_ms, performance.now() - m.at); },
   mark(first, places) { stage.addMark(first, places); },
@@ -99,7 +100,6 @@ async function loadContour(id) {
   } catch { shownContour = -1; }
 }
 
-let refusalEnds = 0;
 function say(why) {
   $("refusal").textContent = why;
   refusalEnds = performance.now() + 5000;
