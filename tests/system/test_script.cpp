@@ -142,6 +142,31 @@ TEST_F(Script, MachinesWithARobotOfTheUsersOwn) {
   EXPECT_NEAR(result.at("tangential_speed").at("mean_mm_s").get<double>(), 50.0, 0.5);
 }
 
+TEST_F(Script, AMachinistSeesThePlanFirstAndCutsOneContourOfIt) {
+  std::ofstream(here_ / "plate.svg")
+      << R"(<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" viewBox="0 0 30 30" fill="none" stroke="black">
+           <rect x="1" y="1" width="28" height="20"/><circle cx="8" cy="8" r="3"/><circle cx="20" cy="8" r="2"/></svg>)";
+  const Ended plan = run("machine plate.svg --dry-run --out plan --domain " + own_domain());
+  EXPECT_EQ(plan.code, 0) << plan.out << plan.err;
+  EXPECT_NE(plan.out.find("  1        1     18.849  closed\n  2        2     12.566  closed\n"
+                          "  3        0     96.000  closed\n127.4 mm to cut"),
+            std::string::npos)
+      << plan.out;
+  EXPECT_TRUE(fs::exists(here_ / "plan/overlay.png"));
+  EXPECT_FALSE(fs::exists(here_ / "plan/result.json"));
+  const Ended none = run("machine plate.svg --select 3 --out none --domain " + own_domain());
+  EXPECT_EQ(none.code, 2);
+  EXPECT_NE(none.err.find("--select 3: there are the contours 0 to 2"), std::string::npos) << none.err;
+  const Ended cut =
+      run("machine plate.svg --select 2 --speed-mm-s 20 --no-framing --out cut --domain " + own_domain());
+  EXPECT_EQ(cut.code, 0) << cut.out << cut.err;
+  const auto result = nlohmann::json::parse(text_of("cut/result.json"));
+  EXPECT_EQ(result.at("order"), nlohmann::json::array({2}));
+  EXPECT_EQ(result.at("contours_cut").get<int>(), 1);
+  EXPECT_NEAR(result.at("length_mm").get<double>(), 12.566, 0.01);
+  EXPECT_EQ(result.at("burn").at("energy_outside_corridor_j").get<double>(), 0.0) << result.dump(1);
+}
+
 /// In place of the programs: each writes down the words that it is started with, one a line, and ends.
 class ScriptFlags : public Script {
  protected:
