@@ -30,7 +30,7 @@ constexpr Registry kInputs("button", kKinds);
 // A hand of your own: one row.
 constexpr Registry::Kind kHandKinds[] = {
     {"simulated", "simulated", no_argument, nobody},
-    {"browser", "browser[:HOST:PORT]", validate_browser_hand, open_browser_hand},
+    {"browser", "browser, browser:HOST:PORT", validate_browser_hand, open_browser_hand},
     {"udp", "udp:HOST:PORT", validate_udp, open_udp_hand},
     {"recorded", "recorded:FILE", validate_recorded_hand, open_recorded_hand},
 };

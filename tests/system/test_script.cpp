@@ -67,7 +67,7 @@ TEST_F(Script, CutsAPictureThatLiesWhereTheUserStands) {
 }
 
 TEST_F(Script, ARefusedDemoLeavesNothing) {
-  const Ended demo = run("demo --image nowhere.png --out new/run --domain " + own_domain());
+  const Ended demo = run("demo --no-console --image nowhere.png --out new/run --domain " + own_domain());
   EXPECT_EQ(demo.code, 2);
   EXPECT_EQ(std::count(demo.err.begin(), demo.err.end(), '\n'), 1) << demo.err;
   EXPECT_FALSE(fs::exists(here_ / "new"));
