@@ -30,9 +30,9 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                          {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}}),
                robot::Pushed::kYes),
       requests_(settings_.engage, settings_.beta),
-      hand_(hand ? std::move(hand) : open_hand(settings_.hand_device)),
+      hand_(settings_.arm, hand ? std::move(hand) : open_hand(settings_.hand_device)),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
-      simulated_button_(settings_.button == "pressed" || (!operator_ && !hand_)),
+      simulated_button_(settings_.button == "pressed" || (!operator_ && hand_.simulated())),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
   control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
@@ -52,34 +52,6 @@ std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
     requests_.refused(beta);
     throw;
   }
-}
-
-HandSample Station::hand(std::int64_t now_ns, GuidedContour* task) noexcept {
-  const OperatorSample told = hand_ ? hand_->sample(now_ns) : OperatorSample{};
-  if (task == nullptr) return {};
-  HandSample hand{.force_n = Vec3::Zero(), .trigger = told.trigger};
-  const auto tool_m = machine_.true_tool_m();
-  const auto velocity = machine_.true_tool_velocity_m_per_s();
-  if (!tool_m || !velocity) return hand;
-  if (!hand_) {
-    const double now_s = static_cast<double>(node_.tick()) * control_period_s();
-    return task->hand.sample(now_s, *tool_m, *velocity, guided_);
-  }
-  if (!guided_) return hand;
-  if (told.force_n) hand.force_n = *told.force_n;
-  if (told.pointer_m)
-    hand.force_n += arm_force(settings_.arm, *told.pointer_m / task->guide.beta, *tool_m, *velocity);
-  return hand;
-}
-
-void Station::answer(std::int64_t now_ns, const GuidedContour* task, const MasterOutputs& out,
-                     const HandSample& hand) noexcept {
-  if (!hand_) return;
-  const double beta = task != nullptr ? task->guide.beta : settings_.beta;
-  hand_->answer({.now_ns = now_ns,
-                 .guided = guided_,
-                 .tool_m = beta * out.tool_m.head<2>(),
-                 .force_n = hand.force_n.head<2>()});
 }
 
 StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
@@ -108,7 +80,9 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   inputs.engage = requests_.engage();
   inputs.constraint = constraint_;
   constraint_.reset();
-  HandSample hand = this->hand(now_ns, task);
+  const double beta = task != nullptr ? task->guide.beta : settings_.beta;
+  HandSample hand = hand_.sample(now_ns, static_cast<double>(tick) * control_period_s(), machine_,
+                                 task != nullptr ? &task->hand : nullptr, beta, guided_);
   if (task != nullptr) {
     inputs.guide = &task->guide;
     if (told.force_n) hand.force_n = *told.force_n;
@@ -128,11 +102,13 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   }
   recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, true_tool_m.value_or(out.tool_m), hand.force_n,
                   out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
-                  out.observed.slave.position_m, out.observed.aligned,
-                  task != nullptr ? task->guide.beta : settings_.beta,
+                  out.observed.slave.position_m, out.observed.aligned, beta,
                   out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                   out.slave_force.force_n});
-  answer(now_ns, task, out, hand);
+  hand_.answer({.now_ns = now_ns,
+                .guided = guided_,
+                .tool_m = beta * out.tool_m.head<2>(),
+                .force_n = hand.force_n.head<2>()});
   machine_.advance();
   return out;
 }

@@ -16,6 +16,7 @@
 #include "master/operator/simulated_operator.h"
 #include "master/operator_requests.h"
 #include "master/station_settings.h"
+#include "master/tool_hand.h"
 
 namespace telekerf::master {
 
@@ -57,18 +58,11 @@ class Station {
   void report(RunRecord& record) const;
 
  private:
-  /// Of the device or the simulated operator. It moves a simulated robot alone: a real hand is felt by the
-  /// robot.
-  HandSample hand(std::int64_t now_ns, GuidedContour* task) noexcept;
-  /// Tells the devices what became of it.
-  void answer(std::int64_t now_ns, const GuidedContour* task, const MasterOutputs& out,
-              const HandSample& hand) noexcept;
-
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
   OperatorRequests requests_;
-  std::unique_ptr<OperatorInput> hand_;      ///< null: the simulated operator
+  ToolHand hand_;
   std::unique_ptr<OperatorInput> operator_;  ///< who holds the button; null: the hand
   bool simulated_button_;                    ///< nobody's hand: it lets go when it is told to
   MasterNode node_;
