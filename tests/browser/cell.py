@@ -75,11 +75,14 @@ class HandLine:
             self.release_ms = (step_ns - last_ns) * 1e-6
         self.held = held
 
-    def wait(self, held, timeout_s=5.0):
+    def becomes(self, held, timeout_s=10.0):
         until = time.monotonic() + timeout_s
         while self.held != held and time.monotonic() < until:
             time.sleep(0.002)
-        assert self.held == held, f"the master's hand is {'not ' if held else ''}held after {timeout_s} s"
+        return self.held == held
+
+    def wait(self, held):
+        assert self.becomes(held), f"the master's hand is {'not ' if held else ''}held"
 
 
 class Cell:

