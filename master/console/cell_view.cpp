@@ -81,7 +81,7 @@ void CellView::hear(const TelemetryMessage& telemetry, std::int64_t now_ns) {
   master_ns_ = now_ns;
   master_heard_ = true;
   answer_.reset();
-  const auto tick = static_cast<std::int64_t>(telemetry.tick);
+  const std::int64_t tick = static_cast<std::int64_t>(telemetry.tick) - 1;  // counted on after the step
   moments_[static_cast<std::size_t>(tick / 10) % moments_.size()] = {
       tick, beta() * Vec2(value("tool_x_m"), value("tool_y_m")), {value("slave_x_m"), value("slave_y_m")}};
 }

@@ -164,7 +164,6 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
       if (std::find(settings_.profiles.begin(), settings_.profiles.end(), command.text) ==
           settings_.profiles.end())
         return refuse(page, fmt::format("No network of the name {} is shipped", command.text));
-      if (beam_on) return refuse(page, "No other network while the beam is on; let go of the fire button");
       profile_ = command.text;
       return tell(EventMessage::Kind::kSetNetem, 0.0, command.text);
     default:

@@ -80,7 +80,10 @@ int run(Flags& flags) {
   Writer<StopMessage> stops(process.bus());
   const netem::NetemSwitch netem_switch(process.bus(), emulator);
   deliver = [&] {
-    if (const auto stop = console.stop().step(process.bus().others(), monotonic_ns())) stops.write(*stop);
+    const std::int64_t now_ns = monotonic_ns();
+    if (console.stop().due(now_ns)) {
+      if (const auto stop = console.stop().step(process.bus().others(), now_ns)) stops.write(*stop);
+    }
     const Console::Outbox outbox = console.take_outbox();
     for (const UdpHandFrame& frame : outbox.hand) hand.send(frame);
     for (const EventMessage& event : outbox.events) events.write(event);

@@ -41,7 +41,7 @@ std::string StopCall::clear(std::int64_t now_ns) {
 }
 
 std::optional<StopMessage> StopCall::step(std::span<const PresenceMessage> others, std::int64_t now_ns) {
-  if (!said_ || now_ns < again_ns_) return std::nullopt;
+  if (!due(now_ns)) return std::nullopt;
   std::vector<std::string> told;
   const std::vector<std::string> missing = answers_.missing(others, said_->number, said_->set, told);
   const bool done = missing.empty() && !told.empty() && now_ns - since_ns_ > kAtLeast_ns;

@@ -18,7 +18,7 @@ let words = { driver: "nobody", stopped: false, engaged: false, armed: false, co
 let shownContour = -1;
 let newest = null;
 let echo_ms = NaN;
-const drawn_ms = [], step_ms = [], trip_ms = [], frame_ms = [], script_ms = [];
+const trips_ms = [], drawn_ms = [], step_ms = [], trip_ms = [], frame_ms = [], script_ms = [];
 const remember = (list, number) => { list.push(number); if (list.length > 5000) list.splice(0, 1000); };
 
 const stage = new Stage($("workpiece"));
@@ -44,6 +44,8 @@ const link = new Link({
     const t = performance.now() / 1e3;
     speed.push(t, [s.speed_m_per_s * 1e3, s.slave_speed_m_per_s * 1e3]);
     error.push(t, [Math.abs(s.off_line_m) * 1e6, s.tracking_m * 1e6, s.prediction_m * 1e6]);
+    remember(trips_ms, s.round_trip_s * 1e3);
+    if (trips_ms.length > 600) trips_ms.shift();
     trip.push(t, [s.round_trip_s * 1e3, (s.round_trip_s + s.playout_s) * 1e3]);
     bytes.push(t, [s.command_bytes_per_s / 1e3, s.state_bytes_per_s / 1e3]);
     if (Number.isFinite(s.echo_ms) && s.echo_ms !== echo_ms && s.step_s) remember(step_ms, s.step_s * 1e3);
@@ -57,7 +59,8 @@ const line = (colour, dash) => ({ colour, dash });
 const speed = new Plot(...figures[0], [line("#56b4e9"), line("#e69f00", [6, 3])], ([a, b]) => `${a.toFixed(1)} · slave ${b.toFixed(1)}`);
 const error = new Plot(...figures[1], [line("#2bb58a"), line("#e69f00", [6, 3]), line("#f0e442", [2, 3])],
   (n) => n.map((e) => e.toFixed(e < 100 ? 1 : 0)).join(" · "));
-const trip = new Plot(...figures[2], [line("#56b4e9"), line("#cc79a7", [6, 3])], ([a, b]) => `${a.toFixed(1)} · ${b.toFixed(1)}`);
+const trip = new Plot(...figures[2], [line("#56b4e9"), line("#cc79a7", [6, 3])],
+  () => `p50 ${quantile(trips_ms, 0.5).toFixed(1)} · p99 ${quantile(trips_ms, 0.99).toFixed(1)}`);
 const bytes = new Plot(...figures[3], [line("#56b4e9"), line("#e69f00", [6, 3])], ([a, b]) => `${a.toFixed(1)} · ${b.toFixed(1)}`);
 
 function setWords(m) {

@@ -10,6 +10,7 @@ export class Plot {
     this.t = new Float64Array(kPoints).fill(-Infinity);
     this.values = lines.map(() => new Float32Array(kPoints));
     this.next = 0;
+    this.drawn = 0;
     this.top = 1;
   }
 
@@ -78,6 +79,6 @@ export class Plot {
       }
       context.stroke();
     });
-    if (this.newest) this.output.value = this.format(this.newest);
+    if (this.newest && ++this.drawn % 10 === 0) this.output.value = this.format(this.newest);
   }
 }
