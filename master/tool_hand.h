@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "common/robot/supervisor.h"
 #include "master/operator/arm.h"

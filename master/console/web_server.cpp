@@ -233,8 +233,6 @@ Response WebServer::Impl::answer(const Request& request, const tcp::endpoint& fr
   response.keep_alive(request.keep_alive());
   response.set(http::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
-  response.set("Content-Security-Policy",
-               "default-src 'self'; img-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   const auto say = [&response](http::status status, std::string_view type, std::string_view text) {
     response.result(status);
@@ -248,6 +246,11 @@ Response WebServer::Impl::answer(const Request& request, const tcp::endpoint& fr
   if (!host_allowed(host, settings.name, port))
     return say(http::status::misdirected_request, kPlain,
                "Ask by this host's address, or start telekerf-console with --host-name\n");
+  // Not every browser takes a WebSocket of this host for 'self'.
+  response.set("Content-Security-Policy",
+               fmt::format("default-src 'self'; connect-src 'self' ws://{}; img-src "
+                           "'self' blob:; frame-ancestors 'none'; base-uri 'none'",
+                           host));
   if (!origin_allowed(view(request[http::field::origin]), host))
     return say(http::status::forbidden, kPlain, "Another page than this server's own\n");
   if (request.method() != http::verb::get && request.method() != http::verb::head)
