@@ -20,8 +20,19 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kAgain{20};
 constexpr std::chrono::seconds kPatience{5};
+constexpr std::chrono::milliseconds kAllFound{600};
 /// Time to hear of the stops that the stations have latched.
 constexpr std::chrono::milliseconds kListen{1500};
+
+/// As people know it: by its role, and by its name where that is another.
+std::string title(const PresenceMessage& process) {
+  return process.name == process.role ? process.role : process.role + " '" + process.name + "'";
+}
+
+struct Confirmations {
+  std::vector<std::string> told, missing;
+  bool master = false, slave = false;  ///< have confirmed it; a machine is a slave
+};
 
 /// What the stations say of the stops that they obey, heard in the middleware's thread.
 class Answers {
@@ -32,11 +43,17 @@ class Answers {
           answers_.hear(message);
         }) {}
 
-  std::vector<std::string> missing(const Bus& bus, std::uint32_t number, bool set,
-                                   std::vector<std::string>& told) const {
-    const std::vector<PresenceMessage> others = bus.others();
+  /// Which of the stations that are there have said that this stop is in force (or over) for them.
+  Confirmations of(const Bus& bus, std::uint32_t number, bool set) const {
     const std::lock_guard lock(mutex_);
-    return answers_.missing(others, number, set, told);
+    Confirmations now;
+    for (const PresenceMessage& other : bus.others()) {
+      if (!is_station(other)) continue;
+      const bool said = answers_.said(other, number, set);
+      (said ? now.told : now.missing).push_back(title(other));
+      if (said) (other.role == "master" ? now.master : now.slave) = true;
+    }
+    return now;
   }
   std::vector<StopLatch::Entry> in_force() const {
     const std::lock_guard lock(mutex_);
@@ -52,21 +69,30 @@ class Answers {
 /// Says `message` again and again until every station has answered.
 std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMessage& message) {
   Writer<StopMessage> writer(bus);
-  std::vector<std::string> told, missing;
+  Confirmations now;
   const auto start = Clock::now();
   while (Clock::now() - start < kPatience) {
     if (!writer.write(message)) throw environment_error("the stop could not be sent");
-    missing = answers.missing(bus, message.number, message.set, told);
-    // Whoever is there shows up within the first announcements.
-    const bool all_found = Clock::now() - start > std::chrono::milliseconds(600);
-    if (missing.empty() && !told.empty() && all_found) return told;
-    std::this_thread::sleep_for(kAgain);
+    for (const auto next = Clock::now() + kAgain; Clock::now() < next;) {
+      now = answers.of(bus, message.number, message.set);
+      // A cell has one of each. Whoever is there beside one alone shows up within the first announcements.
+      const bool all_found = (now.master && now.slave) || Clock::now() - start > kAllFound;
+      const bool where_it_matters = now.slave || (!message.set && now.master);
+      if (now.missing.empty() && all_found && where_it_matters) return now.told;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
   }
-  if (told.empty() && missing.empty()) throw nobody_listens(bus);
+  const std::string place = fmt::format("cell '{}' of domain {}", bus.settings().cell, bus.settings().domain);
+  if (now.told.empty() && now.missing.empty()) throw nobody_listens(bus);
+  if (now.missing.empty())
+    throw environment_error(fmt::format(
+        "{} has confirmed it, but no slave is seen in {}: see to it at the machine; a slave that comes back "
+        "hears of it",
+        fmt::join(now.told, ", "), place));
   throw environment_error(
-      fmt::format("{} of cell '{}' has not confirmed it within {} s{}: see to it at the machine",
-                  fmt::join(missing, ", "), bus.settings().cell, kPatience.count(),
-                  told.empty() ? std::string() : fmt::format(", {} has", fmt::join(told, ", "))));
+      fmt::format("{} of {} has not confirmed it within {} s{}: see to it at the machine",
+                  fmt::join(now.missing, ", "), place, kPatience.count(),
+                  now.told.empty() ? std::string() : fmt::format(", {} has", fmt::join(now.told, ", "))));
 }
 
 }  // namespace

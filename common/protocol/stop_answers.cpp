@@ -19,7 +19,7 @@ std::vector<std::string> StopAnswers::missing(std::span<const PresenceMessage> o
   told.clear();
   for (const PresenceMessage& other : others) {
     if (!is_station(other)) continue;
-    (said_.contains({other.epoch, number, set}) ? told : missing).push_back(other.name);
+    (said(other, number, set) ? told : missing).push_back(other.name);
   }
   return missing;
 }

@@ -20,6 +20,10 @@ bool is_station(const PresenceMessage& process);
 class StopAnswers {
  public:
   void hear(const StopMessage& message);
+  /// That this stop is in force for it; or over, if not `set`.
+  bool said(const PresenceMessage& station, std::uint32_t number, bool set) const {
+    return said_.contains({station.epoch, number, set});
+  }
   /// Of the stations among `others`, those that have not said that this stop is in force (or over, if not
   /// `set`) for them; into `told` go those that have.
   std::vector<std::string> missing(std::span<const PresenceMessage> others, std::uint32_t number, bool set,

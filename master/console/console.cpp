@@ -183,6 +183,14 @@ void Console::hear(const UdpHandAnswer& answer) noexcept {
   cell_.hear(answer);
 }
 
+void Console::hear(const EventMessage& event) {
+  if (event.kind != EventMessage::Kind::kAnswer || event.epoch != settings_.epoch || event.value != 1.0)
+    return;
+  for (auto& [id, page] : pages_) {
+    if (seat_.drives(id)) refuse(page, event.text);
+  }
+}
+
 bool Console::deaf(std::int64_t now_ns) const noexcept {
   return unheard_ns_ != 0 && now_ns - unheard_ns_ > kUnanswered_ns && now_ns - sent_ns_ < kUnanswered_ns;
 }

@@ -58,6 +58,8 @@ class Console {
   void hear_command(std::uint32_t page, std::string_view json, std::int64_t now_ns);
   /// The master's answer to the hand.
   void hear(const UdpHandAnswer& answer) noexcept;
+  /// What became of an event: who drives is told of a refusal of this console's own.
+  void hear(const EventMessage& event);
   CellView& cell() noexcept { return cell_; }
   StopCall& stop() noexcept { return stop_; }
 

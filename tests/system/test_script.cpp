@@ -66,6 +66,24 @@ TEST_F(Script, CutsAPictureThatLiesWhereTheUserStands) {
     EXPECT_FALSE(entry.is_directory()) << entry.path();
 }
 
+TEST_F(Script, APlantOfItsOwnKeepsTheBookOfTheLight) {
+  const Ended demo =
+      run("demo --image circle --plant process --out plant --duration-s 2 --netem lan --domain " + own_domain());
+  EXPECT_EQ(demo.code, 0) << demo.out << demo.err;
+  EXPECT_NE(demo.out.find("plant: "), std::string::npos) << demo.out;
+  const auto book = nlohmann::json::parse(text_of("plant/plant.json"));
+  EXPECT_GT(book.at("energy_inside_j").get<double>(), 0.0) << demo.out;
+  EXPECT_EQ(book.at("energy_outside_corridor_j").get<double>(), 0.0);
+  const auto report = nlohmann::json::parse(text_of("plant/report.json"));
+  EXPECT_NEAR(book.at("energy_inside_j").get<double>(), report.at("cut").at("energy_inside_j").get<double>(),
+              0.1 * book.at("energy_inside_j").get<double>())
+      << "the slave's own idea of it";
+  EXPECT_FALSE(fs::exists(here_ / "plant/plant.txt"));
+  const Ended refused = run("demo --plant nowhere --out none --domain " + own_domain());
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("must be one of here, process"), std::string::npos) << refused.err;
+}
+
 TEST_F(Script, ARefusedDemoLeavesNothing) {
   const Ended demo = run("demo --no-console --image nowhere.png --out new/run --domain " + own_domain());
   EXPECT_EQ(demo.code, 2);

@@ -270,6 +270,16 @@ TEST_F(ConsoleTest, AMasterThatDoesNotListenIsSaid) {
   EXPECT_FALSE(deaf());
 }
 
+TEST_F(ConsoleTest, WhatTheCellRefusesIsSaidToWhoDrives) {
+  take(first);
+  read(first);
+  console.hear(EventMessage{6, EventMessage::Kind::kAnswer, 1.0, "master: of somebody else"});
+  console.hear(EventMessage{5, EventMessage::Kind::kAnswer, 0.0, "master: done"});
+  EXPECT_EQ(refusal(first), "");
+  console.hear(EventMessage{5, EventMessage::Kind::kAnswer, 1.0, "master: refused, for a reason"});
+  EXPECT_EQ(refusal(first), "master: refused, for a reason");
+}
+
 TEST_F(ConsoleTest, AScaleThatTheMasterDoesNotTakeIsSaid) {
   take(first);
   read(first);
