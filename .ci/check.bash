@@ -26,18 +26,29 @@ readonly check_parts="werror demo processes headers examples fuzz bench asan tsa
 
 # Benchmarks, all of them if none is named, on standard output.
 bench() {
-  local file names=("$@") name code=0
+  local file names=("$@") name code=0 programs=()
   if ((${#names[@]} == 0)); then
-    for file in "$root"/tests/bench/bench_*.cpp; do names+=("$(basename "$file" .cpp)"); done
+    for file in "$root"/tests/bench/bench_*.{cpp,py}; do names+=("$(basename "${file%.*}")"); done
   fi
   names=("${names[@]/#bench_/}")
   for name in "${names[@]}"; do
-    [[ -f $root/tests/bench/bench_$name.cpp ]] || fail "bench: unknown benchmark $name"
+    if [[ -f $root/tests/bench/bench_$name.cpp ]]; then
+      programs+=("bench_$name")
+    elif [[ -f $root/tests/bench/bench_$name.py ]]; then # of whole processes, with what the tests need
+      [[ -z $(missing_packages tests) ]] || setup tests
+      programs+=(telekerf-vision telekerf-slave telekerf-master telekerf-console)
+    else
+      fail "bench: unknown benchmark $name"
+    fi
   done
-  build benchmarks "${names[@]/#/bench_}"
+  build benchmarks "${programs[@]}"
   for name in "${names[@]}"; do
     echo "== bench_$name"
-    "$build/bin/bench_$name" || code=1
+    if [[ -f $root/tests/bench/bench_$name.py ]]; then
+      /usr/bin/python3 "$root/tests/bench/bench_$name.py" "$build/bin" || code=1
+    else
+      "$build/bin/bench_$name" || code=1
+    fi
   done
   return "$code"
 }

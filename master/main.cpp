@@ -95,9 +95,9 @@ int run(Flags& flags) {
   ContourSubscriber<GuidedContour> contour(
       process.bus(), [&](const ContourMessage& message) { return station.prepare(message); });
   if (station.machine().plant() == nullptr) {
+    const bool nobody = flags.station.button == "hand" && flags.station.hand_device == "simulated";
     status.say(fmt::format("{} is not simulated, so no hand is either: it feels a real one; button = {}{}",
-                           flags.station.machine.drive, flags.station.button,
-                           flags.station.button == "hand" ? ": never held" : ""));
+                           flags.station.machine.drive, flags.station.button, nobody ? ": never held" : ""));
   }
   process.ready();
 
@@ -144,7 +144,8 @@ int run(Flags& flags) {
     if (flags.duration_s > 0.0) status.progress(engaged_s / flags.duration_s, flags.duration_s);
     const MasterNode& node = station.node();
     if (node.tick() % kTelemetryTicks == 0)
-      values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks()));
+      values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks(),
+                                              node.link().newest_rtt_s()));
     link.step(slave);
     const bool goes_on = rivals.goes_on(obeyed_by(slave, settings.epoch));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);

@@ -21,7 +21,8 @@ constexpr std::size_t kMostContours = 64;
 
 }  // namespace
 
-Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> input)
+Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> input,
+                 std::unique_ptr<OperatorInput> hand)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
       machine_(model_, settings_.machine, settings_.node.control_hz,
@@ -32,8 +33,9 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                          {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}}),
                robot::Pushed::kYes),
       requests_(settings_.engage, settings_.beta),
+      hand_(settings_.arm, hand ? std::move(hand) : open_hand(settings_.hand_device)),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
-      simulated_button_(!operator_ || settings_.button == "pressed"),
+      simulated_button_(settings_.button == "pressed" || (!operator_ && hand_.simulated())),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
   control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
@@ -54,14 +56,6 @@ std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
     requests_.refused(beta);
     throw;
   }
-}
-
-HandSample Station::hand(GuidedContour& task) noexcept {
-  const auto tool_m = machine_.true_tool_m();
-  const auto velocity = machine_.true_tool_velocity_m_per_s();
-  if (!tool_m || !velocity) return {};
-  const double now_s = static_cast<double>(node_.tick()) * control_period_s();
-  return task.hand.sample(now_s, *tool_m, *velocity, guided_);
 }
 
 const char* Station::obstacle() const noexcept {
@@ -108,16 +102,17 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   inputs.engage = requests_.engage() && obstacle() == nullptr;
   inputs.constraint = constraint_;
   constraint_.reset();
-  HandSample hand;
+  const double beta = task != nullptr ? task->guide.beta : settings_.beta;
+  HandSample hand = hand_.sample(now_ns, static_cast<double>(tick) * control_period_s(), machine_,
+                                 task != nullptr ? &task->hand : nullptr, beta, guided_);
   if (task != nullptr) {
     const std::uint32_t id = task->guide.contour_id;
     if ((contours_.empty() || contours_.back().id != id) && contours_.size() < contours_.capacity())
       contours_.push_back({tick, id});
     inputs.guide = &task->guide;
-    hand = this->hand(*task);
     if (told.force_n) hand.force_n = *told.force_n;
     inputs.button = operator_ ? told.trigger : hand.trigger;
-    inputs.pedal = settings_.button.starts_with("udp:");
+    inputs.pedal = settings_.button.starts_with("udp:") || hand_.held();  // a lease is a dead-man of its own
     if (simulated_button_ && (!engaged_ || wants_release(slave))) inputs.button = false;
   }
   static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
@@ -133,10 +128,13 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   }
   recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, true_tool_m.value_or(out.tool_m), hand.force_n,
                   out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
-                  out.observed.slave.position_m, out.observed.aligned,
-                  task != nullptr ? task->guide.beta : settings_.beta,
+                  out.observed.slave.position_m, out.observed.aligned, beta,
                   out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                   out.slave_force.force_n});
+  hand_.answer({.now_ns = now_ns,
+                .guided = guided_,
+                .tool_m = beta * out.tool_m.head<2>(),
+                .force_n = hand.force_n.head<2>()});
   machine_.advance();
   return out;
 }

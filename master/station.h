@@ -20,6 +20,7 @@
 #include "master/operator/simulated_operator.h"
 #include "master/operator_requests.h"
 #include "master/station_settings.h"
+#include "master/tool_hand.h"
 
 namespace telekerf::master {
 
@@ -44,9 +45,9 @@ struct StationOutputs : MasterOutputs {
 
 class Station {
  public:
-  /// `drive`, `input`: others than those that the settings name. Throws StartupError.
+  /// `drive`, `input` (of the button), `hand`: others than those that the settings name. Throws StartupError.
   explicit Station(const StationSettings& settings, robot::Drive drive = {},
-                   std::unique_ptr<OperatorInput> input = {});
+                   std::unique_ptr<OperatorInput> input = {}, std::unique_ptr<OperatorInput> hand = {});
 
   /// At the scale that the settings name or an operator has asked for since. Allocates: call it outside the
   /// loop, from one thread at a time. Throws StartupError if the robot cannot take the scaled contour; then
@@ -79,14 +80,12 @@ class Station {
 
  private:
   static constexpr double kRoom_s = 10.0;
-  /// Simulated on a simulated robot; a real hand is felt by the robot alone.
-  HandSample hand(GuidedContour& task) noexcept;
-
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
   OperatorRequests requests_;
-  std::unique_ptr<OperatorInput> operator_;  ///< null: the simulated operator alone
+  ToolHand hand_;
+  std::unique_ptr<OperatorInput> operator_;  ///< who holds the button; null: the hand
   bool simulated_button_;                    ///< nobody's hand: it lets go when it is told to
   MasterNode node_;
   Recorder<MasterRow> recorder_;

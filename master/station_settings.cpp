@@ -29,8 +29,11 @@ void StationSettings::add_parameters(Settings& settings) {
   settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
                "slave motion = beta x master motion");
   machine.add_parameters(settings);
+  settings.add(
+      "hand", hand_device, device_form(hand_forms(), validate_hand),
+      "who moves a simulated master: the simulated operator, the console's page, a program, a record");
   settings.add("button", button, device_form(operator_input_forms(), validate_operator_input),
-               "who holds the laser button while the slave follows; hand: the simulated one");
+               "who holds the laser button while the slave follows; hand: the hand itself");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, kSeeds, "of the simulated robot and hand");

@@ -7,12 +7,11 @@
 #include <chrono>
 #include <mutex>
 #include <random>
-#include <set>
 #include <thread>
 
 #include "common/bus/endpoints.h"
 #include "common/bus/send_event.h"
-#include "common/protocol/stop_latch.h"
+#include "common/protocol/stop_answers.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
@@ -25,10 +24,6 @@ constexpr std::chrono::milliseconds kAllFound{600};
 /// Time to hear of the stops that the stations have latched.
 constexpr std::chrono::milliseconds kListen{1500};
 
-bool is_station(const PresenceMessage& process) {
-  return process.role == "master" || process.role == "slave";
-}
-
 /// As people know it: by its role, and by its name where that is another.
 std::string title(const PresenceMessage& process) {
   return process.name == process.role ? process.role : process.role + " '" + process.name + "'";
@@ -39,10 +34,14 @@ struct Confirmations {
   bool master = false, slave = false;  ///< have confirmed it; a machine is a slave
 };
 
-/// What the stations say of the stops that they obey.
+/// What the stations say of the stops that they obey, heard in the middleware's thread.
 class Answers {
  public:
-  explicit Answers(Bus& bus) : reader_(bus, [this](const StopMessage& message) { hear(message); }) {}
+  explicit Answers(Bus& bus)
+      : reader_(bus, [this](const StopMessage& message) {
+          const std::lock_guard lock(mutex_);
+          answers_.hear(message);
+        }) {}
 
   /// Which of the stations that are there have said that this stop is in force (or over) for them.
   Confirmations of(const Bus& bus, std::uint32_t number, bool set) const {
@@ -50,7 +49,7 @@ class Answers {
     Confirmations now;
     for (const PresenceMessage& other : bus.others()) {
       if (!is_station(other)) continue;
-      const bool said = said_.contains({other.epoch, number, set});
+      const bool said = answers_.said(other, number, set);
       (said ? now.told : now.missing).push_back(title(other));
       if (said) (other.role == "master" ? now.master : now.slave) = true;
     }
@@ -58,20 +57,12 @@ class Answers {
   }
   std::vector<StopLatch::Entry> in_force() const {
     const std::lock_guard lock(mutex_);
-    return latch_.in_force();
+    return answers_.in_force();
   }
 
  private:
-  void hear(const StopMessage& message) {
-    const std::lock_guard lock(mutex_);
-    if (!message.obeyed) return;
-    (void)latch_.hear(message);
-    said_.insert({message.epoch, message.number, message.set});
-  }
-
   mutable std::mutex mutex_;
-  StopLatch latch_;
-  std::set<std::tuple<std::uint32_t, std::uint32_t, bool>> said_;
+  StopAnswers answers_;
   Reader<StopMessage> reader_;  ///< last: hears from its construction on
 };
 

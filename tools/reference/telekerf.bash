@@ -14,10 +14,11 @@ _telekerf_commands() {
 
 _telekerf_flags() {
   case $1 in
-    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --stop-file --record --wait-s --dry-run --select --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-console ') echo '--port --bind --host-name --token --hand --as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl engage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -58,6 +59,7 @@ _telekerf_values() {
     'telekerf-master  --beta') echo "" ;;
     'telekerf-master  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-master  --drive-stale-s') echo "" ;;
+    'telekerf-master  --hand') echo "-W 'simulated browser browser: udp: recorded:'" ;;
     'telekerf-master  --button') echo "-W 'hand pressed udp:'" ;;
     'telekerf-master  --mismatch') echo "" ;;
     'telekerf-master  --seed') echo "" ;;
@@ -144,11 +146,11 @@ _telekerf_values() {
     'telekerf-machine  --corner') echo "-W 'exact rounded slow'" ;;
     'telekerf-machine  --material') echo "-W 'wood fibreglass'" ;;
     'telekerf-machine  --kerf-um') echo "" ;;
+    'telekerf-machine  --select') echo "" ;;
     'telekerf-machine  --machining-hz') echo "" ;;
     'telekerf-machine  --stop-file') echo "-W 'auto off'" ;;
     'telekerf-machine  --record') echo "-d" ;;
     'telekerf-machine  --wait-s') echo "" ;;
-    'telekerf-machine  --select') echo "" ;;
     'telekerf-machine  --domain') echo "" ;;
     'telekerf-machine  --cell') echo "" ;;
     'telekerf-machine  --name') echo "" ;;
@@ -180,6 +182,18 @@ _telekerf_values() {
     'telekerf-vision  --peers') echo "" ;;
     'telekerf-vision  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-vision  --netem-seed') echo "" ;;
+    'telekerf-console  --port') echo "" ;;
+    'telekerf-console  --bind') echo "" ;;
+    'telekerf-console  --host-name') echo "" ;;
+    'telekerf-console  --token') echo "" ;;
+    'telekerf-console  --hand') echo "" ;;
+    'telekerf-console  --as') echo "" ;;
+    'telekerf-console  --domain') echo "" ;;
+    'telekerf-console  --cell') echo "" ;;
+    'telekerf-console  --name') echo "" ;;
+    'telekerf-console  --peers') echo "" ;;
+    'telekerf-console  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-console  --netem-seed') echo "" ;;
     'telekerf-ctl stop --reason') echo "" ;;
     'telekerf-ctl stop --as') echo "" ;;
     'telekerf-ctl stop --domain') echo "" ;;
@@ -493,4 +507,4 @@ _telekerf() {
     eval "mapfile -t COMPREPLY < <(compgen $how -- \"\$word\")"
   fi
 }
-complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-ctl telekerf-netem telekerf-robot telekerf-experiment telekerf-inspect
+complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-console telekerf-ctl telekerf-netem telekerf-robot telekerf-experiment telekerf-inspect
