@@ -13,14 +13,17 @@
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/endpoints.h"
+#include "common/bus/event_answers.h"
 #include "common/bus/process.h"
 #include "common/geometry/polyline.h"
 #include "common/robot/robot_model.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/program.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/say.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
+#include "netem/drivers/netem_switch.h"
 #include "slave/vision/cameras/cameras.h"
 #include "slave/vision/imaging_flags.h"
 #include "slave/vision/vision_node.h"
@@ -95,12 +98,15 @@ void say(const ContourMessage& contour, StatusReporter& status) {
   if (!contour.further.empty()) status.say(fmt::format("{} further contours", contour.further.size()));
 }
 
-/// What the cell says to the imaging unit.
-void obey(Reader<EventMessage>& events, ImagingCamera& camera) {
+/// What the cell says to the imaging unit, if there is one.
+void obey(Reader<EventMessage>& events, EventAnswers& answers, ImagingCamera* unit) {
   while (const auto event = events.take()) {
-    if (event->value.kind == EventMessage::Kind::kSetZoom) camera.zoom(event->value.value);
-    if (event->value.kind == EventMessage::Kind::kRefocus) camera.refocus();
+    const EventMessage& said = event->value;
+    if (said.kind != EventMessage::Kind::kSetZoom && said.kind != EventMessage::Kind::kRefocus) continue;
+    if (unit != nullptr) said.kind == EventMessage::Kind::kSetZoom ? unit->zoom(said.value) : unit->refocus();
+    answers.give(said.epoch, unit != nullptr ? "" : "there is no imaging unit; start vision with --imaging");
   }
+  answers.again();
 }
 
 int run(const Flags& flags) {
@@ -122,21 +128,26 @@ int run(const Flags& flags) {
   if (!live && node.state() == VisionNode::State::kNoContour) throw input_error(outcome.remark);
 
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "vision");
-  settings.receive_filter = flags.netem.emulator(settings.site);
+  const auto emulator = flags.netem.emulator(settings.site);
+  settings.receive_filter = emulator;
   Process process(settings, "vision");
+  const netem::NetemSwitch netem_switch(process.bus(), emulator);
   Writer<ContourMessage> writer(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());
-  std::optional<Reader<EventMessage>> events;
-  if (unit) events.emplace(process.bus());
+  Reader<EventMessage> events(process.bus());
+  EventAnswers answers(process.bus());
   auto report_at = std::chrono::steady_clock::now();
+  auto looked = report_at;  // when it was last seen where it is
   while (!stop_requested()) {
-    if (!outcome.remark.empty()) fmt::print(stderr, "vision: {}\n", outcome.remark);
+    if (seen && *seen && node.confirms()) looked = std::chrono::steady_clock::now();
+    if (!outcome.remark.empty()) write_line(stderr, "vision: " + outcome.remark);
     if (outcome.publish) {
       writer.write(*outcome.publish);
       say(*outcome.publish, process.status());
     }
     if (const auto now = std::chrono::steady_clock::now(); now >= report_at) {
       TelemetryMessage record = node.record();
+      record.values.emplace_back("look_age_s", std::chrono::duration<double>(now - looked).count());
       if (unit) {
         const auto values = unit->values();
         record.values.insert(record.values.end(), values.begin(), values.end());
@@ -144,8 +155,8 @@ int run(const Flags& flags) {
       telemetry.write(record);
       report_at = now + (unit ? kImagingReport : kReport);
     }
+    obey(events, answers, unit.get());
     if (unit) {
-      obey(*events, *unit);
       if (const std::string remark = unit->remark(); !remark.empty()) process.status().say(remark);
     }
     // A live camera sets the pace; for files and for what is gone, now and then will do.

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <chrono>
+#include <string>
+#include <vector>
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/send_event.h"
@@ -18,14 +20,15 @@ struct Options {
   BusFlags bus;
   netem::NetemFlags netem;
   EventMessage event;
+  std::vector<std::string> roles = {"master"};  ///< who has to take it up
 };
 
 int run(const Options& options) {
   BusSettings bus_settings = options.bus.bus_settings(Site::kOperator, "ctl");
   bus_settings.receive_filter = options.netem.emulator(bus_settings.site);
   Bus bus(bus_settings);
-  const std::size_t others = tell(bus, options.event);
-  fmt::print("told {} processes of cell '{}'\n", others, bus.settings().cell);
+  fmt::print("taken up by {} of cell '{}'\n", fmt::join(tell(bus, options.event, options.roles), ", "),
+             bus.settings().cell);
   return 0;
 }
 
@@ -100,16 +103,30 @@ int main(int argc, char** argv) {
         add_parameters(options, settings);
       },
       run);
+  Options take = saying(Kind::kTakeContour);
+  take.roles = {"master", "slave"};
   program.add(
-      "zoom", "Moves the imaging unit's magnification; its focus and the contour's scale follow",
-      saying(Kind::kSetZoom),
+      "take-contour", "Works on the contour that waits, in place of the one in force", take,
+      [](Options& options, Settings& settings) {
+        settings
+            .add("id", options.event.value, {.min = 1, .max = 4294967295.0},
+                 "its number, as master and slave have said it")
+            .as_argument();
+        add_parameters(options, settings);
+      },
+      run);
+  Options zoom = saying(Kind::kSetZoom);
+  zoom.roles = {"vision"};
+  program.add(
+      "zoom", "Moves the imaging unit's magnification; its focus and the contour's scale follow", zoom,
       [](Options& options, Settings& settings) {
         settings.add("value", options.event.value, {.min = 0, .max = 1}, "share of the axis' travel")
             .as_argument();
         add_parameters(options, settings);
       },
       run);
-  program.add("refocus", "The imaging unit searches its focus anew", saying(Kind::kRefocus), add_parameters,
-              run);
+  Options refocus = saying(Kind::kRefocus);
+  refocus.roles = {"vision"};
+  program.add("refocus", "The imaging unit searches its focus anew", refocus, add_parameters, run);
   return program.run(argc, argv);
 }
