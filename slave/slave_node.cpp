@@ -27,6 +27,14 @@ laser::InterlockSettings limits_of(const robot::RobotModel& model, const SlaveSe
   return limits;
 }
 
+control::JointAccelerationSettings judged_joints(const robot::RobotModel& model,
+                                                 const control::LoopBandwidths& bandwidths,
+                                                 double control_hz) {
+  control::JointAccelerationSettings joints = control::joints_of(model, bandwidths, control_hz);
+  joints.judged = true;
+  return joints;
+}
+
 }  // namespace
 
 SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch)
@@ -35,7 +43,7 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
       bandwidths_(control::design_loop(control::loop_conditions(model, settings.control_hz),
                                        settings.bandwidth_rad_s, settings.observer_rad_s)),
       law_(control::sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1.0 / settings.control_hz)),
-      joints_(model, control::joints_of(model, bandwidths_, settings.control_hz)),
+      joints_(model, judged_joints(model, bandwidths_, settings.control_hz)),
       dt_s_(1.0 / settings.control_hz),
       commands_({.playout = settings.playout,
                  .timeout_s = settings.command_timeout_s,
@@ -102,7 +110,7 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
           .engaged = selector_.mode() == SlaveMode::kFollowing,
           .armed = selector_.arming().armed(),
           .button_armed = selector_.arming().button_armed(),
-          .fresh = selected.following && joints_.posed() && inputs.joints.valid && led_m_per_s.allFinite(),
+          .fresh = selected.following && joints_.posed() && joints_.measured() && led_m_per_s.allFinite(),
           .unlit = true,
           .on_time = on_time,
           .emission_agrees = inputs.emission_agrees,

@@ -99,6 +99,8 @@ class SlaveNode {
   SlaveCounters counters() const noexcept {
     return {commands_.counters(), report_.counters(), selector_.missed_ticks(), late_steps_};
   }
+  /// Whether the robot does what its motors are told.
+  const robot::Doubt& doubt() const noexcept { return joints_.doubt(); }
   /// What the work has got so far.
   const laser::DoseBook& dose() const noexcept { return dose_; }
   /// Another workpiece lies there. Between two steps.

@@ -152,6 +152,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
     ++age_.count;
   }
   if (inputs.joints.valid) machine_.watch(out.tool_m);
+  machine_.watch(node_.doubt());
   if (machine_.failed()) {
     out.laser_w = 0.0;
     out.permit = {};
