@@ -26,8 +26,9 @@ struct GuidedContour {
 };
 
 struct StationOutputs : MasterOutputs {
-  const char* refusal = nullptr;  ///< why nothing comes of what the operator said, a literal
-  bool prepare_anew = false;      ///< another scale is asked for: prepare() the contour once more
+  /// A literal: why nothing comes of what the operator said, or why the slave is let go.
+  const char* refusal = nullptr;
+  bool prepare_anew = false;  ///< another scale is asked for: prepare() the contour once more
 };
 
 class Station {

@@ -27,11 +27,11 @@ laser::InterlockSettings limits_of(const robot::RobotModel& model, const SlaveSe
   return limits;
 }
 
-control::JointAccelerationSettings judged_joints(const robot::RobotModel& model,
-                                                 const control::LoopBandwidths& bandwidths,
-                                                 double control_hz) {
-  control::JointAccelerationSettings joints = control::joints_of(model, bandwidths, control_hz);
-  joints.judged = true;
+control::JointAccelerationSettings joints_of(const robot::RobotModel& model,
+                                             const control::LoopBandwidths& bandwidths,
+                                             const SlaveSettings& settings) {
+  control::JointAccelerationSettings joints = control::joints_of(model, bandwidths, settings.control_hz);
+  joints.judged = !settings.touched;
   return joints;
 }
 
@@ -43,12 +43,13 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
       bandwidths_(control::design_loop(control::loop_conditions(model, settings.control_hz),
                                        settings.bandwidth_rad_s, settings.observer_rad_s)),
       law_(control::sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1.0 / settings.control_hz)),
-      joints_(model, judged_joints(model, bandwidths_, settings.control_hz)),
+      joints_(model, joints_of(model, bandwidths_, settings)),
       dt_s_(1.0 / settings.control_hz),
       commands_({.playout = settings.playout,
                  .timeout_s = settings.command_timeout_s,
                  .max_acceleration_m_per_s2 = model.limits.acceleration_m_per_s2,
-                 .control_period_ns = period_ns(settings)}),
+                 .control_period_ns = period_ns(settings),
+                 .beam_age_s = settings.interlock.beam_age_s}),
       selector_(model, settings.transfer, dt_s_, settings.bare_accelerations,
                 {.beam_age_s = settings.interlock.beam_age_s, .follow_age_s = settings.follow_age_s}),
       interlock_(limits_of(model, settings), period_ns(settings)),

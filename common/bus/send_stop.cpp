@@ -12,14 +12,13 @@
 
 #include "common/bus/endpoints.h"
 #include "common/bus/send_event.h"
-#include "common/protocol/stop_latch.h"
+#include "common/protocol/stop_talk.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kAgain{20};
 constexpr std::chrono::seconds kPatience{5};
 /// Time to hear of the stops that the stations have latched.
 constexpr std::chrono::milliseconds kListen{1500};
@@ -75,7 +74,7 @@ std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMess
     // Whoever is there shows up within the first announcements.
     const bool all_found = Clock::now() - start > std::chrono::milliseconds(600);
     if (missing.empty() && !told.empty() && all_found) return told;
-    std::this_thread::sleep_for(kAgain);
+    std::this_thread::sleep_for(kStopAgain);
   }
   if (told.empty() && missing.empty()) throw nobody_listens(bus);
   throw environment_error(

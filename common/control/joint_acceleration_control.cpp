@@ -33,15 +33,15 @@ bool JointAccelerationControl::observe(const robot::JointReading& reading) noexc
   const auto state = kinematics_.state(now_.joints_m, now_.velocity_m_per_s);
   if (state) state_ = *state;
   posed_ = state.has_value();
-  if (posed_ && measured_ && settings_.judged) judge_disturbance();
+  if (posed_ && measured_ && settings_.judged) measured_ = explained();
   return posed_;
 }
 
-void JointAccelerationControl::judge_disturbance() noexcept {
+bool JointAccelerationControl::explained() noexcept {
   const Vec3 modelled_n = robot::coriolis_force(model_, state_) +
                           robot::gravity_force(model_, kinematics_, state_) + friction_.seen_n();
-  plausibility_.unexplained(robot::joint_inertia(model_, state_).inverse() *
-                            (observer_.disturbance_n() - modelled_n));
+  return plausibility_.explains(robot::joint_inertia(model_, state_).inverse() *
+                                (observer_.disturbance_n() - modelled_n));
 }
 
 Vec3 JointAccelerationControl::reaction_force_n() const noexcept {
@@ -55,6 +55,7 @@ Vec3 JointAccelerationControl::currents(const Vec3& desired_joint_acceleration_m
   const Mat3 inertia_kg =
       settings_.inertia == NominalInertia::kModel ? robot::joint_inertia(model_, state_) : diagonal_kg_;
   const Vec3 unknown_n = observer_.disturbance_n() + friction_.missing_n();
+  plausibility_.asked(desired_joint_acceleration_m_per_s2);
   Vec3 wanted_n = inertia_kg * desired_joint_acceleration_m_per_s2 + known_n + unknown_n;
   if (!wanted_n.allFinite()) wanted_n.setZero();
   const double limit_n = model_.motor.peak_force_n;

@@ -48,7 +48,7 @@ class JointAccelerationControl {
   /// was.
   bool observe(const robot::JointReading& reading) noexcept;
 
-  /// The last observe() had a reading, and it was believed.
+  /// The last observe() had a reading, and nothing speaks against it.
   bool measured() const noexcept { return measured_; }
   /// Whether the robot does what its motors are told; kNone where that is not judged.
   const robot::Doubt& doubt() const noexcept { return plausibility_.doubt(); }
@@ -79,7 +79,7 @@ class JointAccelerationControl {
   bool saturated() const noexcept { return saturated_; }
 
  private:
-  void judge_disturbance() noexcept;
+  bool explained() noexcept;
 
   robot::RobotModel model_;
   robot::DeltaKinematics kinematics_;

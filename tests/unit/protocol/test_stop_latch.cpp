@@ -56,6 +56,18 @@ TEST(StopLatch, AQuotedNumberStopsAndLearnsItsOwnerLater) {
   EXPECT_EQ(latch.quoted(5), Heard::kKnown) << "the other side has not heard of its end yet";
 }
 
+TEST(StopLatch, WhoseOwnerIsNotKnownYetIsEndedByNobodyButAStationThatKnewIt) {
+  StopLatch latch;
+  (void)latch.quoted(5);
+  EXPECT_EQ(latch.hear(message(5, false, "b")), Heard::kRefused);
+  EXPECT_EQ(latch.hear(message(5, false, "")), Heard::kRefused);
+  EXPECT_EQ(latch.order().number, 5u);
+  StopMessage over = message(5, false, "a");
+  over.obeyed = true;
+  EXPECT_EQ(latch.hear(over), Heard::kCleared);
+  EXPECT_EQ(latch.order().number, 0u);
+}
+
 TEST(StopLatch, AnEndThatOvertakesItsStopCounts) {
   StopLatch latch;
   EXPECT_EQ(latch.hear(message(5, false)), Heard::kKnown);
