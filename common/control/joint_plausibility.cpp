@@ -35,6 +35,14 @@ int beyond(const Vec3& value, const Vec3& bound) noexcept {
   return value.cwiseAbs().cwiseQuotient(bound).maxCoeff(&joint) > 1.0 ? joint : -1;
 }
 
+/// How much earlier or later than it was due the device has measured, by its own clock.
+double untimely_s(std::int64_t time_ns, std::int64_t before_ns, double due_s) noexcept {
+  if (time_ns == 0 || before_ns == 0) return 0.0;
+  return std::abs(static_cast<double>(time_ns - before_ns) * 1e-9 - due_s);
+}
+
+int settling_steps(double period_s) noexcept { return static_cast<int>(std::ceil(kSettling_s / period_s)); }
+
 }  // namespace
 
 JointPlausibility::JointPlausibility(const robot::RobotModel& nominal,
@@ -54,7 +62,7 @@ JointPlausibility::JointPlausibility(const robot::RobotModel& nominal,
 }
 
 void JointPlausibility::reset() noexcept {
-  settling_ = static_cast<int>(std::ceil(kSettling_s / period_s_));
+  settling_ = settling_steps(period_s_);
   steps_ = doubted_ = 0;
 }
 
@@ -62,13 +70,9 @@ Vec3 JointPlausibility::gate_m(const robot::JointReading& reading,
                                const Vec3& velocity_m_per_s) const noexcept {
   const double apart_s = steps_ * period_s_;
   const Vec3 change = Vec3::Constant(usual_m_per_s2_) + kWrongForce * unsettled_m_per_s2_;
-  Vec3 gate = Vec3::Constant(noise_m_) + apart_s * apart_s * change;
-  if (reading.time_ns != 0 && time_ns_ != 0) {
-    // The device has measured earlier or later than it was due.
-    const double late_s = std::abs(static_cast<double>(reading.time_ns - time_ns_) * 1e-9 - apart_s);
-    gate += late_s * velocity_m_per_s.cwiseAbs() + Vec3::Constant(late_s * late_s * peak_m_per_s2_);
-  }
-  return gate;
+  const double late_s = untimely_s(reading.time_ns, time_ns_, apart_s);
+  return Vec3::Constant(noise_m_ + late_s * late_s * peak_m_per_s2_) + apart_s * apart_s * change +
+         late_s * velocity_m_per_s.cwiseAbs();
 }
 
 bool JointPlausibility::accepts(const robot::JointReading& reading,
@@ -85,6 +89,9 @@ bool JointPlausibility::accepts(const robot::JointReading& reading,
     note(robot::Doubt::Kind::kReading, joint, innovation_m[joint]);
     return false;
   }
+  // What it makes of the observer is no force.
+  if (untimely_s(reading.time_ns, time_ns_, steps_ * period_s_) > 0.5 * period_s_)
+    settling_ = settling_steps(period_s_);
   steps_ = 0;
   time_ns_ = reading.time_ns;
   return true;

@@ -99,6 +99,16 @@ TEST(StopLatch, ItSurvivesAsText) {
   EXPECT_EQ(StopLatch().text(), "");
 }
 
+TEST(StopLatch, AReasonOfSeveralLinesIsOneInItsText) {
+  StopLatch latch;
+  StopMessage said = message(7, true);
+  said.reason = "a\nb\rc\td";
+  (void)latch.hear(said);
+  const StopLatch again = StopLatch::from_text(latch.text());
+  ASSERT_EQ(again.in_force().size(), 1u);
+  EXPECT_EQ(again.in_force()[0].reason, "a b c d");
+}
+
 TEST(StopOrder, WhatTheOtherSideQuotesHoldsUnlessItIsOver) {
   EXPECT_EQ((StopOrder{0, {0}}).in_force(0), 0u);
   EXPECT_EQ((StopOrder{5, {0}}).in_force(0), 5u);
