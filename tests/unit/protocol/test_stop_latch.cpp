@@ -76,6 +76,14 @@ TEST(StopLatch, AnEndThatOvertakesItsStopCounts) {
   EXPECT_EQ(latch.hear(message(7, false, "")), Heard::kRefused) << "nobody says so";
 }
 
+TEST(StopLatch, AnEndThatIsSaidAgainAndAgainCrowdsOutNoOther) {
+  StopLatch latch;
+  (void)latch.hear(message(5, false));
+  for (int n = 0; n < 20; ++n) EXPECT_EQ(latch.hear(message(6, false)), Heard::kKnown);
+  EXPECT_EQ(latch.cleared().size(), 2u);
+  EXPECT_EQ(latch.hear(message(5, true)), Heard::kKnown) << "still known to be over";
+}
+
 TEST(StopLatch, AFloodChangesNothing) {
   StopLatch latch;
   for (std::uint32_t n = 1; n < 1000; ++n) (void)latch.hear(message(n, true));

@@ -65,6 +65,13 @@ TEST_F(ArmingTest, WhatLedBeforeTheMasterWasHeardLeadsNoMore) {
   needs_both();
 }
 
+TEST_F(ArmingTest, CommandsOfJustTheLargestAgeAreNoOutage) {
+  begin();
+  age_s_ = 2.5;
+  for (int n = 0; n < 600; ++n) EXPECT_TRUE(lead(1));
+  EXPECT_TRUE(arming_.armed());
+}
+
 TEST_F(ArmingTest, AStopEndsTheEngagement) {
   begin();
   now_.stopped = true;
