@@ -18,7 +18,7 @@ constexpr double kWrongInertia = 0.45;  ///< of what is asked of the joints
 constexpr double kFade = 0.5;           ///< a step, until the observer has a change of the currents
 constexpr double kSlow_s = 0.3;         ///< of the disturbance's mean: weight, payload
 constexpr double kSettling_s = 0.1;
-constexpr int kDoubts = 2;
+constexpr int kDoubts = 2;  ///< readings in a row; a force is filtered already, and grows within milliseconds
 
 /// Smallest inertia of a joint in the middle of the workspace.
 double inertia_kg(const robot::RobotModel& model) noexcept {
@@ -116,7 +116,8 @@ bool JointPlausibility::explains(const Vec3& disturbance_m_per_s2) noexcept {
 }
 
 void JointPlausibility::note(robot::Doubt::Kind kind, int joint, double value) noexcept {
-  if (++doubted_ == kDoubts && !doubt_) doubt_ = {kind, joint, value};
+  const bool sure = ++doubted_ >= kDoubts || kind == robot::Doubt::Kind::kForce;
+  if (sure && !doubt_) doubt_ = {kind, joint, value};
 }
 
 void JointPlausibility::asked(const Vec3& acceleration_m_per_s2) noexcept {

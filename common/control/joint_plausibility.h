@@ -32,7 +32,8 @@ class JointPlausibility {
   /// What is asked of the joints in this step, m/s^2.
   void asked(const Vec3& acceleration_m_per_s2) noexcept;
 
-  /// Two steps in a row of which one or the other is false, for good; kNone: the robot does what it is told.
+  /// After two readings in a row or one force that cannot be, for good; kNone: the robot does what it is
+  /// told.
   const robot::Doubt& doubt() const noexcept { return doubt_; }
 
  private:

@@ -72,6 +72,14 @@ TEST_F(ArmingTest, CommandsOfJustTheLargestAgeAreNoOutage) {
   EXPECT_TRUE(arming_.armed());
 }
 
+TEST_F(ArmingTest, ASilenceOfJustTheGateIsNoOutage) {
+  begin();
+  now_.silent_s = 0.35;
+  EXPECT_TRUE(lead(1));
+  now_.silent_s = 0.351;
+  EXPECT_FALSE(lead(1));
+}
+
 TEST_F(ArmingTest, AStopEndsTheEngagement) {
   begin();
   now_.stopped = true;
