@@ -98,7 +98,8 @@ TEST(StopLatch, ItSurvivesAsText) {
   StopLatch latch;
   (void)latch.hear(message(4294967295, true, "a b"));
   (void)latch.hear(message(7, true, "c"));
-  StopLatch again = StopLatch::from_text("nonsense\n0\tx\ty\n99999999999\tx\ty\n" + latch.text());
+  StopLatch again = StopLatch::from_text(
+      "nonsense\n\tx\ty\n0\tx\ty\n99999999999\tx\ty\n99999999999999999999999\tx\ty\n" + latch.text());
   ASSERT_EQ(again.in_force().size(), 2u);
   EXPECT_EQ(again.in_force()[0].source, "a b");
   EXPECT_EQ(again.in_force()[0].reason, "smoke");
