@@ -9,16 +9,19 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 #include <fastdds/dds/log/Log.hpp>
 
 #include <charconv>
+#include <cstddef>
 #include <cstdlib>
 #include <mutex>
 #include <optional>
 #include <random>
 
 #include "common/bus/qos.h"
+#include "common/bus/trimming_transport.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::bus {
@@ -31,7 +34,8 @@ using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
 using eprosima::fastrtps::Duration_t;
 
 constexpr const char* kDiscoveryMulticast = "239.255.0.1";  // RTPS default
-constexpr std::uint32_t kParticipantsPerPeer = 16;          // ports tried at a peer that names none
+constexpr std::uint32_t kParticipantsPerPeer = 64;          // ports tried at a peer that names none
+constexpr int kParticipantsPerHost = 120;                   // more would run into the next domain's ports
 
 std::string resolved(const std::string& host) {
   addrinfo hints{};
@@ -61,6 +65,35 @@ std::optional<Peer> parsed_peer(const std::string& text) {
   const auto [rest, error] = std::from_chars(text.data() + colon + 1, end, peer.port);
   if (error != std::errc() || rest != end || peer.port == 0 || peer.port > 65535) return std::nullopt;
   return peer;
+}
+
+/// Of discovery; the next one is that of the data (RTPS 2.x, 9.6.1.1).
+int participant_port(int domain, int id) { return 7400 + 250 * domain + 10 + 2 * id; }
+
+bool is_free(int port) {
+  if (port > 65535) return false;
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return false;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  const bool free = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(fd);
+  return free;
+}
+
+/// A name that only one process of this host has at a time, as long as the descriptor is open; negative:
+/// another one has it. It is a socket without a file, so nothing stays behind.
+int claimed(const std::string& name) {
+  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return fd;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  name.copy(address.sun_path + 1, sizeof address.sun_path - 1);
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&address), size) == 0) return fd;
+  close(fd);
+  return -1;
 }
 
 /// The vendor's two bytes, the site, and nine of chance: unique without asking anybody.
@@ -105,7 +138,24 @@ std::shared_ptr<TransportDescriptorInterface> udp_transport() {
   udp->receiveBufferSize = kSocketBufferBytes;
   udp->non_blocking_send = true;
   udp->maxInitialPeersRange = kParticipantsPerPeer;
-  return udp;
+  return trimming_over(std::move(udp));
+}
+
+ParticipantNumber::ParticipantNumber(int domain) {
+  for (int id = 0; id < kParticipantsPerHost; ++id) {
+    const int port = participant_port(domain, id);
+    if (!is_free(port) || !is_free(port + 1)) continue;
+    // Between this look and the middleware's own socket another one may look, too.
+    const int claim = claimed(fmt::format("telekerf/{}", port));
+    if (claim < 0) continue;
+    value_ = id;
+    claim_ = claim;
+    return;
+  }
+}
+
+ParticipantNumber::~ParticipantNumber() {
+  if (claim_ >= 0) close(claim_);
 }
 
 dds::DomainParticipantQos participant_qos(const BusSettings& settings,
@@ -122,7 +172,7 @@ dds::DomainParticipantQos participant_qos(const BusSettings& settings,
 
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.leaseDuration = milliseconds(5000);
-  builtin.discovery_config.leaseDuration_announcementperiod = milliseconds(500);
+  builtin.discovery_config.leaseDuration_announcementperiod = milliseconds(2000);
   builtin.discovery_config.initial_announcements = {20, milliseconds(100)};
   if (!settings.peers.empty()) {  // naming peers replaces multicast unless it is named too
     rtps::Locator_t locator;

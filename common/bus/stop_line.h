@@ -47,7 +47,7 @@ class StopLine {
   std::string path_;
   mutable std::mutex mutex_;
   StopLatch latch_;
-  StopAnswers answers_;
+  StopReplies answers_;
   std::string kept_;                      ///< what the file holds
   std::atomic<std::uint32_t> number_{0};  ///< of the order
   std::array<std::atomic<std::uint32_t>, std::tuple_size_v<decltype(StopOrder::cleared)>> cleared_{};

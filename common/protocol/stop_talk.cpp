@@ -20,11 +20,11 @@ void keep_only(std::vector<std::uint32_t>& numbers, const std::vector<StopLatch:
 
 }  // namespace
 
-void StopAnswers::asked(const StopMessage& message) {
+void StopReplies::asked(const StopMessage& message) {
   if (!message.obeyed) std::erase(message.set ? told_set_ : told_cleared_, message.number);
 }
 
-StopMessage StopAnswers::answer(const StopLatch::Entry& entry, bool set) const {
+StopMessage StopReplies::answer(const StopLatch::Entry& entry, bool set) const {
   return {.epoch = epoch_,
           .number = entry.number,
           .source = entry.source,
@@ -33,7 +33,7 @@ StopMessage StopAnswers::answer(const StopLatch::Entry& entry, bool set) const {
           .reason = entry.reason};
 }
 
-std::vector<StopMessage> StopAnswers::take(const StopLatch& latch, std::uint32_t obeyed) {
+std::vector<StopMessage> StopReplies::take(const StopLatch& latch, std::uint32_t obeyed) {
   std::vector<StopMessage> answers;
   keep_only(told_set_, latch.in_force());
   keep_only(told_cleared_, latch.cleared());

@@ -16,10 +16,10 @@ inline constexpr std::chrono::milliseconds kStopAgain{5};
 
 /// What a station has to say: that its control loop obeys a stop, and that one is over for it. Once, and
 /// again for each who still asks. Without thread, clock and bus.
-class StopAnswers {
+class StopReplies {
  public:
   /// `epoch`: of the process that answers.
-  explicit StopAnswers(std::uint32_t epoch) : epoch_(epoch) {}
+  explicit StopReplies(std::uint32_t epoch) : epoch_(epoch) {}
 
   /// Somebody says a stop, or its end, and waits for the answer.
   void asked(const StopMessage& message);

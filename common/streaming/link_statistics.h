@@ -24,6 +24,8 @@ class LinkStatistics {
   bool received(const StateHeader& state, std::int64_t received_ns) noexcept;
 
   double rtt_quantile_ms(double fraction) const;
+  /// Of the newest command that was answered; 0: none yet.
+  double newest_rtt_s() const noexcept { return newest_rtt_s_; }
   std::uint64_t round_trips() const noexcept { return round_trips_; }
   /// Answers that came before they were asked for, or were held for less than no time.
   std::uint64_t clocks_wrong() const noexcept { return clocks_wrong_; }
@@ -42,6 +44,7 @@ class LinkStatistics {
   std::vector<std::uint32_t> histogram_;
   std::uint64_t round_trips_ = 0;
   std::uint64_t clocks_wrong_ = 0;
+  double newest_rtt_s_ = 0.0;
   ClockOffsetEstimator clocks_;
   std::int64_t last_received_ns_ = 0;
   std::uint32_t last_echo_ = 0;

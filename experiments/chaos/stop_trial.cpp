@@ -46,7 +46,7 @@ class Station {
 
  private:
   StopLatch latch_;
-  StopAnswers answers_{2};
+  StopReplies answers_{2};
   std::uint32_t obeyed_ = 0;
 };
 

@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "common/protocol/overhead.h"
 #include "common/reporting/page_tables.h"
 #include "experiments/delay/delay_trial.h"
 
 namespace telekerf::experiments {
 
 /// One packet of three bare float32 a sample at 1 kHz, with every head; bytes/s.
-inline constexpr double kRawBytesPerS = 1000.0 * (89 + 12);
+inline constexpr double kRawBytesPerS = 1000.0 * (kDatagramBytes + 12);
 
 DelayResult coded_run(const HandRecord& hand, const std::string& codec, int block, int redundancy);
 

@@ -24,6 +24,7 @@ ContourMessage circle(double radius_m) {
 
 class MasterStation : public testing::Test {
  protected:
+  explicit MasterStation(const StationSettings& settings = {}) : station_(settings) {}
   void run(double seconds, bool engage, bool slave_alive, std::vector<EventMessage> events = {}) {
     for (int n = 0; n < static_cast<int>(seconds * 1000); ++n) {
       std::vector<Received<StateBlock>> states;
@@ -32,6 +33,7 @@ class MasterStation : public testing::Test {
         state.sequence = ++number_;
         state.contour_id = slave_contour_;
         state.interlock = Interlock::kReady;
+        state.guards = guards_;
         state.sample_period_ns = 1'000'000;
         if (blocks_ > 0 && clock_ahead_ns_ != 0) {
           state.echo_sequence = last_.sequence;
@@ -47,7 +49,7 @@ class MasterStation : public testing::Test {
         events.emplace_back().kind = engage ? EventMessage::Kind::kEngage : EventMessage::Kind::kDisengage;
       }
       const StationOutputs out = station_.step(now_ns_, task_.get(), states, events, stop_);
-      if (out.refusal != nullptr) refusal_ = out.refusal;
+      if (out.let_go != nullptr) let_go_ = out.let_go;
       out_ = out;
       events.clear();
       if (out_.command) {
@@ -60,10 +62,11 @@ class MasterStation : public testing::Test {
 
   bool wish_ = true;  ///< the operator says anew at each run what is wanted
   StopOrder stop_;
-  Station station_{StationSettings{}};
+  Station station_;
+  std::uint32_t guards_ = 0;  ///< as the slave tells them
   std::unique_ptr<GuidedContour> task_;
   MasterOutputs out_;
-  const char* refusal_ = nullptr;
+  const char* let_go_ = nullptr;
   CommandBlock last_;
   int blocks_ = 0;
   codec::BlockEncoder encoder_{codec::StreamSettings{}};
@@ -72,6 +75,64 @@ class MasterStation : public testing::Test {
   std::int64_t clock_ahead_ns_ = 0;  ///< of what the slave echoes; 0: it echoes nothing
   std::int64_t now_ns_ = 0;
 };
+
+/// Asked to engage by itself, or with a button that nobody holds.
+class Unattended : public MasterStation {
+ protected:
+  explicit Unattended(const StationSettings& settings =
+                          [] {
+                            StationSettings engaging;
+                            engaging.engage = true;
+                            return engaging;
+                          }())
+      : MasterStation(settings) {
+    wish_ = false;
+    task_ = station_.prepare(circle(0.01));
+  }
+};
+class UnattendedButton : public Unattended {
+ protected:
+  UnattendedButton()
+      : Unattended([] {
+          StationSettings pressing;
+          pressing.button = "pressed";
+          return pressing;
+        }()) {}
+};
+
+TEST_F(Unattended, WithASimulatedLaserItEngages) {
+  run(3.0, true, true);
+  EXPECT_EQ(station_.obstacle(), nullptr);
+  EXPECT_EQ(out_.mode, MasterMode::kEngaged);
+}
+
+TEST_F(Unattended, WithARealLaserItDoesNotAndSaysSo) {
+  guards_ = kRealLaser;
+  for (int n = 0; n < 300; ++n) {
+    run(0.01, true, true);
+    ASSERT_NE(out_.mode, MasterMode::kEngaged);
+    ASSERT_FALSE(last_.engaged);
+  }
+  ASSERT_NE(station_.obstacle(), nullptr);
+  EXPECT_NE(std::string(station_.obstacle()).find("leave --engage out"), std::string::npos);
+}
+
+TEST_F(UnattendedButton, WithARealLaserIsRefused) {
+  run(0.1, true, true);
+  EXPECT_EQ(station_.obstacle(), nullptr);
+  guards_ = kRealLaser;
+  run(0.1, true, true);
+  ASSERT_NE(station_.obstacle(), nullptr);
+  EXPECT_NE(std::string(station_.obstacle()).find("name a pedal"), std::string::npos);
+}
+
+TEST_F(MasterStation, WithARealLaserAPersonMayEngage) {
+  guards_ = kRealLaser;
+  task_ = station_.prepare(circle(0.01));
+  run(3.0, true, true);
+  EXPECT_EQ(station_.obstacle(), nullptr);
+  EXPECT_EQ(out_.mode, MasterMode::kEngaged);
+}
 
 TEST_F(MasterStation, WithoutContourItHoldsAndIsSilent) {
   run(1.0, true, true);
@@ -112,8 +173,8 @@ TEST_F(MasterStation, ASlaveWhoseAnswersCannotBeIsLetGoAndItIsSaid) {
   EXPECT_EQ(out_.mode, MasterMode::kGuiding);
   EXPECT_GT(station_.node().link().clocks_wrong(), 0u);
   EXPECT_EQ(station_.node().link().round_trips(), 0u);
-  ASSERT_NE(refusal_, nullptr);
-  EXPECT_NE(std::string(refusal_).find("one of the two clocks is wrong"), std::string::npos);
+  ASSERT_NE(let_go_, nullptr);
+  EXPECT_NE(std::string(let_go_).find("one of the two clocks is wrong"), std::string::npos);
   clock_ahead_ns_ = -1 * kMs;
   run(1.0, true, true);
   EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "not by itself";

@@ -19,7 +19,7 @@ class Answering : public testing::Test {
   }
   std::size_t taken(std::uint32_t obeyed) { return answers_.take(latch_, obeyed).size(); }
   StopLatch latch_;
-  StopAnswers answers_{9};
+  StopReplies answers_{9};
 };
 
 TEST_F(Answering, SaysThatItObeysOnceAndNotBefore) {

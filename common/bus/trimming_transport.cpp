@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/trimming_transport.h"
+
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#if __has_include(<fastdds/rtps/network/SenderResource.h>)
+#include <fastdds/rtps/network/SenderResource.h>
+#else
+#include <fastdds/rtps/transport/SenderResource.h>
+#endif
+#include <fastrtps/utils/IPLocator.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/uio.h>
+#include <unistd.h>
+#include <fastdds/rtps/common/LocatorList.hpp>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/bus/participant_qos.h"
+#include "common/protocol/site.h"
+
+namespace telekerf::bus {
+namespace {
+
+namespace rtps = eprosima::fastdds::rtps;
+using eprosima::fastrtps::rtps::IPLocator;
+using eprosima::fastrtps::rtps::Locator_t;
+using eprosima::fastrtps::rtps::Locators;
+using eprosima::fastrtps::rtps::LocatorsIterator;
+using eprosima::fastrtps::rtps::octet;
+using eprosima::fastrtps::rtps::SenderResource;
+
+// RTPS 2.x, 8.3 and 9.4.
+constexpr std::size_t kHeader = 20;
+constexpr std::size_t kSubmessageHeader = 4;
+constexpr std::uint8_t kLittleEndian = 0x01;
+constexpr std::uint8_t kInfoTimestamp = 0x09;
+constexpr std::uint8_t kInfoDestination = 0x0e;
+constexpr std::uint8_t kData = 0x15;
+constexpr std::uint8_t kFirstSecure = 0x30;  // SEC_BODY to SRTPS_POSTFIX
+constexpr std::uint8_t kLastSecure = 0x34;
+constexpr std::uint8_t kStatistics = 0x80;
+constexpr std::size_t kStatisticsBytes = 60;
+constexpr std::size_t kWriterEntity = 12;  // in a DATA submessage
+
+std::uint8_t octet_at(std::span<const std::byte> bytes, std::size_t at) {
+  return std::to_integer<std::uint8_t>(bytes[at]);
+}
+
+/// The submessage at `at`, its head included; none: it is not whole.
+std::optional<std::span<const std::byte>> submessage(std::span<const std::byte> datagram, std::size_t at) {
+  if (at + kSubmessageHeader > datagram.size()) return std::nullopt;
+  const unsigned first = octet_at(datagram, at + 2);
+  const unsigned second = octet_at(datagram, at + 3);
+  const bool little = (octet_at(datagram, at + 1) & kLittleEndian) != 0;
+  const std::size_t length = little ? first | second << 8 : second | first << 8;
+  if (length == 0) return datagram.subspan(at);  // to the end
+  if (at + kSubmessageHeader + length > datagram.size()) return std::nullopt;
+  return datagram.subspan(at, kSubmessageHeader + length);
+}
+
+bool is_stream_data(std::span<const std::byte> submessage) {
+  return octet_at(submessage, 0) == kData && submessage.size() > kWriterEntity + 1 &&
+         octet_at(submessage, kWriterEntity) == 0 && octet_at(submessage, kWriterEntity + 1) == kStreamEntity;
+}
+
+/// Datagrams to one host, without the middleware's sockets. Never waits.
+class UnicastSocket {
+ public:
+  UnicastSocket() : fd_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    const int bytes = static_cast<int>(kSocketBufferBytes);
+    if (fd_ >= 0) (void)::setsockopt(fd_, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
+  }
+  ~UnicastSocket() {
+    if (fd_ >= 0) (void)::close(fd_);
+  }
+  UnicastSocket(const UnicastSocket&) = delete;
+  UnicastSocket& operator=(const UnicastSocket&) = delete;
+
+  bool is_open() const noexcept { return fd_ >= 0; }
+
+  bool send(const TrimmedDatagram& datagram, const Locator_t& to) const noexcept {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(IPLocator::getPhysicalPort(to));
+    std::memcpy(&address.sin_addr, IPLocator::getIPv4(to), sizeof address.sin_addr);
+    std::array<iovec, 2> parts{part(datagram.head), part(datagram.rest)};
+    msghdr message{};
+    message.msg_name = &address;
+    message.msg_namelen = sizeof address;
+    message.msg_iov = parts.data();
+    message.msg_iovlen = parts.size();
+    return ::sendmsg(fd_, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
+  }
+
+ private:
+  static iovec part(std::span<const std::byte> bytes) noexcept {
+    return {const_cast<std::byte*>(bytes.data()), bytes.size()};  // NOLINT: sendmsg() only reads
+  }
+
+  int fd_;
+};
+
+struct Descriptor : rtps::ChainingTransportDescriptor {
+  explicit Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> below)
+      : ChainingTransportDescriptor(std::move(below)) {}
+  rtps::TransportInterface* create_transport() const override;
+};
+
+class Transport : public rtps::ChainingTransport {
+ public:
+  explicit Transport(const Descriptor& descriptor)
+      : ChainingTransport(descriptor), descriptor_(descriptor.low_level_descriptor) {}
+
+  rtps::TransportDescriptorInterface* get_configuration() override { return descriptor_.get(); }
+
+  /// Called once for each of the sockets below (an interface each), always with the same bytes and addresses.
+  bool send(SenderResource* below, const octet* buffer, std::uint32_t size, LocatorsIterator* begin,
+            LocatorsIterator* end, const std::chrono::steady_clock::time_point& timeout) override {
+    if (!unicast_.is_open()) return below->send(buffer, size, begin, end, timeout);
+    SenderResource* first = nullptr;
+    const bool leads = first_.compare_exchange_strong(first, below) || first == below;
+    bool sent = true;
+    const TrimmedDatagram datagram = trimmed(std::as_bytes(std::span(buffer, size)));
+    for (; !(*begin == *end); ++*begin) {
+      if (IPLocator::isMulticast(**begin)) {
+        const std::vector<Locator_t> address(1, **begin);  // discovery's alone
+        Locators at(address.begin());
+        Locators behind(address.end());
+        sent = below->send(buffer, size, &at, &behind, timeout) && sent;
+      } else if (leads) {
+        sent = unicast_.send(datagram, **begin) && sent;
+      }
+    }
+    return sent;
+  }
+
+  void receive(rtps::TransportReceiverInterface* next, const octet* buffer, std::uint32_t size,
+               const Locator_t& local, const Locator_t& remote) override {
+    next->OnDataReceived(buffer, size, local, remote);
+  }
+
+ private:
+  std::shared_ptr<rtps::TransportDescriptorInterface> descriptor_;
+  UnicastSocket unicast_;
+  std::atomic<SenderResource*> first_{nullptr};
+};
+
+rtps::TransportInterface* Descriptor::create_transport() const { return new Transport(*this); }
+
+}  // namespace
+
+TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept {
+  const TrimmedDatagram whole{datagram, {}};
+  if (datagram.size() < kHeader || std::memcmp(datagram.data(), "RTPS", 4) != 0) return whole;
+  std::size_t end = datagram.size();
+  std::optional<std::size_t>
+      stream;  // of the first submessage that is no address or stamp, if it is a stream's
+  bool only_addressed = true;
+  for (std::size_t at = kHeader; at < datagram.size();) {
+    const auto part = submessage(datagram, at);
+    if (!part) return whole;
+    const std::uint8_t kind = octet_at(*part, 0);
+    if (kind >= kFirstSecure && kind <= kLastSecure) return whole;
+    if (kind == kStatistics && part->size() == kStatisticsBytes && at + part->size() == datagram.size())
+      end = at;
+    if (only_addressed && is_stream_data(*part)) stream = at;
+    only_addressed = only_addressed && (kind == kInfoDestination || kind == kInfoTimestamp);
+    at += part->size();
+  }
+  if (end == kHeader) return whole;
+  if (!stream) return {datagram.first(end), {}};
+  return {datagram.first(kHeader), datagram.subspan(*stream, end - *stream)};
+}
+
+std::shared_ptr<rtps::TransportDescriptorInterface> trimming_over(
+    std::shared_ptr<rtps::TransportDescriptorInterface> below) {
+  return std::make_shared<Descriptor>(std::move(below));
+}
+
+}  // namespace telekerf::bus
