@@ -68,9 +68,10 @@ void JointPlausibility::reset() noexcept {
 
 Vec3 JointPlausibility::gate_m(const robot::JointReading& reading,
                                const Vec3& velocity_m_per_s) const noexcept {
-  const double apart_s = steps_ * period_s_;
+  // A reading that was not believed does not widen the gate for the next.
+  const double apart_s = (steps_ - doubted_) * period_s_;
   const Vec3 change = Vec3::Constant(usual_m_per_s2_) + kWrongForce * unsettled_m_per_s2_;
-  const double late_s = untimely_s(reading.time_ns, time_ns_, apart_s);
+  const double late_s = untimely_s(reading.time_ns, time_ns_, steps_ * period_s_);
   return Vec3::Constant(noise_m_ + late_s * late_s * peak_m_per_s2_) + apart_s * apart_s * change +
          late_s * velocity_m_per_s.cwiseAbs();
 }
