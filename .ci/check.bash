@@ -16,13 +16,14 @@
 #     asan      all tests: memory and undefined behaviour                  build-asan/
 #     tsan      all tests: threads                                         build-tsan/
 #     tidy      clang-tidy                                                 build-tidy/
+#     chaos     1000 chaos runs, 1000 stops with and without losses, and an hour of both sites in virtual time
 #
 #   ./telekerf check mutation [--count N] [--seed S] [--folder F]
 #
 #   Not among the parts, as it takes hours: puts N small faults (100) into the code, one at a time, and counts those
 #   that the tests notice. The last line is `score NN %`.
 
-readonly check_parts="werror demo processes headers examples fuzz bench asan tsan tidy"
+readonly check_parts="werror demo processes headers examples fuzz bench asan tsan tidy chaos"
 
 # Benchmarks, all of them if none is named, on standard output.
 bench() {
@@ -78,6 +79,11 @@ check_fuzz() {
 check_bench() { bench; }
 check_asan() { check_preset asan "$build-asan" && ctest --test-dir "$build-asan" --output-on-failure; }
 check_tsan() { check_preset tsan "$build-tsan" && ctest --test-dir "$build-tsan" --output-on-failure; }
+check_chaos() {
+  ninja -C "$build" telekerf-experiment test_flat_memory || return 1
+  TELEKERF_FLAT_S=3600 "$build/bin/test_flat_memory" || return 1
+  "$build/bin/telekerf-experiment" chaos --runs 1000 --out "$build/check/chaos"
+}
 check_tidy() { check_preset tidy "$build-tidy"; }
 
 check_mutation() {

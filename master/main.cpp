@@ -114,7 +114,8 @@ int run(Flags& flags) {
     if (const auto newest = values.load()) telemetry.write(*newest);
     while (const auto verdict = verdicts.take()) {
       if (verdict->refusal != nullptr) status.say(verdict->refusal);
-      answers.give(verdict->asker, verdict->refusal == nullptr ? "" : verdict->refusal);
+      if (verdict->asker != 0)
+        answers.give(verdict->asker, verdict->refusal == nullptr ? "" : verdict->refusal);
     }
     answers.again();
     rivals.look();
@@ -138,6 +139,7 @@ int run(Flags& flags) {
       waited_s += station.control_period_s();
     const StateHeader* const slave = station.node().slave();
     status.state(text_of(out.mode, slave, slave != nullptr && slave->master_epoch == settings.epoch));
+    if (out.let_go != nullptr) verdicts.push({0, out.let_go});  // nobody has asked
     for (std::size_t n = 0; n < out.verdict_count; ++n) verdicts.push(EventVerdict(out.verdicts[n]));
     netem_switch.beam(slave != nullptr && slave->laser_on);
     process.lookout().missing(missing_of(task != nullptr, slave != nullptr, out.mode));

@@ -51,15 +51,17 @@ KinematicState MasterNode::observe(const robot::JointReading& joints) noexcept {
   return tool;
 }
 
-void MasterNode::receive(std::span<const Received<StateBlock>> states) noexcept {
+bool MasterNode::receive(std::span<const Received<StateBlock>> states) noexcept {
+  bool clocks_right = true;
   for (const auto& received : states) {
     const streaming::Feedback& feedback = states_.receive(received);
     if (feedback.kind == streaming::Arrival::Kind::kRefused) continue;
-    link_.received(received.value, received.received_ns);
+    clocks_right = link_.received(received.value, received.received_ns) && clocks_right;
     stream_.received(feedback);
     if (feedback.kind != streaming::Arrival::Kind::kNew) continue;
     force_.received(feedback, states_.header());
   }
+  return clocks_right;
 }
 
 bool MasterNode::slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept {
@@ -98,13 +100,13 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   const KinematicState tool = observe(inputs.joints);
   if (joints_.posed()) hand_n_ += hand_share_ * (joints_.reaction_force_n() - hand_n_);
   out.hand_n = hand_n_;
-  receive(inputs.states);
+  out.clock_wrong = !receive(inputs.states);
   out.stop = inputs.stop.in_force(states_.heard() ? states_.header().stop : 0);
   const Situation situation{.guide = inputs.guide,
                             .tool_m = tool.position_m,
                             .stopped = out.stop != 0,
                             .engage = inputs.engage,
-                            .slave_ready = slave_ready(now_ns, inputs.guide)};
+                            .slave_ready = !out.clock_wrong && slave_ready(now_ns, inputs.guide)};
   const bool was_engaged = modes_.mode() == MasterMode::kEngaged;
   if (modes_.step(situation)) constraint_.enter();
   out.engage_spent = modes_.engage_spent();

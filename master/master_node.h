@@ -48,6 +48,7 @@ struct MasterOutputs {
   std::optional<CommandBlock> command;
   MasterMode mode = MasterMode::kIdle;
   bool engage_spent = false;   ///< the operator has to engage anew
+  bool clock_wrong = false;    ///< the slave's answer has stamps that cannot be: it is let go
   std::uint32_t stop = 0;      ///< number of the emergency stop that is obeyed; 0: none
   Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
   Vec3 velocity_m_per_s = Vec3::Zero();
@@ -79,7 +80,8 @@ class MasterNode {
 
  private:
   KinematicState observe(const robot::JointReading& joints) noexcept;
-  void receive(std::span<const Received<StateBlock>> states) noexcept;
+  /// False: stamps that cannot be are among them.
+  bool receive(std::span<const Received<StateBlock>> states) noexcept;
   bool slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept;
   /// The slave does not follow this engagement (any more).
   bool spent(std::uint32_t engage) const noexcept;

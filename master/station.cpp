@@ -17,6 +17,8 @@ bool wants_release(const StateHeader* slave) noexcept {
   return slave != nullptr && (slave->guards & kButtonGuard) != 0;
 }
 
+constexpr const char* kClockWrong =
+    "the slave is let go: it answered before it was asked, so one of the two clocks is wrong; engage anew";
 constexpr std::size_t kMostContours = 64;
 
 }  // namespace
@@ -118,6 +120,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
   engaged_ = out.mode == MasterMode::kEngaged;
   if (out.engage_spent) requests_.spend_engage();
+  if (out.clock_wrong) out.let_go = kClockWrong;
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
   if (inputs.joints.valid) machine_.watch(out.tool_m);
   machine_.write(out.currents_a);
@@ -173,6 +176,7 @@ void Station::report(RunRecord& record) const {
     f["rtt_p95_ms"] = link.rtt_quantile_ms(0.95);
     f["rtt_p99_ms"] = link.rtt_quantile_ms(0.99);
   }
+  f["clocks_wrong"] = static_cast<double>(link.clocks_wrong());
   f["lost"] = static_cast<double>(node_.states().lost);
   f["block"] = command.block;
   f["keep"] = command.keep;

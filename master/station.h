@@ -37,6 +37,7 @@ struct EventVerdict {
 };
 
 struct StationOutputs : MasterOutputs {
+  const char* let_go = nullptr;  ///< why the slave is, a literal
   static constexpr std::size_t kMostVerdicts = 16;
   std::array<EventVerdict, kMostVerdicts> verdicts;
   std::size_t verdict_count = 0;

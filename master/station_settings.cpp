@@ -41,6 +41,8 @@ void StationSettings::add_parameters(Settings& settings) {
                "control rate, a multiple of stream_hz");
   settings.add("stream_hz", node.stream_hz, {.min = 100, .max = 10000, .unit = "Hz"},
                "samples a second in the command stream");
+  settings.add("beam_age_s", beam_age_s, {.min = 0.02, .max = 2, .unit = "s"},
+               "as the slave's: one that is silent for longer, and for 0.5 s at least, is let go");
   add_stream_parameters(settings);
   add_guidance_parameters(settings);
 }
@@ -108,6 +110,7 @@ void StationSettings::add_stream_parameters(Settings& settings) {
 
 StationSettings StationSettings::validated() const {
   StationSettings settings = *this;
+  settings.node.stale_s = std::max(MasterSettings{}.stale_s, beam_age_s);
   settings.hand.speed_m_per_s = hand_speed_mm_s * 1e-3;
   settings.node.constraint.corridor_m = corridor_mm * 1e-3;
   const double ratio = node.control_hz / node.stream_hz;

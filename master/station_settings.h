@@ -27,6 +27,7 @@ struct StationSettings {
   ArmSettings arm;                                  ///< between a pointer and the tool
   double hand_speed_mm_s = 20.0;                    ///< what a user sets of it
   double tracking_rad_s = 0.0;                      ///< of the law; 0: chosen from the stream's rate
+  double beam_age_s = 0.35;                         ///< the slave's, see MasterSettings::stale_s
   double corridor_mm = 0.0;                         ///< half width in which the hand is free; 0: guidance
   codec::CodecChoice codec = codec::kDefaultCodec;  ///< of the command stream
   std::uint64_t seed = 1;

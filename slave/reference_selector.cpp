@@ -78,7 +78,10 @@ bool ReferenceSelector::follows(const streaming::Played& played, const Circumsta
     }
     mode_ = SlaveMode::kFollowing;
     if (sample->law == Law::kRemoteAcceleration) tripped_ = tripped_ || !within_limits(played.state);
-    if (tripped_) reason_ = HoldReason::kLimits;
+    if (tripped_) {
+      reason_ = HoldReason::kLimits;
+      mode_ = SlaveMode::kHolding;
+    }
     return !tripped_;
   }
   if (sample != nullptr) {
@@ -144,7 +147,7 @@ KinematicState ReferenceSelector::hold(std::int64_t unled_steps) noexcept {
     return brake();
   }
   stopping_ = false;
-  if (mode_ == SlaveMode::kFollowing && !tripped_ && static_cast<double>(unled_steps) * dt_s_ < kCoast_s) {
+  if (mode_ == SlaveMode::kFollowing && static_cast<double>(unled_steps) * dt_s_ < kCoast_s) {
     const bool begins = source_generation_ != 0;
     if (begins) {
       hold_ = reference_;

@@ -25,6 +25,14 @@ laser::InterlockSettings limits_of(const robot::RobotModel& model, const SlaveSe
   return limits;
 }
 
+control::JointAccelerationSettings joints_of(const robot::RobotModel& model,
+                                             const control::LoopBandwidths& bandwidths,
+                                             const SlaveSettings& settings) {
+  control::JointAccelerationSettings joints = control::joints_of(model, bandwidths, settings.control_hz);
+  joints.judged = !settings.touched;
+  return joints;
+}
+
 }  // namespace
 
 SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settings, std::uint32_t epoch)
@@ -33,12 +41,13 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
       bandwidths_(control::design_loop(control::loop_conditions(model, settings.control_hz),
                                        settings.bandwidth_rad_s, settings.observer_rad_s)),
       law_(control::sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1.0 / settings.control_hz)),
-      joints_(model, control::joints_of(model, bandwidths_, settings.control_hz)),
+      joints_(model, joints_of(model, bandwidths_, settings)),
       dt_s_(1.0 / settings.control_hz),
       commands_({.playout = settings.playout,
                  .timeout_s = settings.command_timeout_s,
                  .max_acceleration_m_per_s2 = model.limits.acceleration_m_per_s2,
-                 .control_period_ns = period_ns(settings)}),
+                 .control_period_ns = period_ns(settings),
+                 .beam_age_s = settings.interlock.beam_age_s}),
       selector_(model, settings.transfer, dt_s_, settings.bare_accelerations,
                 {.beam_age_s = settings.interlock.beam_age_s, .follow_age_s = settings.follow_age_s}),
       interlock_(limits_of(model, settings), period_ns(settings)),
@@ -101,7 +110,7 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
           .engaged = selector_.mode() == SlaveMode::kFollowing,
           .armed = selector_.arming().armed(),
           .button_armed = selector_.arming().button_armed(),
-          .fresh = selected.following && joints_.posed() && inputs.joints.valid && led_m_per_s.allFinite(),
+          .fresh = selected.following && joints_.posed() && joints_.measured() && led_m_per_s.allFinite(),
           .unlit = unlit(selected),
           .on_time = on_time,
           .emission_agrees = inputs.emission_agrees,

@@ -40,7 +40,8 @@ struct SlaveSettings {
   codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};
   streaming::PlayoutSettings playout;
   control::BumplessTransferSettings transfer{.rate_rad_per_s = 200.0, .max_acceleration_m_per_s2 = 5.0};
-  double follow_age_s = 2.5;           ///< commands older than this are not followed
+  bool touched = false;       ///< something may push the tool: what the currents do not explain is no doubt
+  double follow_age_s = 2.5;  ///< commands older than this are not followed
   laser::InterlockSettings interlock;  ///< what is the robot's and the work's in it is filled in by the node
 };
 
@@ -103,6 +104,8 @@ class SlaveNode {
   SlaveCounters counters() const noexcept {
     return {commands_.counters(), report_.counters(), selector_.missed_ticks(), punctuality_.late_steps()};
   }
+  /// Whether the robot does what its motors are told.
+  const robot::Doubt& doubt() const noexcept { return joints_.doubt(); }
   /// What the work has got so far.
   const laser::DoseBook& dose() const noexcept { return dose_; }
   /// Another workpiece lies there. Between two steps.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "common/runtime/startup_error.h"
@@ -47,6 +46,7 @@ void StationSettings::add_node_parameters(Settings& settings) {
                "no command for this long: hold, laser off");
   settings.add("beam_age_s", node.interlock.beam_age_s, {.min = 0.02, .max = 2, .unit = "s"},
                "commands older than this, measured there and back, give no light");
+  settings.add("touched", node.touched, "something may push the tool: an unknown force is no fault");
   settings.add("look_age_s", node.interlock.max_look_age_s, {.min = 0, .max = 3600, .unit = "s"},
                "no light after vision has not seen the contour where it is for this long; 0: not asked");
   settings.add("bare_accelerations", node.bare_accelerations, kBareAccelerations,
@@ -141,10 +141,9 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.look_age_s = look_age_s;
   inputs.emission_agrees = beam_.emission_agrees();
   inputs.monitor_agrees = monitor_.agrees();
-  const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
   if (out.command_age_s >= 0.0) age_.add(out.command_age_s);
-  if (inputs.joints.valid) machine_.watch(out.tool_m);
+  if (inputs.joints.valid) machine_.watch(out.tool_m, node_.doubt());
   if (machine_.failed()) {
     out.laser_w = 0.0;
     out.permit = {};
@@ -154,8 +153,8 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
                 out.mode == SlaveMode::kStopped, out.laser_w > 0.0);
   machine_.write(out.currents_a);
   recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick, out.reference.position_m,
-                  true_tool_m.value_or(out.tool_m), out.laser_w, static_cast<int>(out.interlock), out.settled,
-                  out.force_n});
+                  machine_.true_tool_m().value_or(out.tool_m), out.laser_w, static_cast<int>(out.interlock),
+                  out.settled, out.force_n});
   ++tick_;
   machine_.advance();
   return out;

@@ -12,13 +12,13 @@
 #include "common/bus/endpoints.h"
 #include "common/bus/send_event.h"
 #include "common/protocol/stop_answers.h"
+#include "common/protocol/stop_talk.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kAgain{20};
 constexpr std::chrono::seconds kPatience{5};
 constexpr std::chrono::milliseconds kAllFound{600};
 /// Time to hear of the stops that the stations have latched.
@@ -73,7 +73,7 @@ std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMess
   const auto start = Clock::now();
   while (Clock::now() - start < kPatience) {
     if (!writer.write(message)) throw environment_error("the stop could not be sent");
-    for (const auto next = Clock::now() + kAgain; Clock::now() < next;) {
+    for (const auto next = Clock::now() + kStopAgain; Clock::now() < next;) {
       now = answers.of(bus, message.number, message.set);
       // A cell has one of each. Whoever is there beside one alone shows up within the first announcements.
       const bool all_found = (now.master && now.slave) || Clock::now() - start > kAllFound;

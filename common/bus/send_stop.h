@@ -9,7 +9,7 @@
 
 namespace telekerf {
 
-/// Says it at once and every 20 ms, until the control loops of master, slave and machine have acted on it;
+/// Says it at once and every 5 ms, until the control loops of master, slave and machine have acted on it;
 /// who has, by role. Throws StartupError: nobody is there, one of them has not answered within 5 s, or no
 /// slave is seen (the stop reaches it when it comes back, from those that have).
 std::vector<std::string> send_stop(Bus& bus, const std::string& source, const std::string& reason);

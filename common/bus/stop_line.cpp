@@ -17,11 +17,8 @@
 namespace telekerf {
 namespace {
 
-constexpr std::chrono::milliseconds kPeriod{5};
-
-bool contains(const std::vector<std::uint32_t>& numbers, std::uint32_t number) {
-  return std::find(numbers.begin(), numbers.end(), number) != numbers.end();
-}
+/// As the control loop's: a stop is answered a step after it is obeyed.
+constexpr std::chrono::milliseconds kPeriod{1};
 
 /// Empty: not set.
 std::filesystem::path from_environment(const char* name) {
@@ -64,8 +61,8 @@ std::string StopFlags::path(const BusSettings& bus) const {
 
 StopLine::StopLine(Bus& bus, std::string path)
     : path_(std::move(path)),
-      epoch_(bus.settings().epoch),
       latch_(path_.empty() ? StopLatch() : StopLatch::from_text(read(path_))),
+      answers_(bus.settings().epoch),
       kept_(latch_.text()),
       writer_(bus),
       reader_(bus, [this](const StopMessage& message) { hear(message); }) {
@@ -102,16 +99,8 @@ std::string StopLine::sentence() const {
 void StopLine::hear(const StopMessage& message) {
   const std::lock_guard lock(mutex_);
   (void)latch_.hear(message);
+  answers_.asked(message);
   order_from_latch();
-}
-
-void StopLine::say(const StopLatch::Entry& entry, bool set) {
-  (void)writer_.write({.epoch = epoch_,
-                       .number = entry.number,
-                       .source = entry.source,
-                       .set = set,
-                       .obeyed = true,
-                       .reason = entry.reason});
 }
 
 void StopLine::publish() {
@@ -120,16 +109,7 @@ void StopLine::publish() {
   if (obeyed != 0) (void)latch_.quoted(obeyed);  // known already, unless only the stream has brought it
   order_from_latch();
   if (latch_.text() != kept_) keep();
-  for (const StopLatch::Entry& entry : latch_.in_force()) {
-    if (obeyed == 0 || entry.source.empty() || contains(told_set_, entry.number)) continue;
-    say(entry, true);
-    told_set_.push_back(entry.number);
-  }
-  for (const StopLatch::Entry& entry : latch_.cleared()) {
-    if (obeyed == entry.number || contains(told_cleared_, entry.number)) continue;
-    say(entry, false);
-    told_cleared_.push_back(entry.number);
-  }
+  for (const StopMessage& answer : answers_.take(latch_, obeyed)) (void)writer_.write(answer);
 }
 
 void StopLine::keep() {

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "common/bus/endpoints.h"
-#include "common/protocol/stop_latch.h"
+#include "common/protocol/stop_talk.h"
 
 namespace telekerf {
 
@@ -40,17 +40,15 @@ class StopLine {
  private:
   void hear(const StopMessage& message);
   void publish();
-  void say(const StopLatch::Entry& entry, bool set);
   void keep();
   /// What the loop reads from now on.
   void order_from_latch() noexcept;
 
   std::string path_;
-  std::uint32_t epoch_;
   mutable std::mutex mutex_;
   StopLatch latch_;
-  std::string kept_;  ///< what the file holds
-  std::vector<std::uint32_t> told_set_, told_cleared_;
+  StopReplies answers_;
+  std::string kept_;                      ///< what the file holds
   std::atomic<std::uint32_t> number_{0};  ///< of the order
   std::array<std::atomic<std::uint32_t>, std::tuple_size_v<decltype(StopOrder::cleared)>> cleared_{};
   std::atomic<std::uint32_t> obeyed_{0};

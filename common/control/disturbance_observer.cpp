@@ -42,22 +42,24 @@ void DisturbanceObserver::applied(const Vec3& force_n, const Mat3& nominal_inert
   accelerations_[0] = nominal_inertia_kg.inverse() * force_n;
 }
 
-void DisturbanceObserver::update(const Vec3& measured_joints_m, bool valid) noexcept {
+void DisturbanceObserver::predict() noexcept {
   const double t = period_s_;
   // Over the last period acted first what was older still, then the force of `loop_delay` samples ago.
   const double before_s = part_delay_ * t;
   if (before_s > 0.0) move(q_, v_, accelerations_[whole_delay_ + 1] + w_, before_s);
   move(q_, v_, accelerations_[whole_delay_] + w_, t - before_s);
   missed_ = std::min(missed_ + 1, kLongestGap);
-  if (valid) {
-    const ObserverGains& gains = gains_[missed_ - 1];
-    const double apart_s = static_cast<double>(missed_) * t;
-    const Vec3 innovation = measured_joints_m - q_;
-    q_ += gains.alpha * innovation;
-    v_ += gains.beta / apart_s * innovation;
-    w_ += gains.gamma / (apart_s * apart_s) * innovation;
-    missed_ = 0;
-  }
+  disturbance_n_ = -nominal_inertia_kg_ * w_;
+}
+
+void DisturbanceObserver::correct(const Vec3& measured_joints_m) noexcept {
+  const ObserverGains& gains = gains_[missed_ - 1];
+  const double apart_s = static_cast<double>(missed_) * period_s_;
+  const Vec3 innovation = measured_joints_m - q_;
+  q_ += gains.alpha * innovation;
+  v_ += gains.beta / apart_s * innovation;
+  w_ += gains.gamma / (apart_s * apart_s) * innovation;
+  missed_ = 0;
   disturbance_n_ = -nominal_inertia_kg_ * w_;
 }
 

@@ -47,9 +47,15 @@ class DisturbanceObserver {
   /// At rest at `joints_m`; the disturbance starts from zero.
   void reset(const Vec3& joints_m) noexcept;
 
-  /// One sample: predicts over the last period with the force of applied(), then corrects by the measurement.
-  /// `valid` false (no reading): only predicts.
-  void update(const Vec3& measured_joints_m, bool valid) noexcept;
+  /// First half of a sample: predicts over the last period with the force of applied().
+  void predict() noexcept;
+  /// Second half: corrects by the measurement. Left out where there is no reading.
+  void correct(const Vec3& measured_joints_m) noexcept;
+  /// Both; `valid` false: no reading.
+  void update(const Vec3& measured_joints_m, bool valid) noexcept {
+    predict();
+    if (valid) correct(measured_joints_m);
+  }
 
   /// What answers the last reading: the motor force *after* clipping (so nothing winds up at the limit) and
   /// the nominal inertia A_n that the estimate refers to (constant, or the model's A(q)). It acts from
@@ -58,6 +64,8 @@ class DisturbanceObserver {
 
   const Vec3& joints_m() const noexcept { return q_; }
   const Vec3& joint_velocity_m_per_s() const noexcept { return v_; }
+  /// What the forces that act now make of the joints by the model.
+  const Vec3& acceleration_m_per_s2() const noexcept { return accelerations_[whole_delay_]; }
   /// Where the joints will be when the force that answers the last reading begins to act, by the forces that
   /// are on their way and the disturbance as it is.
   struct Ahead {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/control/joint_acceleration_control.h"
 
+#include <Eigen/LU>
+
 namespace telekerf::control {
 
 JointAccelerationControl::JointAccelerationControl(const robot::RobotModel& nominal,
@@ -9,17 +11,21 @@ JointAccelerationControl::JointAccelerationControl(const robot::RobotModel& nomi
       kinematics_(nominal.geometry),
       settings_(settings),
       observer_(settings.observer),
-      friction_(nominal.friction, settings.observer) {}
+      friction_(nominal.friction, settings.observer),
+      plausibility_(nominal, settings.observer) {}
 
 void JointAccelerationControl::reset(const Vec3& joints_m) noexcept {
   observer_.reset(joints_m);
+  plausibility_.reset();
   now_ = {joints_m, Vec3::Zero()};
   if (const auto state = kinematics_.state(joints_m, Vec3::Zero())) state_ = *state;
   diagonal_kg_ = robot::joint_inertia(model_, state_).diagonal().asDiagonal();
 }
 
 bool JointAccelerationControl::observe(const robot::JointReading& reading) noexcept {
-  observer_.update(reading.joints_m, reading.valid);
+  observer_.predict();
+  measured_ = settings_.judged ? plausibility_.accepts(reading, observer_) : reading.valid;
+  if (measured_) observer_.correct(reading.joints_m);
   now_ = settings_.present
              ? observer_.ahead()
              : DisturbanceObserver::Ahead{observer_.joints_m(), observer_.joint_velocity_m_per_s()};
@@ -27,7 +33,15 @@ bool JointAccelerationControl::observe(const robot::JointReading& reading) noexc
   const auto state = kinematics_.state(now_.joints_m, now_.velocity_m_per_s);
   if (state) state_ = *state;
   posed_ = state.has_value();
+  if (posed_ && measured_ && settings_.judged) measured_ = explained();
   return posed_;
+}
+
+bool JointAccelerationControl::explained() noexcept {
+  const Vec3 modelled_n = robot::coriolis_force(model_, state_) +
+                          robot::gravity_force(model_, kinematics_, state_) + friction_.seen_n();
+  return plausibility_.explains(robot::joint_inertia(model_, state_).inverse() *
+                                (observer_.disturbance_n() - modelled_n));
 }
 
 Vec3 JointAccelerationControl::reaction_force_n() const noexcept {
@@ -41,6 +55,7 @@ Vec3 JointAccelerationControl::currents(const Vec3& desired_joint_acceleration_m
   const Mat3 inertia_kg =
       settings_.inertia == NominalInertia::kModel ? robot::joint_inertia(model_, state_) : diagonal_kg_;
   const Vec3 unknown_n = observer_.disturbance_n() + friction_.missing_n();
+  plausibility_.asked(desired_joint_acceleration_m_per_s2);
   Vec3 wanted_n = inertia_kg * desired_joint_acceleration_m_per_s2 + known_n + unknown_n;
   if (!wanted_n.allFinite()) wanted_n.setZero();
   const double limit_n = model_.motor.peak_force_n;

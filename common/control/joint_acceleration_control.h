@@ -10,6 +10,7 @@
 
 #include "common/control/disturbance_observer.h"
 #include "common/control/friction_feedforward.h"
+#include "common/control/joint_plausibility.h"
 #include "common/robot/dynamics.h"
 #include "common/robot/robot.h"
 
@@ -30,6 +31,8 @@ struct JointAccelerationSettings {
   /// state() is where the joints are now, by the model, instead of where they were `loop_delay` samples ago
   /// when the drive read them. Off where the caller looks ahead by itself.
   bool present = false;
+  /// Readings that cannot be true are left out, see doubt(). For a robot that nobody pushes.
+  bool judged = false;
 };
 
 class JointAccelerationControl {
@@ -40,10 +43,15 @@ class JointAccelerationControl {
   /// Starts over at rest at the measured joints; the disturbance starts from zero.
   void reset(const Vec3& joints_m) noexcept;
 
-  /// First half of a step: the new measurement; an invalid reading is bridged by the model. False: the
-  /// observed joints are no pose of this robot; state() then keeps the last one that was.
+  /// First half of a step: the new measurement; an invalid reading, or one that cannot be true, is bridged by
+  /// the model. False: the observed joints are no pose of this robot; state() then keeps the last one that
+  /// was.
   bool observe(const robot::JointReading& reading) noexcept;
 
+  /// The last observe() had a reading, and nothing speaks against it.
+  bool measured() const noexcept { return measured_; }
+  /// Whether the robot does what its motors are told; kNone where that is not judged.
+  const robot::Doubt& doubt() const noexcept { return plausibility_.doubt(); }
   /// What the last observe() returned.
   bool posed() const noexcept { return posed_; }
   /// Observed joints and velocities, and all maps there; base frame.
@@ -71,15 +79,19 @@ class JointAccelerationControl {
   bool saturated() const noexcept { return saturated_; }
 
  private:
+  bool explained() noexcept;
+
   robot::RobotModel model_;
   robot::DeltaKinematics kinematics_;
   JointAccelerationSettings settings_;
   DisturbanceObserver observer_;
   FrictionFeedforward friction_;
+  JointPlausibility plausibility_;
   DisturbanceObserver::Ahead now_{Vec3::Zero(), Vec3::Zero()};
   robot::DeltaState state_;
   Mat3 diagonal_kg_ = Mat3::Identity();
   bool posed_ = false;
+  bool measured_ = false;
   bool saturated_ = false;
 };
 

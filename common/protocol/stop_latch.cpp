@@ -42,7 +42,9 @@ StopLatch::Heard StopLatch::hear(const StopMessage& message) {
   }
   if (was_cleared(message.number)) return Heard::kKnown;
   const bool there = entry != in_force_.end();
-  if (there && !entry->source.empty() && entry->source != message.source) return Heard::kRefused;
+  // Of a stop whose owner has not been heard yet, a station that knew the owner may say that it is over.
+  const bool allowed = there && (entry->source.empty() ? message.obeyed : entry->source == message.source);
+  if (there && !allowed) return Heard::kRefused;
   if (!there && message.source.empty()) return Heard::kRefused;
   if (there) in_force_.erase(entry);
   if (cleared_.size() == kMost) cleared_.erase(cleared_.begin());

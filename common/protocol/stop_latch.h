@@ -25,7 +25,7 @@ class StopLatch {
     kKnown,    ///< nothing new
     kStopped,  ///< another stop is in force
     kCleared,  ///< one less
-    kRefused,  ///< a clear by somebody else than who stopped
+    kRefused,  ///< a clear by somebody else than who stopped, or before that is known
   };
 
   Heard hear(const StopMessage& message);

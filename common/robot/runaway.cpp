@@ -161,6 +161,11 @@ void RunawayWatch::at(const Vec3& tool_m) noexcept {
   within_workspace_ = within_workspace_ || within_now_;
 }
 
+void RunawayWatch::doubted(const Doubt& doubt) noexcept {
+  if (doubt)
+    trip(doubt.kind == Doubt::Kind::kReading ? Cause::kReading : Cause::kForce, doubt.joint, doubt.value);
+}
+
 std::string RunawayWatch::sentence() const {
   constexpr const char* kModel = "is the robot file this robot's, and its force's sign right?";
   switch (cause_) {
@@ -183,6 +188,18 @@ std::string RunawayWatch::sentence() const {
     case Cause::kWorkspace:
       return fmt::format("the tool is {:.1f} mm from the workspace's centre, far outside; {}", value_ * 1e3,
                          kModel);
+    case Cause::kReading:
+      return fmt::format(
+          "the reading of joint {} is {:.3f} mm off where its currents have moved it; does its sensor slip, "
+          "is "
+          "the drive later than the robot file's drive_delay_s says, or the file not this robot's?",
+          joint_ + 1, value_ * 1e3);
+    case Cause::kForce:
+      return fmt::format(
+          "joint {} seems to be held or pushed with {:.1f} m/s^2 that neither its motor nor the robot file "
+          "explains; does its sensor stick, does the tool touch something, is the drive later than the robot "
+          "file's drive_delay_s says?",
+          joint_ + 1, std::abs(value_));
   }
   return "unknown";
 }

@@ -15,6 +15,19 @@ namespace telekerf::robot {
 /// May the world push the tool harder than its motors can?
 enum class Pushed : std::uint8_t { kNo, kYes };
 
+/// What a controller finds that cannot be (control::JointPlausibility).
+struct Doubt {
+  enum class Kind : std::uint8_t {
+    kNone,
+    kReading,  ///< `value`, m: the reading is so far off where the currents have moved the joint
+    kForce,    ///< `value`, m/s^2: the joint seems to be pushed by so much
+  };
+  Kind kind = Kind::kNone;
+  int joint = 0;
+  double value = 0.0;
+  explicit operator bool() const noexcept { return kind != Kind::kNone; }
+};
+
 /// Reads what goes by in every control step: written(), then read(), and at() where the tool is known. Trips
 /// for good. Only the sentence allocates.
 ///
@@ -26,7 +39,7 @@ enum class Pushed : std::uint8_t { kNo, kYes };
 /// outside of the workspace, faster than it is ever asked to be.
 class RunawayWatch {
  public:
-  enum class Cause : std::uint8_t { kNone, kSign, kSwing, kStroke, kSpeed, kWorkspace };
+  enum class Cause : std::uint8_t { kNone, kSign, kSwing, kStroke, kSpeed, kWorkspace, kReading, kForce };
 
   RunawayWatch(const RobotModel& model, double period_s, Pushed pushed);
 
@@ -35,6 +48,8 @@ class RunawayWatch {
   void read(const JointReading& reading, std::uint64_t steps) noexcept;
   /// Measured tool, workpiece frame, of a step with a reading.
   void at(const Vec3& tool_m) noexcept;
+  /// What the controller finds, every step.
+  void doubted(const Doubt& doubt) noexcept;
 
   bool tripped() const noexcept { return cause_ != Cause::kNone; }
   Cause cause() const noexcept { return cause_; }

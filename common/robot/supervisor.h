@@ -49,8 +49,11 @@ class RobotSupervisor {
   /// Nothing but zero reaches the motors before the first reading and after the failure.
   void write(const Vec3& currents_a) noexcept;
   /// Between read() and write(), with a valid reading: where the tool is, workpiece frame. A tool that runs
-  /// away is a failure.
-  void watch(const Vec3& tool_m) noexcept { runaway_.at(tool_m); }
+  /// away is a failure, and so is what the controller finds that cannot be.
+  void watch(const Vec3& tool_m, const Doubt& doubt = {}) noexcept {
+    runaway_.at(tool_m);
+    runaway_.doubted(doubt);
+  }
   /// A plant moves on by one control period; a real machine does so by itself.
   void advance() noexcept;
   /// After the last step: leaves the robot without current.

@@ -17,6 +17,9 @@ constexpr int kReach = 400;
 /// says nothing about the link.
 constexpr std::int64_t kAsleep_ns = 100'000'000;
 
+/// Of the age at which the play-out hurries, that which is enough.
+constexpr double kYoung = 0.8;
+
 /// Commands are held from their sample to the next.
 std::int64_t held_sample(double cursor) noexcept {
   return static_cast<std::int64_t>(std::floor(cursor + 1e-6));
@@ -101,6 +104,8 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
     if (out.sample != nullptr)
       out.age_s = echoes_.age_s(out.sample->echo_sequence, out.sample->echo_sent_ns, now_ns);
   }
+  if (out.age_s && *out.age_s > settings_.beam_age_s) clock_.hurry(true);
+  if (out.age_s && *out.age_s < kYoung * settings_.beam_age_s) clock_.hurry(false);
   out.discontinuity = !cursor_ || !clock_.went_on();
   if (!out.discontinuity && header().law != Law::kRemoteAcceleration) {
     // A correction goes by slower or faster: so does the motion.

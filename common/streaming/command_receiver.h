@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -20,6 +21,8 @@ struct CommandReceiverSettings {
   double timeout_s = 0.15;                  ///< silence after which a stream is no longer fresh
   double max_acceleration_m_per_s2 = 10.0;  ///< of what conceals a gap
   std::int64_t control_period_ns = 1'000'000;
+  /// Commands older than this are of little use; where they are, the play-out gives up what delay it can.
+  double beam_age_s = std::numeric_limits<double>::infinity();
 };
 
 /// What the stream has for one control step.

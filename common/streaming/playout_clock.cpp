@@ -43,8 +43,9 @@ void PlayoutClock::forget_what_is_over() noexcept {
     recent[static_cast<std::size_t>(n)] =
         transit_ns_[static_cast<std::size_t>((next_ + kHistory - kRecent + n) % kHistory)];
   const auto latest = [](auto begin, auto end) { return *std::max_element(begin, end); };
-  if (latest(transit_ns_.begin(), transit_ns_.begin() + transits_) - latest(recent.begin(), recent.end()) <
-      kOver_ns)
+  if (!hurry_ &&
+      latest(transit_ns_.begin(), transit_ns_.begin() + transits_) - latest(recent.begin(), recent.end()) <
+          kOver_ns)
     return;
   std::copy(recent.begin(), recent.end(), transit_ns_.begin());
   transits_ = next_ = kRecent;
@@ -100,7 +101,8 @@ std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t co
 double PlayoutClock::catch_up(double step) noexcept {
   const double period_s = static_cast<double>(period_ns_) * 1e-9;
   const double aim =
-      std::clamp(ahead_ * period_s / kCorrection_s, -settings_.max_hurry, settings_.max_slowing);
+      std::clamp(ahead_ * period_s / kCorrection_s, -(hurry_ ? settings_.max_slowing : settings_.max_hurry),
+                 settings_.max_slowing);
   const double change = step * period_s * settings_.max_slowing / kCorrection_s;
   slowing_ += std::clamp(aim - slowing_, -change, change);
   ahead_ -= slowing_ * step;

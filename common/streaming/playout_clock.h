@@ -15,7 +15,7 @@ struct PlayoutSettings {
   double max_depth_s = 2.0;
   double max_slowing =
       0.2;  ///< of the usual pace, while more delay is taken up; the pace itself does not jump
-  double max_hurry = 0.005;  ///< and while delay is given back
+  double max_hurry = 0.005;  ///< and while delay is given back, unless there is a hurry
 };
 
 /// A block that came.
@@ -45,6 +45,9 @@ class PlayoutClock {
   std::optional<double> advance(std::int64_t now_ns, std::int64_t control_period_ns) noexcept;
   /// The last advance() went on by a step, at the usual pace or that of a correction: it did not begin anew.
   bool went_on() const noexcept { return went_on_; }
+  /// Commands come so late that they are of little use: delay that has gone is given back as fast as the pace
+  /// may change, and none is kept for what may come again.
+  void hurry(bool on) noexcept { hurry_ = on; }
   /// Depth from the fastest arrival of a block's last sample to its use, in samples.
   int depth_samples() const noexcept { return depth_; }
   /// The part of the depth that is not block filling: what waiting for stragglers costs.
@@ -75,6 +78,7 @@ class PlayoutClock {
   std::int64_t last_arrival_ns_ = 0;
   bool synchronized_ = false;
   bool went_on_ = false;
+  bool hurry_ = false;
   double cursor_ = 0.0;  ///< as if corrections took no time
   double ahead_ = 0.0;   ///< samples by which what is played is still ahead of that
   double slowing_ = 0.0;

@@ -9,6 +9,7 @@
 
 #include "common/runtime/startup_error.h"
 #include "experiments/chaos/shrink.h"
+#include "experiments/chaos/stop_trial.h"
 #include "experiments/parallel.h"
 
 namespace telekerf::experiments {
@@ -212,6 +213,10 @@ ChaosReport run_campaign(const ChaosCampaign& campaign, const std::function<void
     report.sentences.push_back(
         fmt::format("energy: {:.1f} J inside in the mean, {:.1f} J undisturbed; at least half is asked for",
                     inside_j, nominal_j));
+  }
+  if (!try_stops(campaign.seed, campaign.runs, json["stop"])) {
+    report.sentences.push_back(
+        "stop: not acknowledged within the round trip and 2 ms, or 60 ms at 20 % loss, or lost by a restart");
   }
   json["failures"] = failures_of(rows);
   report.passed = report.sentences.empty();

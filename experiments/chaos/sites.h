@@ -99,6 +99,8 @@ class SlaveSite {
   bool publish(const ContourMessage& contour, Refused& refused);
   slave::SlaveOutputs step(std::int64_t now_ns, std::span<const Received<CommandBlock>> commands);
   void hear(const StopMessage& message) { (void)stops_.hear(message); }
+  /// The robot has told where it stands; before that there is no reference.
+  bool started() const noexcept { return station_->machine().started(); }
   /// Its process would end by itself: the robot or the laser has failed.
   bool failed() const noexcept { return station_->machine().failed() || station_->beam().failed(); }
   const robot::RobotModel& model() const noexcept { return model_; }

@@ -254,6 +254,7 @@ void World::step_slave(std::int64_t now_ns, const std::vector<FaultWindow>& atta
     if (born) seen.age_s = static_cast<double>(now_ns - *born) * 1e-9;
   }
   checker_.observe(seen);
+  if (!slave_.started()) checker_.interrupted();
   if (slave_.failed()) end_slave(now_ns, now_ns + kRespawn_ns);
 }
 

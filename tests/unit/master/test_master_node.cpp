@@ -35,6 +35,10 @@ class MasterStation : public testing::Test {
         state.interlock = Interlock::kReady;
         state.guards = guards_;
         state.sample_period_ns = 1'000'000;
+        if (blocks_ > 0 && clock_ahead_ns_ != 0) {
+          state.echo_sequence = last_.sequence;
+          state.echo_sent_ns = last_.sent_ns + clock_ahead_ns_;
+        }
         state.first_tick = Tick{16} * number_;
         const std::vector<Vec3> resting(16, Vec3::Zero());
         state.payload.size =
@@ -44,7 +48,9 @@ class MasterStation : public testing::Test {
       if (n == 0 && wish_) {
         events.emplace_back().kind = engage ? EventMessage::Kind::kEngage : EventMessage::Kind::kDisengage;
       }
-      out_ = station_.step(now_ns_, task_.get(), states, events, stop_);
+      const StationOutputs out = station_.step(now_ns_, task_.get(), states, events, stop_);
+      if (out.let_go != nullptr) let_go_ = out.let_go;
+      out_ = out;
       events.clear();
       if (out_.command) {
         last_ = *out_.command;
@@ -60,11 +66,13 @@ class MasterStation : public testing::Test {
   std::uint32_t guards_ = 0;  ///< as the slave tells them
   std::unique_ptr<GuidedContour> task_;
   MasterOutputs out_;
+  const char* let_go_ = nullptr;
   CommandBlock last_;
   int blocks_ = 0;
   codec::BlockEncoder encoder_{codec::StreamSettings{}};
   std::uint32_t number_ = 0;
   std::uint32_t slave_contour_ = 4;
+  std::int64_t clock_ahead_ns_ = 0;  ///< of what the slave echoes; 0: it echoes nothing
   std::int64_t now_ns_ = 0;
 };
 
@@ -153,6 +161,26 @@ TEST_F(MasterStation, ApproachesGuidesAndEngagesOnlyWithALivingSlaveOnTheSameCon
   run(1.0, true, false);
   EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "the slave fell silent";
   EXPECT_FALSE(last_.engaged);
+}
+
+TEST_F(MasterStation, ASlaveWhoseAnswersCannotBeIsLetGoAndItIsSaid) {
+  task_ = station_.prepare(circle(0.01));
+  run(4.0, true, true);
+  ASSERT_EQ(out_.mode, MasterMode::kEngaged);
+  clock_ahead_ns_ = 20 * kMs;
+  wish_ = false;
+  run(0.033, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kGuiding);
+  EXPECT_GT(station_.node().link().clocks_wrong(), 0u);
+  EXPECT_EQ(station_.node().link().round_trips(), 0u);
+  ASSERT_NE(let_go_, nullptr);
+  EXPECT_NE(std::string(let_go_).find("one of the two clocks is wrong"), std::string::npos);
+  clock_ahead_ns_ = -1 * kMs;
+  run(1.0, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "not by itself";
+  wish_ = true;
+  run(0.1, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kEngaged);
 }
 
 TEST_F(MasterStation, EmergencyStopHoldsUntilCleared) {

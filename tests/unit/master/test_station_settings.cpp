@@ -73,6 +73,13 @@ TEST(MasterSettings, TheStreamFollowsFromRatesAndLaw) {
   }
 }
 
+TEST(MasterSettings, ASlaveIsLetGoAfterItsGateButNotBeforeHalfASecond) {
+  StationSettings settings;
+  EXPECT_EQ(settings.validated().node.stale_s, 0.5);
+  settings.beam_age_s = 1.7;
+  EXPECT_EQ(settings.validated().node.stale_s, 1.7);
+}
+
 TEST(MasterSettings, RatesThatCannotWorkAreRefused) {
   StationSettings station;
   const auto refused = [&](double stream_hz, int block, double tracking_rad_s) {

@@ -56,12 +56,32 @@ TEST(StopLatch, AQuotedNumberStopsAndLearnsItsOwnerLater) {
   EXPECT_EQ(latch.quoted(5), Heard::kKnown) << "the other side has not heard of its end yet";
 }
 
+TEST(StopLatch, WhoseOwnerIsNotKnownYetIsEndedByNobodyButAStationThatKnewIt) {
+  StopLatch latch;
+  (void)latch.quoted(5);
+  EXPECT_EQ(latch.hear(message(5, false, "b")), Heard::kRefused);
+  EXPECT_EQ(latch.hear(message(5, false, "")), Heard::kRefused);
+  EXPECT_EQ(latch.order().number, 5u);
+  StopMessage over = message(5, false, "a");
+  over.obeyed = true;
+  EXPECT_EQ(latch.hear(over), Heard::kCleared);
+  EXPECT_EQ(latch.order().number, 0u);
+}
+
 TEST(StopLatch, AnEndThatOvertakesItsStopCounts) {
   StopLatch latch;
   EXPECT_EQ(latch.hear(message(5, false)), Heard::kKnown);
   EXPECT_EQ(latch.hear(message(5, true)), Heard::kKnown);
   EXPECT_EQ(latch.order().number, 0u);
   EXPECT_EQ(latch.hear(message(7, false, "")), Heard::kRefused) << "nobody says so";
+}
+
+TEST(StopLatch, AnEndThatIsSaidAgainAndAgainCrowdsOutNoOther) {
+  StopLatch latch;
+  (void)latch.hear(message(5, false));
+  for (int n = 0; n < 20; ++n) EXPECT_EQ(latch.hear(message(6, false)), Heard::kKnown);
+  EXPECT_EQ(latch.cleared().size(), 2u);
+  EXPECT_EQ(latch.hear(message(5, true)), Heard::kKnown) << "still known to be over";
 }
 
 TEST(StopLatch, AFloodChangesNothing) {
@@ -78,13 +98,24 @@ TEST(StopLatch, ItSurvivesAsText) {
   StopLatch latch;
   (void)latch.hear(message(4294967295, true, "a b"));
   (void)latch.hear(message(7, true, "c"));
-  StopLatch again = StopLatch::from_text("nonsense\n0\tx\ty\n99999999999\tx\ty\n" + latch.text());
+  StopLatch again = StopLatch::from_text(
+      "nonsense\n\tx\ty\n0\tx\ty\n99999999999\tx\ty\n99999999999999999999999\tx\ty\n" + latch.text());
   ASSERT_EQ(again.in_force().size(), 2u);
   EXPECT_EQ(again.in_force()[0].source, "a b");
   EXPECT_EQ(again.in_force()[0].reason, "smoke");
   EXPECT_EQ(again.order().number, 7u);
   EXPECT_EQ(again.hear(message(4294967295, false, "a b")), Heard::kCleared);
   EXPECT_EQ(StopLatch().text(), "");
+}
+
+TEST(StopLatch, AReasonOfSeveralLinesIsOneInItsText) {
+  StopLatch latch;
+  StopMessage said = message(7, true);
+  said.reason = "a\nb\rc\td";
+  (void)latch.hear(said);
+  const StopLatch again = StopLatch::from_text(latch.text());
+  ASSERT_EQ(again.in_force().size(), 1u);
+  EXPECT_EQ(again.in_force()[0].reason, "a b c d");
 }
 
 TEST(StopOrder, WhatTheOtherSideQuotesHoldsUnlessItIsOver) {

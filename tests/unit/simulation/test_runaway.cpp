@@ -24,12 +24,21 @@ class Faulty : public robot::Robot {
     double force = 1.0;     ///< times what is asked for
     std::size_t later = 0;  ///< steps until a current acts
     Vec3 written_a = Vec3::Zero();
+    Vec3 slip_m = Vec3::Zero();   ///< of the sensors
+    bool sticks = false;          ///< that of the first joint
+    double read_m = 0.0;          ///< what it told last
   };
   Faulty(World& world, const std::string& name) : world_(world) {
     const robot::RobotModel model = robot::load_robot(name);
     world_.plant.emplace(robot::mismatched(model, 0.1, 7), 7, model.in_base(Vec3::Zero()));
   }
-  robot::JointReading read() noexcept override { return world_.plant->read(); }
+  robot::JointReading read() noexcept override {
+    robot::JointReading reading = world_.plant->read();
+    reading.joints_m += world_.slip_m;
+    if (world_.sticks) reading.joints_m[0] = world_.read_m;
+    world_.read_m = reading.joints_m[0];
+    return reading;
+  }
   void write(const Vec3& currents_a) noexcept override {
     world_.written_a = currents_a;
     waiting_.push_back(world_.force * currents_a);
@@ -128,6 +137,36 @@ TEST_F(Runaway, ASignThatTurnsInTheMiddleOfTheCutPutsTheBeamOut) {
     EXPECT_EQ(world_.written_a, Vec3(Vec3::Zero()));
     EXPECT_EQ(out_.laser_w, 0.0);
   }
+}
+
+TEST_F(Runaway, ASensorThatSlipsPutsTheBeamOutInThatStepAndStopsTheRobotInTheNext) {
+  for (const double slip_m : {20e-6, -0.3e-3}) {
+    attach(true);
+    ASSERT_EQ(run(6.0), 6.0);
+    ASSERT_GT(out_.laser_w, 0.0);
+    world_.slip_m[1] = slip_m;
+    lit_ = 0;
+    EXPECT_EQ(run(1.0), 1e-3);
+    EXPECT_EQ(lit_, 0);
+    EXPECT_EQ(world_.written_a, Vec3(Vec3::Zero()));
+    EXPECT_NE(machine_->failure().find("the reading of joint 2 is"), std::string::npos) << machine_->failure();
+    world_.slip_m.setZero();
+  }
+}
+
+TEST_F(Runaway, ASensorThatSticksPutsTheBeamOutWithinMilliseconds) {
+  attach(true);
+  ASSERT_EQ(run(6.0), 6.0);
+  ASSERT_GT(out_.laser_w, 0.0);
+  const Vec3 from_m = world_.plant->true_tool_in_base_m();
+  world_.sticks = true;
+  lit_ = 0;
+  EXPECT_LT(run(1.0), 0.02);
+  EXPECT_LT(lit_, 20);
+  EXPECT_LT((world_.plant->true_tool_in_base_m() - from_m).norm(), 0.4e-3) << "with the way along the contour";
+  EXPECT_EQ(world_.written_a, Vec3(Vec3::Zero()));
+  EXPECT_NE(machine_->failure().find("does its sensor st"), std::string::npos) << machine_->failure();
+  world_.sticks = false;
 }
 
 TEST_F(Runaway, ADriveThatIsLaterThanStatedIsNoticed) {

@@ -67,6 +67,7 @@ TEST(CodecPage, TheCommandStreamCostsAndTracksAsItSays) {
 TEST(ForceFeedbackOverTheLink, APushOnTheSlavesToolIsSeenAfterTheDelay) {
   slave::StationSettings slave_settings;
   slave_settings.record_s = 0.01;
+  slave_settings.node.touched = true;
   slave::Station slave(slave_settings);
   const double max_rms = slave_settings.node.force.max_rms;
   master::StationSettings master_settings;

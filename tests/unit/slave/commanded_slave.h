@@ -107,7 +107,13 @@ class SlaveNodeTest : public testing::Test {
     released_blocks_ = 8;
   }
 
-  Station station_{StationSettings{}};
+  /// Some of the tests push it.
+  static StationSettings touched() {
+    StationSettings settings;
+    settings.node.touched = true;
+    return settings;
+  }
+  Station station_{touched()};
   std::unique_ptr<Corridor> corridor_;
   codec::BlockEncoder encoder_{codec::StreamSettings{}};
   std::uint32_t number_ = 0;

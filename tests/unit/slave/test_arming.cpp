@@ -65,6 +65,21 @@ TEST_F(ArmingTest, WhatLedBeforeTheMasterWasHeardLeadsNoMore) {
   needs_both();
 }
 
+TEST_F(ArmingTest, CommandsOfJustTheLargestAgeAreNoOutage) {
+  begin();
+  age_s_ = 2.5;
+  for (int n = 0; n < 600; ++n) EXPECT_TRUE(lead(1));
+  EXPECT_TRUE(arming_.armed());
+}
+
+TEST_F(ArmingTest, ASilenceOfJustTheGateIsNoOutage) {
+  begin();
+  now_.silent_s = 0.35;
+  EXPECT_TRUE(lead(1));
+  now_.silent_s = 0.351;
+  EXPECT_FALSE(lead(1));
+}
+
 TEST_F(ArmingTest, AStopEndsTheEngagement) {
   begin();
   now_.stopped = true;

@@ -88,7 +88,8 @@ TEST_F(Selector, WhoWasLetGoHoldsUntilTheMasterHasLetGoToo) {
   EXPECT_FALSE(out_.following);
   play(bare, at(0.0));
   EXPECT_FALSE(out_.following) << "although it is within bounds again";
-  EXPECT_EQ(selector_.mode(), SlaveMode::kFollowing);
+  EXPECT_EQ(selector_.mode(), SlaveMode::kHolding);
+  EXPECT_EQ(selector_.reason(), HoldReason::kLimits);
   streaming::StreamSample apart = bare;
   apart.engaged = false;
   play(apart, at(0.0));

@@ -58,14 +58,37 @@ TEST(LinkStatistics, AQuantileIsTheMiddleOfTheBinOfItsRank) {
   EXPECT_NEAR(meter.rtt_quantile_ms(1.1), 2999.99, 1e-9) << "more than all: the end of the scale";
 }
 
-TEST(LinkStatistics, WhatIsLongerThanThreeSecondsOrNegativeIsAtTheEnds) {
+TEST(LinkStatistics, WhatIsLongerThanThreeSecondsIsAtTheEnd) {
   LinkStatistics meter;
-  trip(meter, 1, -5.0);
+  trip(meter, 1, -5.0);  // the stamps of two looks at the clock
   EXPECT_NEAR(meter.rtt_quantile_ms(1.0), 0.01, 1e-9);
   trip(meter, 2, 9000.0);
   EXPECT_NEAR(meter.rtt_quantile_ms(1.0), 2999.99, 1e-9);
   trip(meter, 0, 100.0);
   EXPECT_EQ(meter.round_trips(), 2u) << "number 0: the slave has heard nothing";
+  EXPECT_EQ(meter.clocks_wrong(), 0u);
+}
+
+TEST(LinkStatistics, AnAnswerBeforeItsQuestionIsAWrongClockAndNoRoundTrip) {
+  LinkStatistics meter;
+  StateHeader state;
+  state.echo_sequence = 1;
+  state.echo_sent_ns = 1000 * kMs;
+  state.echo_received_ns = state.sent_ns = 500 * kMs;
+  EXPECT_FALSE(meter.received(state, 989 * kMs)) << "before it was sent";
+  state.echo_sequence = 2;
+  state.sent_ns = 489 * kMs;
+  EXPECT_FALSE(meter.received(state, 1100 * kMs)) << "held for less than no time";
+  state.echo_sequence = 3;
+  state.sent_ns = 800 * kMs;
+  EXPECT_FALSE(meter.received(state, 1289 * kMs)) << "held for longer than the whole way";
+  EXPECT_EQ(meter.clocks_wrong(), 3u);
+  EXPECT_EQ(meter.round_trips(), 0u);
+  EXPECT_EQ(meter.rtt_quantile_ms(0.5), 0.0);
+  EXPECT_TRUE(meter.received(state, 1400 * kMs)) << "said already";
+  state.echo_sequence = 4;
+  EXPECT_TRUE(meter.received(state, 1291 * kMs));
+  EXPECT_EQ(meter.round_trips(), 1u);
 }
 
 TEST(LinkStatistics, PacketsAreCountedAndClocksComparedAsOfTheNewestState) {

@@ -136,6 +136,21 @@ TEST(PlayoutClock, ADelayThatHasGoneIsForgottenWithinThreeSeconds) {
   EXPECT_NEAR(soon.lag_late, soon.lag_early, 5.0) << "3 s after its end, 1.8 s after the last late block";
 }
 
+/// Where commands are too old to be of use, a delay that has gone is given back at once, however small it
+/// was.
+TEST(PlayoutClock, InAHurryADelayThatHasGoneIsGivenBackWithinThreeSeconds) {
+  const auto late = [](int b) { return (b < 200 || b > 280 ? 50 : 200) * kMs; };
+  LinkRun calm;
+  calm.run(281 + 190, late);
+  EXPECT_GT(calm.lag_late, calm.lag_early + 100.0) << "it is kept for what may come again";
+  LinkRun hurried;
+  hurried.clock.hurry(true);
+  hurried.run(281 + 190, late);
+  EXPECT_NEAR(hurried.lag_late, hurried.lag_early, 5.0);
+  EXPECT_LT(hurried.fastest, 1.201);
+  hurried.clock.hurry(false);
+}
+
 TEST(PlayoutClock, TheDepthIsBlockFillingMarginAndTheQuantileOfTheJitter) {
   for (const int blocks : {1, 2, 100, 200, 512, 700}) {
     PlayoutClock clock{PlayoutSettings{.max_depth_s = 10.0}};

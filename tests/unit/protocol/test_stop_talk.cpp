@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a station answers to whoever stops: once, again for each who asks, and nothing before its loop obeys.
+#include <gtest/gtest.h>
+
+#include "common/protocol/stop_talk.h"
+
+namespace telekerf {
+namespace {
+
+StopMessage said(std::uint32_t number, bool set) {
+  return {.epoch = 1, .number = number, .source = "ann", .set = set, .obeyed = false, .reason = "smoke"};
+}
+
+class Answering : public testing::Test {
+ protected:
+  void hear(const StopMessage& message) {
+    (void)latch_.hear(message);
+    answers_.asked(message);
+  }
+  std::size_t taken(std::uint32_t obeyed) { return answers_.take(latch_, obeyed).size(); }
+  StopLatch latch_;
+  StopReplies answers_{9};
+};
+
+TEST_F(Answering, SaysThatItObeysOnceAndNotBefore) {
+  hear(said(5, true));
+  EXPECT_EQ(taken(0), 0u) << "the loop has not acted on it";
+  const auto answers = answers_.take(latch_, 5);
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(answers[0].epoch, 9u);
+  EXPECT_EQ(answers[0].number, 5u);
+  EXPECT_EQ(answers[0].source, "ann");
+  EXPECT_EQ(answers[0].reason, "smoke");
+  EXPECT_TRUE(answers[0].set);
+  EXPECT_TRUE(answers[0].obeyed);
+  EXPECT_EQ(taken(5), 0u);
+}
+
+TEST_F(Answering, SaysItAgainForEachWhoStillAsks) {
+  hear(said(5, true));
+  EXPECT_EQ(taken(5), 1u);
+  hear(said(5, true));
+  EXPECT_EQ(taken(5), 1u) << "the answer may have been lost";
+  StopMessage answer = said(5, true);
+  answer.obeyed = true;
+  hear(answer);
+  EXPECT_EQ(taken(5), 0u) << "the other station does not ask";
+}
+
+TEST_F(Answering, SaysThatItIsOverWhenTheLoopHasLetGo) {
+  hear(said(5, true));
+  EXPECT_EQ(taken(5), 1u);
+  hear(said(5, false));
+  EXPECT_EQ(taken(5), 0u) << "the loop still obeys it";
+  const auto answers = answers_.take(latch_, 0);
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_FALSE(answers[0].set);
+  EXPECT_EQ(answers[0].number, 5u);
+  EXPECT_EQ(taken(0), 0u);
+  hear(said(5, false));
+  EXPECT_EQ(taken(0), 1u);
+}
+
+TEST_F(Answering, DoesNotNameAStopWhoseOwnerItDoesNotKnow) {
+  (void)latch_.quoted(5);
+  EXPECT_EQ(taken(5), 0u);
+  hear(said(5, true));
+  EXPECT_EQ(taken(5), 1u);
+}
+
+}  // namespace
+}  // namespace telekerf
