@@ -61,16 +61,18 @@ struct Reader<T>::Impl : dds::DataReaderListener {
       } else if (!taken) {
         return;
       } else if (info.valid_data && !participant->is_own(info.sample_identity.writer_guid())) {
-        accept(now_ns);
+        accept(now_ns, info.sample_identity.writer_guid().guidPrefix);
       }
     }
   }
 
-  void accept(std::int64_t now_ns) {
+  void accept(std::int64_t now_ns, const eprosima::fastrtps::rtps::GuidPrefix_t& writer) {
+    SenderKey sender;
+    std::copy_n(writer.value, sender.size(), sender.begin());
     Received<T> sample;
     sample.received_ns = now_ns;
-    switch (bus::from_wire(wire, participant->settings().contract, sample.value)) {
-      case bus::Verdict::kGood:
+    switch (from_wire(wire, sender, participant->settings().contract, sample.value)) {
+      case Verdict::kGood:
         received.fetch_add(1, std::memory_order_relaxed);
         if (tap) {
           tap(sample.value);
@@ -78,11 +80,14 @@ struct Reader<T>::Impl : dds::DataReaderListener {
           ring.push(std::move(sample));
         }
         return;
-      case bus::Verdict::kDamaged:
+      case Verdict::kDamaged:
         damaged.fetch_add(1, std::memory_order_relaxed);
         return;
-      case bus::Verdict::kForeignContract:
+      case Verdict::kForeignContract:
         foreign.fetch_add(1, std::memory_order_relaxed);
+        return;
+      case Verdict::kUnknownSet:
+        unknown.fetch_add(1, std::memory_order_relaxed);
         return;
     }
   }
@@ -90,6 +95,7 @@ struct Reader<T>::Impl : dds::DataReaderListener {
   std::shared_ptr<Bus::Participant> participant;
   dds::DataReader* reader = nullptr;
   std::atomic<unsigned> calls{0};
+  bus::FromWire<T> from_wire;
   typename bus::Topic<T>::Type::type wire;
   Ring<Received<T>> ring;
   std::function<void(const T&)> tap;
@@ -97,6 +103,7 @@ struct Reader<T>::Impl : dds::DataReaderListener {
   std::atomic<std::uint64_t> received{0};
   std::atomic<std::uint64_t> damaged{0};
   std::atomic<std::uint64_t> foreign{0};
+  std::atomic<std::uint64_t> unknown{0};
 };
 
 template <class T>
@@ -121,6 +128,7 @@ ReaderCounters Reader<T>::counters() const noexcept {
   return {.received = impl_->received.load(std::memory_order_relaxed),
           .damaged = impl_->damaged.load(std::memory_order_relaxed),
           .foreign_contract = impl_->foreign.load(std::memory_order_relaxed),
+          .unknown_set = impl_->unknown.load(std::memory_order_relaxed),
           .dropped = impl_->ring.dropped()};
 }
 

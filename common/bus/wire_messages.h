@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "common/bus/verdict.h"
+#include "common/protocol/verdict.h"
 #include "common/protocol/contour.h"
 #include "common/protocol/events.h"
 #include "common/protocol/presence.h"

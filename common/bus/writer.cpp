@@ -49,6 +49,7 @@ struct Writer<T>::Impl : dds::DataWriterListener {
   std::shared_ptr<Bus::Participant> participant;
   std::array<dds::DataWriter*, Topic::kLanes> lanes{};
   std::size_t turn = 0;
+  bus::ToWire<T> to_wire;
   typename Topic::Type::type wire;  // reused, so that a stream allocates nothing
   std::atomic<int> matched{0};      // over all lanes
 };
@@ -65,7 +66,7 @@ Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
 template <class T>
 bool Writer<T>::write(const T& value) noexcept {
   try {
-    if (!bus::to_wire(value, impl_->participant->settings().contract, impl_->wire)) return false;
+    if (!impl_->to_wire(value, impl_->participant->settings().contract, impl_->wire)) return false;
     impl_->turn = (impl_->turn + 1) % impl_->lanes.size();
     return impl_->lanes[impl_->turn]->write(&impl_->wire);
   } catch (const std::exception&) {

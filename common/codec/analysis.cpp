@@ -101,8 +101,7 @@ void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int k
   if (min_step_offset(residual, grid) > 0) return;  // only an adaptive stream tells another step
   code.step_offset = 0;
   code.set = 0;
-  const double step = grid.step(code.step_offset);
-  const double per_step = 1.0 / step;
+  const double least = kDeadZone * grid.step(code.step_offset);
   Coefficients counted;
   for (std::size_t k = 0; k < residual.size(); ++k) counted[k] = weight_[k] * residual[k];
   const IndexSet kept = context.truncated ? (IndexSet{2} << (std::min(keep, block_) - 1)) - 1
@@ -111,8 +110,9 @@ void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int k
   for (std::size_t k = 0; k < residual.size(); ++k) {
     const double c = residual[k];
     code.values[k] = 0;
-    if ((kept >> k & 1) != 0 && std::abs(context.truncated ? c : counted[k]) >= kDeadZone * step) {
-      const auto value = static_cast<std::int64_t>(nearest(c * per_step));
+    const double step = grid.step_of(k, code.step_offset);
+    const auto value = static_cast<std::int64_t>(nearest(c / step));
+    if ((kept >> k & 1) != 0 && std::abs(context.truncated ? c : counted[k]) >= least && value != 0) {
       code.values[k] = value;
       code.set |= IndexSet{1} << k;
       energy += squared(weight_[k] * (c - static_cast<double>(value) * step));

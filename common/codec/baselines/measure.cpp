@@ -253,7 +253,7 @@ CodingResult measure(const Trace& trace, StreamSettings settings, const PacketLo
   const auto streams = std::ceil(columns / kGroup);
   const double seconds = static_cast<double>(figures.samples) / trace.rate_hz;
   const auto packets = static_cast<double>(figures.packets);
-  const double per_packet = kDatagramBytes + (settings.anchored && !events ? kAnchorBytes : 0.0);
+  const double per_packet = events ? kDatagramBytes : kAroundPayloadBytes;
   figures.bits_per_sample /= static_cast<double>(figures.samples) * columns;
   figures.wire_bytes_per_s = (figures.packet_bytes + packets * per_packet) / seconds;
   figures.packet_bytes /= std::max(packets, 1.0);

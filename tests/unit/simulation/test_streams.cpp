@@ -87,7 +87,7 @@ TEST(ForceFeedbackOverTheLink, APushOnTheSlavesToolIsSeenAfterTheDelay) {
     if (n == kPushedAt) slave.machine().plant()->set_tool_force(push_n);
     const auto out = slave.step(n * kMs, nullptr, {}, {});
     sent_n.push_back(out.force_n);
-    if (out.state) backward.push(n * kMs, *out.state, wire_bytes(*out.state));
+    if (out.state) backward.push(n * kMs, *out.state);
     states.clear();
     backward.deliver(n * kMs, states);
     const master::SlaveForce seen = master.step(n * kMs, nullptr, states, {}).slave_force;
@@ -182,13 +182,13 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
       const auto packet = listener.decode(block->payload.view(), {});
       ASSERT_TRUE(packet);
       ++blocks[(*packet)->block_size];
-      forward.push(now_ns, *block, wire_bytes(*block));
+      forward.push(now_ns, *block);
     }
     commands.clear();
     forward.deliver(now_ns, commands);
     const Vec3 tool_m = *slave.machine().true_tool_m();
     const auto out = slave.step(now_ns, corridor.get(), commands, {});
-    if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
+    if (out.state) backward.push(now_ns, *out.state);
     if (tick > 500) {
       largest_step = std::max(largest_step, (out.reference.velocity_m_per_s - last_m_per_s).norm());
     }
