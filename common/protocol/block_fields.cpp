@@ -10,8 +10,8 @@
 namespace telekerf {
 namespace {
 
-constexpr std::uint32_t kNoAge = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint64_t kShortNoAge = 0xffffff;
+constexpr std::uint16_t kNoAge = std::numeric_limits<std::uint16_t>::max();
+constexpr double kAgesPerSecond = 1e4;
 constexpr std::int64_t kMicrosecond_ns = 1000;
 constexpr std::int64_t kFarthest_us = 10'000'000;  // between two blocks
 
@@ -110,6 +110,14 @@ void apply_common(const CommonFields& fields, const SetFrame& set, Block& block)
   }
 }
 
+/// Without overflow, whatever the two are.
+std::int64_t less(std::int64_t a, std::int64_t b) noexcept {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+}
+std::int64_t later(std::int64_t time_ns, std::int64_t by_us) noexcept {
+  return less(time_ns, -kMicrosecond_ns * by_us);
+}
+
 /// The number nearest to `around` whose lowest `bytes` are these.
 std::uint64_t nearest(std::uint64_t lowest, int bytes, std::uint64_t around) noexcept {
   const std::uint64_t window = std::uint64_t{1} << 8 * bytes;
@@ -119,16 +127,17 @@ std::uint64_t nearest(std::uint64_t lowest, int bytes, std::uint64_t around) noe
 std::uint64_t get_near(ByteReader& in, int bytes, std::uint64_t around) noexcept {
   return nearest(in.get(bytes), bytes, around);
 }
-std::int64_t get_time(ByteReader& in, std::int64_t around_ns) noexcept {
+std::int64_t get_time(ByteReader& in, int bytes, std::int64_t around_ns) noexcept {
   const auto around = static_cast<std::uint64_t>(around_ns / kMicrosecond_ns);
-  return static_cast<std::int64_t>(get_near(in, 3, around) * kMicrosecond_ns);
+  return static_cast<std::int64_t>(get_near(in, bytes, around) * kMicrosecond_ns);
 }
-/// Without overflow, whatever the two are.
-std::int64_t less(std::int64_t a, std::int64_t b) noexcept {
-  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+void put_time(ByteWriter& out, int bytes, std::int64_t time_ns) noexcept {
+  out.put(static_cast<std::uint64_t>(time_ns / kMicrosecond_ns), bytes);
 }
-void put_time(ByteWriter& out, std::int64_t time_ns) noexcept {
-  out.put(static_cast<std::uint64_t>(time_ns / kMicrosecond_ns), 3);
+/// How long so many blocks take; at most some seconds, whatever the numbers.
+std::int64_t lasting_us(std::uint32_t blocks, std::int64_t block_ns) noexcept {
+  return std::clamp(static_cast<std::int32_t>(blocks) * (block_ns / kMicrosecond_ns), -kFarthest_us,
+                    kFarthest_us);
 }
 
 void put_full_common(ByteWriter& out, const CommonFields& fields) noexcept {
@@ -147,35 +156,37 @@ void get_full_common(ByteReader& in, CommonFields& fields) noexcept {
 }
 
 void put_short_common(ByteWriter& out, const CommonFields& fields, ShortForm form) noexcept {
+  const int bytes = form.near ? 2 : 3;
   out.put(fields.number, 1);
-  put_time(out, fields.sent_ns);
+  put_time(out, bytes, fields.sent_ns);
   out.put(fields.echo_number, 1);
-  put_time(out, fields.echo_sent_ns);
-  for (std::size_t i = 0; i < 3; ++i) out.put(static_cast<std::uint32_t>(fields.anchor[i]), form.near ? 2 : 3);
+  put_time(out, bytes, fields.echo_sent_ns);
+  for (std::size_t i = 0; i < 3; ++i) out.put(static_cast<std::uint32_t>(fields.anchor[i]), bytes);
   for (std::size_t i = 3; i < 6; ++i) out.put(static_cast<std::uint32_t>(fields.anchor[i]), 2);
 }
 void get_short_common(ByteReader& in, const CommonFields& before, ShortForm form, std::int64_t block_ns,
                       CommonFields& fields) noexcept {
+  const int bytes = form.near ? 2 : 3;
   fields.number = static_cast<std::uint32_t>(get_near(in, 1, before.number));
-  fields.sent_ns = get_time(in, before.sent_ns);
+  const std::int64_t passed_us = lasting_us(fields.number - before.number, block_ns);
+  fields.sent_ns = get_time(in, bytes, later(before.sent_ns, passed_us));
   fields.echo_number = static_cast<std::uint32_t>(get_near(in, 1, before.echo_number));
-  fields.echo_sent_ns = get_time(in, before.echo_sent_ns);
-  const std::int64_t passed_us =
-      std::clamp(static_cast<std::int32_t>(fields.number - before.number) * block_ns / kMicrosecond_ns, -kFarthest_us,
-                 kFarthest_us);
+  // The other stream's blocks mostly take as long.
+  const std::int64_t echo_passed_us = lasting_us(fields.echo_number - before.echo_number, block_ns);
+  fields.echo_sent_ns = get_time(in, bytes, later(before.echo_sent_ns, echo_passed_us));
   for (std::size_t i = 0; i < 3; ++i) {
     // 2^-16 m/s for so many us, in 2^-24 m.
     const std::int64_t going = std::int64_t{before.anchor[i + 3]} * 256 * passed_us / 1'000'000;
     const auto around = static_cast<std::uint64_t>(before.anchor[i] + going);
-    fields.anchor[i] = form.near ? static_cast<std::int32_t>(get_near(in, 2, around))
-                                 : static_cast<std::int32_t>(in.get_signed(3));
+    fields.anchor[i] = form.near ? static_cast<std::int32_t>(get_near(in, bytes, around))
+                                 : static_cast<std::int32_t>(in.get_signed(bytes));
   }
   for (std::size_t i = 3; i < 6; ++i) fields.anchor[i] = static_cast<std::int32_t>(in.get_signed(2));
 }
 
-std::uint32_t age_of(double age_s) noexcept {
+std::uint16_t age_of(double age_s) noexcept {
   if (!(age_s >= 0.0)) return kNoAge;
-  return static_cast<std::uint32_t>(std::min(std::round(age_s * 1e6), static_cast<double>(kShortNoAge - 1)));
+  return static_cast<std::uint16_t>(std::min(std::round(age_s * kAgesPerSecond), kNoAge - 1.0));
 }
 
 }  // namespace
@@ -242,7 +253,7 @@ std::optional<StateFields> fields_of(const StateBlock& block) noexcept {
   fields.applied_age_ticks = block.applied_age_ticks;
   fields.playout_ticks = block.playout_ticks;
   fields.echo_received_ns = block.echo_received_ns;
-  fields.command_age_us = age_of(block.command_age_s);
+  fields.command_age = age_of(block.command_age_s);
   const bool begins = block.payload.size >= kPayloadPrefixBytes;
   fields.payload_bytes = static_cast<std::uint16_t>(block.payload.size - (begins ? kPayloadPrefixBytes : 0));
   return fields;
@@ -258,7 +269,7 @@ void apply(const StateFields& fields, const SetFrame& set, StateBlock& block) no
   block.applied_age_ticks = fields.applied_age_ticks;
   block.playout_ticks = fields.playout_ticks;
   block.echo_received_ns = fields.echo_received_ns;
-  block.command_age_s = fields.command_age_us == kNoAge ? -1.0 : fields.command_age_us * 1e-6;
+  block.command_age_s = fields.command_age == kNoAge ? -1.0 : fields.command_age / kAgesPerSecond;
 }
 
 void put_full(ByteWriter& out, const CommandFields& fields) noexcept { put_full_common(out, fields); }
@@ -269,7 +280,7 @@ void put_full(ByteWriter& out, const StateFields& fields) noexcept {
   out.put(fields.applied_age_ticks, 4);
   out.put(static_cast<std::uint32_t>(fields.playout_ticks), 4);
   out.put(static_cast<std::uint64_t>(fields.echo_received_ns), 8);
-  out.put(fields.command_age_us, 4);
+  out.put(fields.command_age, 2);
   out.put(fields.payload_bytes, 2);
 }
 void get_full(ByteReader& in, CommandFields& fields) noexcept { get_full_common(in, fields); }
@@ -280,7 +291,7 @@ void get_full(ByteReader& in, StateFields& fields) noexcept {
   fields.applied_age_ticks = static_cast<std::uint32_t>(in.get(4));
   fields.playout_ticks = static_cast<std::int32_t>(in.get_signed(4));
   fields.echo_received_ns = in.get_signed(8);
-  fields.command_age_us = static_cast<std::uint32_t>(in.get(4));
+  fields.command_age = static_cast<std::uint16_t>(in.get(2));
   fields.payload_bytes = static_cast<std::uint16_t>(in.get(2));
 }
 
@@ -295,7 +306,7 @@ void put_short(ByteWriter& out, const StateFields& fields, ShortForm form) noexc
   out.put(static_cast<std::uint32_t>(fields.playout_ticks), 1);
   // Since it came, us.
   out.put(static_cast<std::uint64_t>(less(fields.sent_ns, fields.echo_received_ns) / kMicrosecond_ns), 2);
-  out.put(fields.command_age_us, 3);
+  out.put(fields.command_age, 2);
   out.put(fields.payload_bytes, 1);
 }
 void get_short(ByteReader& in, const CommandFields& before, ShortForm form, std::int64_t block_ns,
@@ -310,8 +321,7 @@ void get_short(ByteReader& in, const StateFields& before, ShortForm form, std::i
   fields.applied_age_ticks = static_cast<std::uint32_t>(in.get(1));
   fields.playout_ticks = static_cast<std::int32_t>(in.get(1));
   fields.echo_received_ns = less(fields.sent_ns, kMicrosecond_ns * static_cast<std::int64_t>(in.get(2)));
-  const auto age = in.get(3);
-  fields.command_age_us = age == kShortNoAge ? kNoAge : static_cast<std::uint32_t>(age);
+  fields.command_age = static_cast<std::uint16_t>(in.get(2));
   fields.payload_bytes = static_cast<std::uint16_t>(in.get(1));
 }
 

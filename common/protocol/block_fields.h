@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stream's block in two parts: the *set* of what mostly stays the same from block to block, and the *fields* that
-// each block has anew. Both as bytes, and the fields also in few bytes beside those of another block.
-// docs/reference/block.md has the bytes.
+// A stream's block in two parts: the *set* of what mostly stays the same from block to block, and the
+// *fields* that each block has anew. Both as bytes, and the fields also in few bytes beside those of another
+// block. docs/reference/block.md has the bytes.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ struct StateFields : CommonFields {
   std::uint32_t applied_age_ticks = 0;
   std::int32_t playout_ticks = 0;
   std::int64_t echo_received_ns = 0;
-  std::uint32_t command_age_us = 0;
+  std::uint16_t command_age = 0;    ///< 0.1 ms; 65535: none
   std::uint16_t payload_bytes = 0;  ///< without what the set says of it
   bool operator==(const StateFields&) const = default;
 };
@@ -89,7 +89,8 @@ void get_full(ByteReader& in, StateFields& fields) noexcept;
 
 /// How fields stand beside those of an earlier block.
 struct ShortForm {
-  bool near = false;         ///< positions in two bytes each, around where that block was going; else in three
+  bool near =
+      false;  ///< times and positions in two bytes each, around where that block was going; else in three
   bool all_applied = false;  ///< states: the bitmap is all ones
 };
 void put_short(ByteWriter& out, const CommandFields& fields, ShortForm form) noexcept;

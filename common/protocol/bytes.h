@@ -58,7 +58,9 @@ class ByteReader {
     in_ = in_.subspan(bytes);
     return taken;
   }
-  std::span<const std::uint8_t> rest() const noexcept { return good_ ? in_ : std::span<const std::uint8_t>{}; }
+  std::span<const std::uint8_t> rest() const noexcept {
+    return good_ ? in_ : std::span<const std::uint8_t>{};
+  }
   bool good() const noexcept { return good_; }
 
  private:

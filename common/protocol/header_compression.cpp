@@ -22,12 +22,15 @@ const Payload* force_of(const StateBlock& block) noexcept { return &block.force;
 
 /// Of everything that the receiver is to have: the set, the fields in whole, the payloads.
 template <class Block, class Fields>
-std::uint32_t checksum_of(std::span<const std::uint8_t> set, const Fields& fields, const Block& block) noexcept {
+std::uint32_t checksum_of(std::span<const std::uint8_t> set, const Fields& fields,
+                          const Block& block) noexcept {
   std::array<std::uint8_t, kMaxFieldBytes> room;
   ByteWriter whole(room);
   put_full(whole, fields);
   boost::crc_32_type crc;
-  const auto add = [&crc](std::span<const std::uint8_t> bytes) { crc.process_bytes(bytes.data(), bytes.size()); };
+  const auto add = [&crc](std::span<const std::uint8_t> bytes) {
+    crc.process_bytes(bytes.data(), bytes.size());
+  };
   add(set);
   add(whole.written());
   add(block.payload.view());
@@ -57,10 +60,12 @@ bool join(const PayloadPrefix& prefix, std::uint32_t number, std::span<const std
   return true;
 }
 
-bool get_payloads(ByteReader& in, const CommandFields& fields, const SetFrame& set, CommandBlock& block) noexcept {
+bool get_payloads(ByteReader& in, const CommandFields& fields, const SetFrame& set,
+                  CommandBlock& block) noexcept {
   return join(set.payload, fields.number, in.rest(), block.payload);
 }
-bool get_payloads(ByteReader& in, const StateFields& fields, const SetFrame& set, StateBlock& block) noexcept {
+bool get_payloads(ByteReader& in, const StateFields& fields, const SetFrame& set,
+                  StateBlock& block) noexcept {
   const auto positions = in.take(fields.payload_bytes);
   return in.good() && join(set.payload, fields.number, positions, block.payload) &&
          join(set.force, fields.number, in.rest(), block.force);
@@ -85,12 +90,14 @@ std::span<const std::uint8_t> HeaderCompressor<Block>::compress(const Block& blo
                                                                 std::span<std::uint8_t> out) noexcept {
   const Payload* const force = force_of(block);
   const auto fields = fields_of(block);
-  if (!fields || block.payload.size > Payload::kCapacity || (force != nullptr && force->size > Payload::kCapacity))
+  if (!fields || block.payload.size > Payload::kCapacity ||
+      (force != nullptr && force->size > Payload::kCapacity))
     return {};
   std::array<std::uint8_t, kMaxSetBytes> room{};
   ByteWriter set(room);
   if (!put_set(set, block, contract)) return {};
-  if (!std::equal(set.written().begin(), set.written().end(), set_.begin(), set_.begin() + static_cast<std::ptrdiff_t>(set_size_))) {
+  if (!std::equal(set.written().begin(), set.written().end(), set_.begin(),
+                  set_.begin() + static_cast<std::ptrdiff_t>(set_size_))) {
     set_ = room;
     set_size_ = set.written().size();
     tag_ = static_cast<std::uint8_t>((tag_ + 1U) & kTagBits);
@@ -106,13 +113,14 @@ std::span<const std::uint8_t> HeaderCompressor<Block>::compress(const Block& blo
     Block scratch;
     ByteReader own(set.written());
     const auto frame = get_set(own, scratch);
-    for (const bool near : {true, false}) {
+    for (const bool near : {fields->number % kFarEvery != 0, false}) {
       ByteWriter shorter(told_room);
       const ShortForm wanted_form = wanted(*fields, near);
       put_short(shorter, *fields, wanted_form);
       if (!frame || !restorable(shorter.written(), *fields, wanted_form, frame->block_ns)) continue;
       told = shorter.written();
-      form = static_cast<std::uint8_t>(form | (near ? kNear : 0) | (wanted_form.all_applied ? kAllApplied : 0));
+      form =
+          static_cast<std::uint8_t>(form | (near ? kNear : 0) | (wanted_form.all_applied ? kAllApplied : 0));
       break;
     }
   }
@@ -144,9 +152,8 @@ typename HeaderDecompressor<Block>::Sender* HeaderDecompressor<Block>::find(cons
 
 template <class Block>
 typename HeaderDecompressor<Block>::Sender& HeaderDecompressor<Block>::add(const SenderKey& key) noexcept {
-  Sender& longest_silent =
-      *std::min_element(senders_.begin(), senders_.end(),
-                        [](const Sender& a, const Sender& b) { return a.heard < b.heard; });
+  Sender& longest_silent = *std::min_element(
+      senders_.begin(), senders_.end(), [](const Sender& a, const Sender& b) { return a.heard < b.heard; });
   longest_silent = Sender{};
   longest_silent.key = key;
   return longest_silent;

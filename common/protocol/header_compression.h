@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stream's blocks in as few bytes as will do, as robust header compression does it (RFC 5795; least significant bits
-// in a window, RFC 3095, 4.5.2): what stays the same travels seldom, what moves on travels in its lowest bytes, and the
-// checksum is of the block as it was *before*, so that nothing restored wrongly is ever taken for a block.
+// A stream's blocks in as few bytes as will do, as robust header compression does it (RFC 5795; least
+// significant bits in a window, RFC 3095, 4.5.2): what stays the same travels seldom, what moves on travels
+// in its lowest bytes, and the checksum is of the block as it was *before*, so that nothing restored wrongly
+// is ever taken for a block.
 #pragma once
 
 #include <array>
@@ -14,11 +15,14 @@
 namespace telekerf {
 
 /// Every block of such a number carries its set, and
-inline constexpr std::uint32_t kSetEvery = 16;
+inline constexpr std::uint32_t kSetEvery = 32;
 /// so many blocks after each change of it do.
 inline constexpr int kSetRepeats = 4;
 /// A block is told beside any of so many before it: whichever of them the receiver had last, it is restored.
 inline constexpr std::size_t kWindow = 8;
+/// Every block of such a number tells its positions without a look at those before it: for a receiver that
+/// has missed more.
+inline constexpr std::uint32_t kFarEvery = 4;
 
 inline constexpr std::size_t kMaxBlockHead = 4 + 1 + kMaxSetBytes + 96;
 inline constexpr std::size_t kMaxCommandBytes = Payload::kCapacity + kMaxBlockHead;
@@ -28,7 +32,8 @@ inline constexpr std::size_t kMaxStateBytes = 2 * Payload::kCapacity + kMaxBlock
 template <class Block>
 class HeaderCompressor {
  public:
-  /// What is sent for `block`, within `out`; empty: it breaks a bound (a payload too long, an anchor beyond any robot).
+  /// What is sent for `block`, within `out`; empty: it breaks a bound (a payload too long, an anchor beyond
+  /// any robot).
   std::span<const std::uint8_t> compress(const Block& block, std::uint16_t contract,
                                          std::span<std::uint8_t> out) noexcept;
 

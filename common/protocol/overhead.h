@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a block costs on the wire, every head counted: as a capture of the frames shows it, and 4 bytes more for
-// Ethernet's check sequence, which captures leave out (tests/system/test_wire_frames.cpp holds it to that).
+// What a block costs on the wire, every head counted: as a capture of the frames shows it, and 4 bytes more
+// for Ethernet's check sequence, which captures leave out (tests/system/test_wire_frames.cpp holds it to
+// that).
 #pragma once
 
 #include <array>
@@ -10,12 +11,13 @@
 
 namespace telekerf {
 
-/// Around each sample: Ethernet 14 + 4 bytes, IPv4 20, UDP 8, RTPS head 20, DATA submessage 24, encapsulation 4.
+/// Around each sample: Ethernet 14 + 4 bytes, IPv4 20, UDP 8, RTPS head 20, DATA submessage 24,
+/// encapsulation 4.
 inline constexpr std::uint32_t kDatagramBytes = 94;
-/// Around a command's payload, as most blocks have it: those, length 4, checksum 4, form 1, numbers and times 8 and the
-/// anchor 12; the payload's own first bytes are left out.
+/// Around a command's payload, as most blocks have it: those, length 4, checksum 4, form 1, numbers and times
+/// 6 and the anchor 12; the payload's own first bytes are left out.
 inline constexpr std::uint32_t kAroundPayloadBytes =
-    kDatagramBytes + 29 - static_cast<std::uint32_t>(kPayloadPrefixBytes);
+    kDatagramBytes + 27 - static_cast<std::uint32_t>(kPayloadPrefixBytes);
 
 /// RTPS fills up a sample to whole words.
 inline constexpr std::uint32_t sample_bytes(std::size_t octets) noexcept {
@@ -23,7 +25,8 @@ inline constexpr std::uint32_t sample_bytes(std::size_t octets) noexcept {
   return kLength + ((static_cast<std::uint32_t>(octets) + 3U) & ~3U);
 }
 
-/// Of one stream's blocks in their order: a block's cost depends on those before it. No allocation, lock or throw.
+/// Of one stream's blocks in their order: a block's cost depends on those before it. No allocation, lock or
+/// throw.
 template <class Block>
 class WireCost {};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the wire does to numbers: beta is carried in single precision, anchors on a grid. A sender rounds before it
-// uses a value itself, so that its codec and its model hold exactly what the receiver will see.
+// What the wire does to numbers: beta is carried in single precision, anchors on a grid. A sender rounds
+// before it uses a value itself, so that its codec and its model hold exactly what the receiver will see.
 #pragma once
 
 #include <cmath>
