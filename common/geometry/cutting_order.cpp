@@ -2,7 +2,11 @@
 #include "common/geometry/cutting_order.h"
 
 #include <algorithm>
-#include <limits>
+#include <boost/geometry.hpp>
+#include <boost/geometry/index/rtree.hpp>
+#include <cmath>
+#include <set>
+#include <utility>
 
 namespace telekerf::geometry {
 
@@ -21,37 +25,45 @@ bool encloses(const Polyline& outer, const Polyline& inner) {
 
 namespace {
 
-/// The contours around each: only those whose boxes hold its first point are looked at, found from left to
-/// right.
+namespace bgi = boost::geometry::index;
+using TreePoint = boost::geometry::model::point<double, 2, boost::geometry::cs::cartesian>;
+using TreeBox = boost::geometry::model::box<TreePoint>;
+template <typename Shape>
+using Tree = bgi::rtree<std::pair<Shape, std::size_t>, bgi::quadratic<16>>;
+
+TreePoint tree_point(const Vec2& p) { return {p.x(), p.y()}; }
+
+/// The contours around each: only those whose boxes hold its first point are looked at.
 std::vector<std::vector<std::size_t>> contours_around(const std::vector<Polyline>& contours) {
-  const std::size_t n = contours.size();
-  std::vector<std::vector<std::size_t>> out(n);
-  std::vector<Box> boxes;
-  std::vector<std::size_t> by_left;
-  std::vector<std::size_t> by_point;
-  for (std::size_t i = 0; i < n; ++i) {
-    boxes.push_back(bounding_box(contours[i].points_m));
-    if (contours[i].points_m.empty()) continue;
-    by_point.push_back(i);
-    if (contours[i].closed) by_left.push_back(i);
+  std::vector<std::pair<TreeBox, std::size_t>> boxes;
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    if (!contours[i].closed || contours[i].points_m.empty()) continue;
+    const Box box = bounding_box(contours[i].points_m);
+    boxes.emplace_back(TreeBox(tree_point(box.min), tree_point(box.max)), i);
   }
-  std::sort(by_left.begin(), by_left.end(),
-            [&](std::size_t a, std::size_t b) { return boxes[a].min.x() < boxes[b].min.x(); });
-  std::sort(by_point.begin(), by_point.end(), [&](std::size_t a, std::size_t b) {
-    return contours[a].points_m.front().x() < contours[b].points_m.front().x();
-  });
-  std::vector<std::size_t> reaching;  // boxes that the point may lie in
-  std::size_t next = 0;
-  for (const std::size_t i : by_point) {
-    const Vec2& q = contours[i].points_m.front();
-    while (next < by_left.size() && boxes[by_left[next]].min.x() <= q.x())
-      reaching.push_back(by_left[next++]);
-    std::erase_if(reaching, [&](std::size_t j) { return boxes[j].max.x() < q.x(); });
-    for (const std::size_t j : reaching) {
-      if (j == i || boxes[j].min.y() > q.y() || boxes[j].max.y() < q.y()) continue;
-      if (encloses(contours[j], contours[i])) out[i].push_back(j);
+  const Tree<TreeBox> tree(boxes);
+  std::vector<std::vector<std::size_t>> out(contours.size());
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    if (contours[i].points_m.empty()) continue;
+    const auto here = bgi::intersects(tree_point(contours[i].points_m.front()));
+    for (auto it = tree.qbegin(here); it != tree.qend(); ++it) {
+      if (it->second != i && encloses(contours[it->second], contours[i])) out[i].push_back(it->second);
     }
     std::sort(out[i].begin(), out[i].end());
+  }
+  return out;
+}
+
+/// The value nearest to `at`; of several that are equally near the one with the smallest number.
+std::pair<TreePoint, std::size_t> nearest(const Tree<TreePoint>& tree, const Vec2& at) {
+  const TreePoint here = tree_point(at);
+  std::pair<TreePoint, std::size_t> out = *tree.qbegin(bgi::nearest(here, 1));
+  const double square = boost::geometry::comparable_distance(here, out.first);
+  const Vec2 reach = Vec2::Constant(std::sqrt(square));
+  const TreeBox around(tree_point(at - reach), tree_point(at + reach));
+  for (auto it = tree.qbegin(bgi::intersects(around)); it != tree.qend(); ++it) {
+    const bool as_near = boost::geometry::comparable_distance(here, it->first) <= square;
+    if (as_near && it->second < out.second) out = *it;
   }
   return out;
 }
@@ -73,30 +85,35 @@ CuttingOrder cutting_order(const std::vector<Polyline>& contours, const Vec2& st
     for (const std::size_t j : outer) ++waiting_for[j];
   }
   CuttingOrder out;
-  std::vector<bool> done(n, false);
+  std::vector<std::pair<TreePoint, std::size_t>> free;
+  std::set<std::size_t> waiting;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (contours[i].points_m.empty()) {
+      out.order.push_back(i);
+    } else if (waiting_for[i] == 0) {
+      free.emplace_back(tree_point(contours[i].points_m.front()), i);
+    } else {
+      waiting.insert(i);
+    }
+  }
+  Tree<TreePoint> tree(free);
+  const auto set_free = [&](std::size_t i) {
+    waiting.erase(i);
+    tree.insert({tree_point(contours[i].points_m.front()), i});
+  };
   Vec2 at = start_m;
   while (out.order.size() < n) {
-    std::size_t next = n;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < n; ++i) {
-      if (done[i] || waiting_for[i] > 0) continue;
-      const double distance = contours[i].points_m.empty() ? 0.0 : (contours[i].points_m.front() - at).norm();
-      if (next == n || distance < nearest) {
-        nearest = distance;
-        next = i;
-      }
+    // Borders that enclose each other do not exist, but never loop for ever.
+    if (tree.empty()) set_free(*waiting.rbegin());
+    const auto next = nearest(tree, at);
+    tree.remove(next);
+    out.order.push_back(next.second);
+    for (const std::size_t j : around[next.second]) {
+      if (--waiting_for[j] == 0 && waiting.count(j) > 0) set_free(j);
     }
-    if (next == n) {  // borders that enclose each other do not exist, but never loop for ever
-      for (std::size_t i = 0; i < n; ++i) {
-        if (!done[i]) next = i;
-      }
-    }
-    done[next] = true;
-    for (const std::size_t j : around[next]) --waiting_for[j];
-    out.order.push_back(next);
-    if (contours[next].points_m.empty()) continue;
-    out.travel_m += (contours[next].points_m.front() - at).norm();
-    at = contours[next].closed ? contours[next].points_m.front() : contours[next].points_m.back();
+    const Polyline& cut = contours[next.second];
+    out.travel_m += (cut.points_m.front() - at).norm();
+    at = cut.closed ? cut.points_m.front() : cut.points_m.back();
   }
   return out;
 }

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/machining/job.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
 
 #include "common/geometry/cutting_order.h"
+#include "common/geometry/kerf.h"
 #include "common/geometry/minimum_jerk.h"
-#include "slave/machining/kerf.h"
 
 namespace telekerf::machining {
 namespace {
@@ -75,27 +79,41 @@ class Writer {
   Vec3 here_m_;
 };
 
-/// True if an odd number of the other closed contours lies around this one.
-bool is_hole(const std::vector<geometry::Polyline>& contours, std::size_t which) {
-  int around = 0;
-  for (std::size_t i = 0; i < contours.size(); ++i) {
-    if (i != which && contours[i].closed && geometry::encloses(contours[i], contours[which])) ++around;
+/// The contours' numbers in the order of the cuts.
+tl::expected<std::vector<std::size_t>, std::string> order_of(const std::vector<geometry::Polyline>& contours,
+                                                             const std::vector<double>& select,
+                                                             const Vec2& home_m) {
+  if (contours.empty()) return tl::unexpected<std::string>("there is no contour to machine");
+  if (select.empty()) return geometry::cutting_order(contours, home_m).order;
+  std::set<std::size_t> numbers;
+  std::vector<geometry::Polyline> chosen;
+  for (const double number : select) {
+    if (number != std::floor(number) || number >= static_cast<double>(contours.size())) {
+      return tl::unexpected(fmt::format("--select {:g}: there are the contours 0 to {}; --dry-run lists them",
+                                        number, contours.size() - 1));
+    }
+    numbers.insert(static_cast<std::size_t>(number));
   }
-  return around % 2 == 1;
+  for (const std::size_t number : numbers) chosen.push_back(contours[number]);
+  std::vector<std::size_t> out;
+  for (const std::size_t which : geometry::cutting_order(chosen, home_m).order)
+    out.push_back(*std::next(numbers.begin(), static_cast<std::ptrdiff_t>(which)));
+  return out;
 }
 
 }  // namespace
 
 tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& contours,
                                         const JobSettings& settings, const Vec3& home_m) {
-  if (contours.empty()) return tl::unexpected<std::string>("there is no contour to machine");
-  std::vector<std::size_t> order = geometry::cutting_order(contours, Vec2(home_m.head<2>())).order;
+  auto order = order_of(contours, settings.select, home_m.head<2>());
+  if (!order) return tl::unexpected(order.error());
+  const std::vector<bool> holes = geometry::holes(contours);
   std::vector<TimedPath> plans;
   std::vector<geometry::Polyline> lines;
   std::vector<Vec2> all;
   double length_m = 0.0;
-  for (const std::size_t which : order) {
-    auto line = compensated(contours[which], settings.kerf_m, is_hole(contours, which));
+  for (const std::size_t which : *order) {
+    auto line = geometry::compensated(contours[which], settings.kerf_m, holes[which]);
     if (!line) return tl::unexpected(line.error());
     lines.push_back(std::move(*line));
     auto plan = make_timed_path(lines.back(), settings.plan);
@@ -129,7 +147,7 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
   writer.move(home_m, JobPhase::kReturn);
   return Job{Trajectory(std::move(writer.points)),
              std::move(writer.phases),
-             std::move(order),
+             std::move(*order),
              std::move(plans),
              std::move(lines),
              1.0 / settings.plan.control_hz,

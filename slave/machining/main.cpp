@@ -7,7 +7,6 @@
 #include <cmath>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "common/bus/bus_flags.h"
@@ -34,7 +33,6 @@ struct Flags {
   std::string record;
   double wait_s = 20.0;  ///< for vision, then it gives up
   bool dry_run = false;
-  std::vector<double> select;  ///< contours by their numbers, the largest is 0; none: all
   void validate() const { station.beam.validate(station.laser_w); }
 };
 
@@ -54,40 +52,14 @@ const char* text_of(JobPhase phase) {
   return "unknown";
 }
 
-/// The contours with these numbers alone. Throws StartupError.
-ContourMessage chosen(const ContourMessage& all, const std::vector<double>& select) {
-  if (select.empty()) return all;
-  std::vector<ContourLine> lines{{all.closed, all.points_m}};
-  lines.insert(lines.end(), all.further.begin(), all.further.end());
-  ContourMessage out = all;
-  out.further.clear();
-  bool first = true;
-  for (const double number : select) {
-    if (number != std::floor(number) || number >= static_cast<double>(lines.size())) {
-      throw input_error(fmt::format("--select {:g}: there are the contours 0 to {}; --dry-run lists them",
-                                    number, lines.size() - 1));
-    }
-    const ContourLine& line = lines[static_cast<std::size_t>(number)];
-    if (std::exchange(first, false)) {
-      out.closed = line.closed;
-      out.points_m = line.points_m;
-    } else {
-      out.further.push_back(line);
-    }
-  }
-  return out;
-}
-
 /// What would be done, in the order of the cuts.
-void print_plan(const Job& job, const std::vector<double>& select) {
+void print_plan(const Job& job) {
   double reach_m = 0.0;
   for (std::size_t i = 0; i < job.trajectory.size(); ++i)
     reach_m = std::max(reach_m, job.trajectory[i].position_m.head<2>().norm());
   fmt::print("cut  contour  length_mm  kind\n");
   for (std::size_t i = 0; i < job.order.size(); ++i) {
-    const std::size_t given = job.order[i];
-    const double number = select.empty() ? static_cast<double>(given) : select[given];
-    fmt::print("{:3}  {:7g}  {:9.3f}  {}\n", i + 1, number, 1e3 * geometry::length_m(job.lines[i]),
+    fmt::print("{:3}  {:7}  {:9.3f}  {}\n", i + 1, job.order[i], 1e3 * geometry::length_m(job.lines[i]),
                job.lines[i].closed ? "closed" : "open");
   }
   fmt::print("{:.1f} mm to cut, about {:.1f} s in all, reach {:.1f} mm; nothing was moved\n",
@@ -126,8 +98,7 @@ int run(const Flags& flags) {
   Process process(settings, "machine");
   StatusReporter& status = process.status();
   StopLine emergency(process.bus(), flags.stop.path(settings));
-  ContourSubscriber<Job> contour(
-      process.bus(), [&](const ContourMessage& m) { return station.prepare(chosen(m, flags.select)); });
+  ContourSubscriber<Job> contour(process.bus(), [&](const ContourMessage& m) { return station.prepare(m); });
   if (station.machine().plant() == nullptr)
     status.say(flags.station.machine.drive + " is not simulated: the measured tool is recorded");
   process.ready();
@@ -140,7 +111,7 @@ int run(const Flags& flags) {
                            job->lines.size()));
   }
   if (flags.dry_run) {
-    print_plan(*job, flags.select);
+    print_plan(*job);
     return 0;
   }
   if (!flags.record.empty()) make_folder("--record", flags.record);
@@ -182,8 +153,6 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
                "gives up after this long without a contour");
   settings.add("dry_run", flags.dry_run, "prints the cuts, their time and reach; nothing moves");
-  settings.add("select", flags.select, 0, {.min = 0, .max = 9999},
-               "A,B,..: these contours alone, by their numbers; 0 is the largest");
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);
 }

@@ -27,6 +27,7 @@ JobSettings job_settings(const StationSettings& s, const robot::RobotModel& mode
   job.plan.corner = s.corner;
   job.kerf_m = s.kerf_um * 1e-6;
   job.framing = !s.no_framing;
+  job.select = s.select;
   return job;
 }
 
@@ -64,6 +65,8 @@ void StationSettings::add_parameters(Settings& settings) {
   settings.add("material", material, workpiece::kMaterials, "what the beam meets");
   settings.add("kerf_um", kerf_um, {.min = 0, .max = 2000, .unit = "um"}, "width of the cut to compensate");
   settings.add("no_framing", no_framing, "no run round the work with the pilot beam");
+  settings.add("select", select, 0, {.min = 0, .max = 9999},
+               "A,B,..: these contours alone, by their numbers; 0 is the largest");
   settings.add("machining_hz", machining_hz, {.min = 800, .max = 10000, .unit = "Hz"}, "control rate");
 }
 

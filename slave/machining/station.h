@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/protocol/messages.h"
 #include "common/robot/supervisor.h"
@@ -36,7 +37,8 @@ struct StationSettings {
   ControllerKind controller = ControllerKind::kAuto;
   CornerPolicy corner = CornerPolicy::kRounded;
   const workpiece::Material* material = &workpiece::kWood;
-  double kerf_um = 0.0;  ///< closed contours are moved by half of it
+  double kerf_um = 0.0;        ///< closed contours are moved by half of it
+  std::vector<double> select;  ///< contours by their numbers, the largest is 0; none: all
   bool no_framing = false;
   double machining_hz = 2400.0;  ///< control rate
   void add_parameters(Settings& settings);

@@ -79,9 +79,13 @@ std::string path_of(const std::string& image) {
 void say(const ContourMessage& contour, StatusReporter& status) {
   const geometry::Polyline line{contour.points_m, contour.closed};
   const Vec2 size = geometry::bounding_box(line.points_m).size() * 1e3;
-  status.say(fmt::format("{} ({}): {} points, {:.1f} mm long, {:.1f} x {:.1f} mm, {:.4f} mm a pixel",
-                         contour.source, contour.mode, contour.points_m.size(),
-                         geometry::length_m(line) * 1e3, size.x(), size.y(), contour.metres_per_pixel * 1e3));
+  // A drawing has a size of its own, no pixels.
+  const std::string scale = contour.metres_per_pixel > 0.0
+                                ? fmt::format(", {:.4f} mm a pixel", contour.metres_per_pixel * 1e3)
+                                : "";
+  status.say(fmt::format("{} ({}): {} points, {:.1f} mm long, {:.1f} x {:.1f} mm{}", contour.source,
+                         contour.mode, contour.points_m.size(), geometry::length_m(line) * 1e3, size.x(),
+                         size.y(), scale));
   if (!contour.further.empty()) status.say(fmt::format("{} further contours", contour.further.size()));
 }
 

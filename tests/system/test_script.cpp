@@ -139,6 +139,31 @@ TEST_F(Script, MachinesWithARobotOfTheUsersOwn) {
   EXPECT_NEAR(result.at("tangential_speed").at("mean_mm_s").get<double>(), 50.0, 0.5);
 }
 
+TEST_F(Script, AMachinistSeesThePlanFirstAndCutsOneContourOfIt) {
+  std::ofstream(here_ / "plate.svg")
+      << R"(<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" viewBox="0 0 30 30" fill="none" stroke="black">
+           <rect x="1" y="1" width="28" height="20"/><circle cx="8" cy="8" r="3"/><circle cx="20" cy="8" r="2"/></svg>)";
+  const Ended plan = run("machine plate.svg --dry-run --out plan --domain " + own_domain());
+  EXPECT_EQ(plan.code, 0) << plan.out << plan.err;
+  EXPECT_NE(plan.out.find("  1        1     18.849  closed\n  2        2     12.566  closed\n"
+                          "  3        0     96.000  closed\n127.4 mm to cut"),
+            std::string::npos)
+      << plan.out;
+  EXPECT_TRUE(fs::exists(here_ / "plan/overlay.png"));
+  EXPECT_FALSE(fs::exists(here_ / "plan/result.json"));
+  const Ended none = run("machine plate.svg --select 3 --out none --domain " + own_domain());
+  EXPECT_EQ(none.code, 2);
+  EXPECT_NE(none.err.find("--select 3: there are the contours 0 to 2"), std::string::npos) << none.err;
+  const Ended cut =
+      run("machine plate.svg --select 2 --speed-mm-s 20 --no-framing --out cut --domain " + own_domain());
+  EXPECT_EQ(cut.code, 0) << cut.out << cut.err;
+  const auto result = nlohmann::json::parse(text_of("cut/result.json"));
+  EXPECT_EQ(result.at("order"), nlohmann::json::array({2}));
+  EXPECT_EQ(result.at("contours_cut").get<int>(), 1);
+  EXPECT_NEAR(result.at("length_mm").get<double>(), 12.566, 0.01);
+  EXPECT_EQ(result.at("burn").at("energy_outside_corridor_j").get<double>(), 0.0) << result.dump(1);
+}
+
 /// In place of the programs: each writes down the words that it is started with, one a line, and ends.
 class ScriptFlags : public Script {
  protected:
@@ -167,23 +192,23 @@ class ScriptFlags : public Script {
 };
 
 TEST_F(ScriptFlags, OfADemoGoToTheProgramThatKnowsThem) {
-  const Ended demo = run(
-      "demo --image 'a b.png' --width-mm 30 --beta=0.25 --law local --block 8 --keep 2 --redundancy 0 "
-      "--max-rms 1e-3 --codec raw --estimator none --force-keep 3 --force-max-rms 0 --stale-s 0.1 "
-      "--hand-speed-mm-s 5 --seed 7 --cell blue --master-robot vertical --slave-robot asymmetric "
-      "--master-seed 9 --domain 3 --vision-fit-all --beta 0.3 --out run");
+  const Ended demo =
+      run("demo --image 'a b.png' --width-mm 30 --beta=0.25 --law local --block 8 --keep 2 --redundancy 0 "
+          "--max-rms 1e-3 --codec raw --estimator none --force-keep 3 --force-max-rms 0 --stale-s 0.1 "
+          "--hand-speed-mm-s 5 --seed 7 --cell blue --master-robot vertical --slave-robot asymmetric "
+          "--master-seed 9 --domain 3 --vision-fit-all --beta 0.3 --out run");
   ASSERT_EQ(demo.code, 0) << demo.err;
   for (const std::string words : {"--image a b.png", "--width-mm 30", "--robot asymmetric", "--fit-all",
                                   "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
     EXPECT_TRUE(has("vision", words)) << words << text_of("vision.txt");
   for (const std::string words :
-       {"--force-keep 3", "--force-max-rms 0", "--stale-s 0.1", "--robot asymmetric", "--seed 7", "--cell blue",
-        "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
+       {"--force-keep 3", "--force-max-rms 0", "--stale-s 0.1", "--robot asymmetric", "--seed 7",
+        "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
     EXPECT_TRUE(has("slave", words)) << words << text_of("slave.txt");
-  for (const std::string words :
-       {"--beta 0.3", "--law local", "--block 8", "--keep 2", "--redundancy 0", "--max-rms 1e-3",
-        "--codec raw", "--estimator none", "--hand-speed-mm-s 5", "--robot vertical", "--seed 9", "--duration-s 30",
-        "--engage", "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
+  for (const std::string words : {"--beta 0.3", "--law local", "--block 8", "--keep 2", "--redundancy 0",
+                                  "--max-rms 1e-3", "--codec raw", "--estimator none", "--hand-speed-mm-s 5",
+                                  "--robot vertical", "--seed 9", "--duration-s 30", "--engage",
+                                  "--cell blue", "--domain 3", "--netem thesis-constant", "--netem-seed 7"})
     EXPECT_TRUE(has("master", words)) << words << text_of("master.txt");
   EXPECT_NE(text_of("slave.txt").find("--record\nrun/.run-"), std::string::npos);
   for (const std::string flag : {"--block", "--keep", "--redundancy", "--codec"})
@@ -204,12 +229,28 @@ TEST_F(ScriptFlags, OfAMachineGoToTheProgramThatKnowsThem) {
 }
 
 TEST_F(ScriptFlags, ThatNobodyKnowsAreRefusedBeforeAnythingStarts) {
-  for (const std::string words :
-       {"demo --speed 3", "demo --beta 99", "demo --width-mm wide", "demo --law none", "demo heart",
-        "demo --beta", "demo --robot r", "demo --name n", "demo --record r", "demo --slave-beta 1",
-        "demo '--a]b' 1", "machine", "machine --seed 1", "machine heart --beta 1",
-        "machine heart --image gear", "machine heart --config c", "demo --netem mars",
-        "demo --slave-laser-w 99 --slave-laser-max-w 5", "help nothing", "test_nothing", "bench nothing", "check nothing"}) {
+  for (const std::string words : {"demo --speed 3",
+                                  "demo --beta 99",
+                                  "demo --width-mm wide",
+                                  "demo --law none",
+                                  "demo heart",
+                                  "demo --beta",
+                                  "demo --robot r",
+                                  "demo --name n",
+                                  "demo --record r",
+                                  "demo --slave-beta 1",
+                                  "demo '--a]b' 1",
+                                  "machine",
+                                  "machine --seed 1",
+                                  "machine heart --beta 1",
+                                  "machine heart --image gear",
+                                  "machine heart --config c",
+                                  "demo --netem mars",
+                                  "demo --slave-laser-w 99 --slave-laser-max-w 5",
+                                  "help nothing",
+                                  "test_nothing",
+                                  "bench nothing",
+                                  "check nothing"}) {
     const Ended refused = run(words);
     EXPECT_EQ(refused.code, 2) << words;
     EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << words << refused.err;

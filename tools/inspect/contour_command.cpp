@@ -2,6 +2,7 @@
 // telekerf-inspect contour: what a picture or drawing becomes, as numbers and as files.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -41,6 +42,8 @@ struct ContourOptions {
   double speed_mm_s = 8.0;
   double travel_mm_s = 50.0;
   double overlap_mm = 0.2;
+  double kerf_um = 0.0;
+  std::vector<double> origin_mm;
   double join_mm = 0.01;
   std::optional<double> dpi;
   vision::LengthUnit units = vision::LengthUnit::kFile;
@@ -140,7 +143,16 @@ int inspect(const ContourOptions& o) {
   settings.cutting_speed_m_per_s = 1e-3 * o.speed_mm_s;
   settings.travel_speed_m_per_s = 1e-3 * o.travel_mm_s;
   settings.overlap_m = 1e-3 * o.overlap_mm;
-  const vision::GCode gcode = vision::to_gcode(loaded->contours, settings);
+  settings.kerf_m = 1e-6 * o.kerf_um;
+  if (!o.origin_mm.empty()) settings.origin_m = 1e-3 * Vec2(o.origin_mm[0], o.origin_mm[1]);
+  const auto gcode = vision::to_gcode(loaded->contours, settings);
+  if (!gcode) throw input_error(fmt::format("{}: {}", o.input, gcode.error()));
+  const auto open = std::count_if(loaded->contours.begin(), loaded->contours.end(),
+                                  [](const geometry::Polyline& contour) { return !contour.closed; });
+  if (o.kerf_um > 0.0 && open > 0) {
+    std::cerr << fmt::format("warning: {} of {} contours are open, which --kerf-um does not move\n", open,
+                             loaded->contours.size());
+  }
 
   nlohmann::json json = descriptors_of(line, o);
   json["input"] = std::filesystem::path(file).filename().string();
@@ -161,15 +173,15 @@ int inspect(const ContourOptions& o) {
       loaded->metres_per_pixel > 0.0 ? nlohmann::json(loaded->metres_per_pixel) : nlohmann::json();
   json["size_from"] = loaded->size_from;
   json["list"] = list_of(*loaded);
-  json["cutting_time_s"] = gcode.cutting_time_s;
-  json["travel_m"] = gcode.travel_m;
+  json["cutting_time_s"] = gcode->cutting_time_s;
+  json["travel_m"] = gcode->travel_m;
 
   const std::filesystem::path out(o.out);
   make_folder("--out", out);
   write_atomically(out / "contour.csv", vision::to_csv(loaded->contours, loaded->selected));
   write_atomically(out / "contour.dxf", vision::to_dxf(loaded->contours));
   write_atomically(out / "contour.svg", vision::to_svg(loaded->contours));
-  write_atomically(out / "contour.ngc", gcode.text);
+  write_atomically(out / "contour.ngc", gcode->text);
   reporting::write_picture(out / "overlay.png", vision::overlay_of(*loaded));
   std::cout << json_text(json) << '\n';
   return 0;
@@ -201,6 +213,12 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
   s.add("passes", o.gcode.passes, {.min = 1, .max = 100}, "how often contour.ngc cuts each contour");
   s.add("overlap_mm", o.overlap_mm, {.min = 0, .max = 100, .unit = "mm"},
         "how far a closed cut of contour.ngc runs on beyond its start");
+  s.add("kerf_um", o.kerf_um, {.min = 0, .max = 2000, .unit = "um"},
+        "width of the cut that contour.ngc compensates: closed contours are moved by half of it, holes "
+        "inwards");
+  s.add("origin_mm", o.origin_mm, 2, {.min = -1e6, .max = 1e6, .unit = "mm"},
+        "X,Y: the place on the workpiece that contour.ngc calls 0,0");
+  s.add("arcs", o.gcode.arcs, "circular moves (G2, G3) in contour.ngc where they need fewer lines");
   s.add("join_mm", o.join_mm, {.min = 0, .max = 10, .unit = "mm"},
         "ends of a drawing's lines as near as this are joined");
   s.add("dpi", o.dpi, {.min = 1, .max = 100000, .unit = "pixels an inch"},

@@ -43,7 +43,7 @@ _telekerf_flags() {
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
-    'telekerf-inspect contour') echo '--mode --start --end --at --not --box --paper --smallest-mm --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --speed-mm-s --travel-mm-s --power --passes --overlap-mm --join-mm --dpi --units --layers --colours --out --config --print-config --help --version' ;;
+    'telekerf-inspect contour') echo '--mode --start --end --at --not --box --paper --smallest-mm --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --speed-mm-s --travel-mm-s --power --passes --overlap-mm --kerf-um --origin-mm --arcs --join-mm --dpi --units --layers --colours --out --config --print-config --help --version' ;;
     'telekerf-inspect drive') echo '--robot --drive --drive-stale-s --mismatch --seed --control-hz --force-n --travel-mm --duration-s --move --json --out --config --print-config --help --version' ;;
     'telekerf-inspect efd') echo '--harmonics --config --print-config --help --version' ;;
     'telekerf-inspect robot') echo '--ik --fk --jacobian --workspace --hall --picture --config --print-config --help --version' ;;
@@ -445,6 +445,8 @@ _telekerf_values() {
     'telekerf-inspect contour --power') echo "" ;;
     'telekerf-inspect contour --passes') echo "" ;;
     'telekerf-inspect contour --overlap-mm') echo "" ;;
+    'telekerf-inspect contour --kerf-um') echo "" ;;
+    'telekerf-inspect contour --origin-mm') echo "" ;;
     'telekerf-inspect contour --join-mm') echo "" ;;
     'telekerf-inspect contour --dpi') echo "" ;;
     'telekerf-inspect contour --units') echo "-W 'file mm cm m inch foot pt um'" ;;

@@ -6,14 +6,84 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/cutting_order.h"
+#include "common/geometry/kerf.h"
+#include "common/vision/export/moves.h"
 
 namespace telekerf::vision {
 
-GCode to_gcode(std::span<const geometry::Polyline> contours, const GCodeSettings& settings) {
-  const std::vector<geometry::Polyline> all(contours.begin(), contours.end());
+namespace {
+
+/// The contours as the program moves along them: compensated for the kerf, seen from its origin.
+tl::expected<std::vector<geometry::Polyline>, std::string> prepared(
+    std::span<const geometry::Polyline> contours, const GCodeSettings& settings) {
+  std::vector<geometry::Polyline> out(contours.begin(), contours.end());
+  const std::vector<bool> holes = geometry::holes(out);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    auto moved = geometry::compensated(out[i], settings.kerf_m, holes[i]);
+    if (!moved) return tl::unexpected(fmt::format("contour {}: {}", i, moved.error()));
+    out[i] = std::move(*moved);
+    for (Vec2& p : out[i].points_m) p -= settings.origin_m;
+  }
+  return out;
+}
+
+/// Once along the contour, back to its beginning if it is closed.
+std::vector<Vec2> way_along(const geometry::Polyline& line) {
+  std::vector<Vec2> out = line.points_m;
+  if (line.closed) out.push_back(line.points_m.front());
+  return out;
+}
+
+/// The first `length_m` of a way.
+std::vector<Vec2> beginning_of(const std::vector<Vec2>& way, double length_m) {
+  std::vector<Vec2> out{way.front()};
+  for (std::size_t i = 1; i < way.size() && length_m > 0.0; ++i) {
+    const Vec2 step = way[i] - way[i - 1];
+    out.push_back(way[i - 1] + std::min(1.0, length_m / step.norm()) * step);
+    length_m -= step.norm();
+  }
+  return out;
+}
+
+/// Writes moves, and knows where the last one ended.
+struct Writer {
+  std::string& text;
+  const GCodeSettings& settings;
+  Vec2 at = Vec2::Zero();
+
+  void go_to(const Vec2& p) {
+    fmt::format_to(std::back_inserter(text), "G0 X{:.4f} Y{:.4f}\n", 1e3 * p.x(), 1e3 * p.y());
+    at = p;
+  }
+  void burn_along(const std::vector<Vec2>& way) {
+    for (const Move& move : moves_along(way, settings.tolerance_m, settings.arcs)) {
+      if ((move.to_m - at).norm() < settings.min_segment_m) continue;
+      fmt::format_to(std::back_inserter(text), "{} X{:.4f} Y{:.4f}",
+                     !move.arc        ? "G1"
+                     : move.clockwise ? "G2"
+                                      : "G3",
+                     1e3 * move.to_m.x(), 1e3 * move.to_m.y());
+      if (move.arc) {
+        const Vec2 centre = move.centre_m - at;
+        fmt::format_to(std::back_inserter(text), " I{:.4f} J{:.4f}", 1e3 * centre.x(), 1e3 * centre.y());
+      }
+      text += '\n';
+      at = move.to_m;
+    }
+  }
+};
+
+}  // namespace
+
+tl::expected<GCode, std::string> to_gcode(std::span<const geometry::Polyline> contours,
+                                          const GCodeSettings& settings) {
+  const auto prepared_lines = prepared(contours, settings);
+  if (!prepared_lines) return tl::unexpected(prepared_lines.error());
+  const std::vector<geometry::Polyline>& all = *prepared_lines;
   const geometry::CuttingOrder cut = geometry::cutting_order(all);
   GCode out;
   out.travel_m = cut.travel_m;
@@ -31,35 +101,20 @@ GCode to_gcode(std::span<const geometry::Polyline> contours, const GCodeSettings
   fmt::format_to(to,
                  "(M4: laser power follows the speed; frame: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f} mm)\n",
                  1e3 * box.min.x(), 1e3 * box.max.x(), 1e3 * box.min.y(), 1e3 * box.max.y());
-  fmt::format_to(to, "G21 G90 G17\nM5\n");
+  // G91.1: the centres of arcs are given from where each begins.
+  fmt::format_to(to, "G21 G90 G17{}\nM5\n", settings.arcs ? " G91.1" : "");
+  Writer writer{out.text, settings};
   for (const std::size_t index : cut.order) {
-    const geometry::Polyline line = geometry::simplified(
-        geometry::without_duplicates(all[index], settings.min_segment_m), settings.tolerance_m);
+    const geometry::Polyline line = geometry::without_duplicates(all[index], settings.min_segment_m);
     if (line.points_m.empty()) continue;
-    Vec2 at = line.points_m.front();
-    const auto go = [&](const char* word, const Vec2& p) {
-      fmt::format_to(to, "{} X{:.4f} Y{:.4f}", word, 1e3 * p.x(), 1e3 * p.y());
-      at = p;
-    };
-    const auto burn = [&](const Vec2& p) {
-      if ((p - at).norm() < settings.min_segment_m) return;
-      go("G1", p);
-      out.text += '\n';
-    };
-    go("G0", line.points_m.front());
-    fmt::format_to(to, "\nM4 S{}\nF{:.1f}\n", settings.full_power, 6e4 * settings.cutting_speed_m_per_s);
+    std::vector<Vec2> way = way_along(line);
+    writer.go_to(way.front());
+    fmt::format_to(to, "M4 S{}\nF{:.1f}\n", settings.full_power, 6e4 * settings.cutting_speed_m_per_s);
     for (int pass = 0; pass < settings.passes; ++pass) {
-      // An open line is cut there and back.
-      const bool back = !line.closed && pass % 2 == 1;
-      for (std::size_t i = 1; i < line.size(); ++i) burn(line.points_m[back ? line.size() - 1 - i : i]);
-      if (line.closed) burn(line.points_m.front());
+      writer.burn_along(way);
+      if (!line.closed) std::reverse(way.begin(), way.end());  // an open line is cut there and back
     }
-    double left = line.closed ? settings.overlap_m : 0.0;
-    for (std::size_t i = 0; i < line.segments() && left > 0.0; ++i) {
-      const Vec2 step = line.end_of(i) - line.start_of(i);
-      burn(line.start_of(i) + std::min(1.0, left / step.norm()) * step);
-      left -= step.norm();
-    }
+    if (line.closed) writer.burn_along(beginning_of(way, settings.overlap_m));
     out.text += "M5\n";
   }
   out.text += "G0 X0 Y0\nM2\n";

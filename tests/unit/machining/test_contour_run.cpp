@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/kerf.h"
 #include "common/workpiece/mark_along_path.h"
 #include "experiments/machining/contour_source.h"
 #include "experiments/machining/independent_baselines.h"
 #include "slave/laser/pulsed_beam.h"
-#include "slave/machining/kerf.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -229,7 +229,7 @@ struct Cut {
 /// that stays begins: inside of the groove, or outside of it for a hole.
 Cut cut(const Polyline& drawn, double compensation_m, bool hole) {
   const ContourRunSettings settings = at(8e-3);
-  const Polyline line = *machining::compensated(drawn, compensation_m, hole);
+  const Polyline line = *geometry::compensated(drawn, compensation_m, hole);
   const auto plan = machining::make_timed_path(line, settings.plan);
   EXPECT_TRUE(plan);
   const ContourRun run = run_contour(*plan, line, settings);

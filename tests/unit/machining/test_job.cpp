@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,6 +51,27 @@ TEST(Job, KerfIsTakenOffTheHoleAndAddedToThePiece) {
   ASSERT_TRUE(job) << job.error();
   EXPECT_NEAR(job->plans[0].path.length_m(), 4 * 3.8e-3, 0.2e-3);
   EXPECT_NEAR(job->plans[1].path.length_m(), 4 * 10.2e-3, 0.3e-3);
+}
+
+TEST(Job, ChosenContoursKeepTheirNumbersAndAHoleChosenAloneIsStillOne) {
+  JobSettings settings;
+  settings.kerf_m = 0.2e-3;
+  settings.select = {2, 1, 2};
+  const auto two = make_job({square(10e-3), square(7e-3), square(4e-3)}, settings);
+  ASSERT_TRUE(two) << two.error();
+  EXPECT_EQ(two->order, (std::vector<std::size_t>{2, 1}));
+  settings.select = {1};
+  const auto hole = make_job({square(10e-3), square(7e-3), square(4e-3)}, settings);
+  ASSERT_TRUE(hole) << hole.error();
+  EXPECT_EQ(hole->order, (std::vector<std::size_t>{1}));
+  EXPECT_NEAR(geometry::length_m(hole->lines[0]), 4 * 6.8e-3, 1e-6);
+  for (const double number : {3.0, 0.5}) {
+    settings.select = {number};
+    const auto none = make_job({square(10e-3), square(7e-3), square(4e-3)}, settings);
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error(),
+              fmt::format("--select {:g}: there are the contours 0 to 2; --dry-run lists them", number));
+  }
 }
 
 TEST(Job, FramingStaysWithinReach) {

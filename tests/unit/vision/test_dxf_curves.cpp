@@ -167,6 +167,27 @@ TEST(DxfEntities, WhatHasNoSizeDrawsNothing) {
   EXPECT_FALSE(read_dxf(entities("0\nCIRCLE\n40\n0\n")));
 }
 
+TEST(DxfEntities, WhatRisesOutOfThePlaneIsNamedAndNotProjected) {
+  const std::string line = "0\nLINE\n10\n1\n20\n1\n30\n7\n11\n4\n21\n5\n31\n7\n";  // at one height
+  const std::string spline =
+      "0\nSPLINE\n71\n1\n70\n0\n40\n0\n40\n0\n40\n1\n40\n1\n10\n0\n20\n0\n30\n{}\n10\n9\n20\n0\n30\n2\n";
+  const std::string ellipse =
+      "0\nELLIPSE\n10\n0\n20\n0\n30\n3\n11\n5\n21\n0\n31\n{}\n40\n0.5\n41\n0\n42\n6.283185307\n";
+  const auto seen = [&](const std::string& text) {
+    const auto out = read_dxf(entities(text + line));
+    EXPECT_TRUE(out) << text;
+    return std::pair(out->contours.size(), out->unsupported.sentence());
+  };
+  using Seen = std::pair<std::size_t, std::string>;
+  EXPECT_EQ(seen("0\nLINE\n10\n0\n20\n0\n30\n0\n11\n9\n21\n0\n31\n0.1\n"),
+            Seen(1, "1 LINE that is not flat"));
+  EXPECT_EQ(seen("0\nLINE\n10\n0\n20\n0\n11\n9\n21\n0\n"), Seen(2, ""));
+  EXPECT_EQ(seen(fmt::format(fmt::runtime(spline), "2")), Seen(2, ""));
+  EXPECT_EQ(seen(fmt::format(fmt::runtime(spline), "2.1")), Seen(1, "1 SPLINE that is not flat"));
+  EXPECT_EQ(seen(fmt::format(fmt::runtime(ellipse), "0")), Seen(2, ""));
+  EXPECT_EQ(seen(fmt::format(fmt::runtime(ellipse), "1")), Seen(1, "1 ELLIPSE that is not flat"));
+}
+
 TEST(CurveWriter, TakesAsManyStepsAsTheChordErrorAsks) {
   constexpr double kError = 1e-3;
   CurveWriter circle(kError, 1'000'000);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,40 @@ TEST(PictureTags, EveryOrientationComesUpright) {
     ASSERT_EQ(picture->image.size(), upright.size()) << orientation;
     EXPECT_LT(picture->image.at<unsigned char>(3, 4), 60) << orientation;
     EXPECT_GT(picture->image.at<unsigned char>(28, 40), 200) << orientation;
+  }
+}
+
+TEST(PictureTags, ALargePhotographComesUprightToo) {
+  // 25 million pixels: read at half its size. Turned as 6 says: what is stored at the left is seen at the
+  // top.
+  cv::Mat stored(4200, 6000, CV_8UC1, cv::Scalar(250));
+  stored(cv::Rect(0, 2100, 1500, 2100)).setTo(10);
+  const std::string file = written(".jpg", with_orientation(encoded(stored, ".jpg"), 6));
+  const auto picture = read_picture(file);
+  std::filesystem::remove(file);
+  ASSERT_TRUE(picture) << picture.error();
+  cv::Mat seen;
+  cv::extractChannel(picture->image, seen, 0);
+  EXPECT_EQ(seen.size(), cv::Size(2100, 3000));
+  EXPECT_LT(seen.at<unsigned char>(300, 300), 60) << "upper left";
+  EXPECT_GT(seen.at<unsigned char>(300, 1500), 200) << "upper right";
+  EXPECT_GT(seen.at<unsigned char>(2700, 300), 200) << "lower left";
+}
+
+TEST(PictureTags, SixteenBitsAndTransparencyAreSeen) {
+  // A disc, dark on a transparent ground of the same grey: only its alpha tells it; or a disc that 8 bits
+  // would lose.
+  for (const int type : {CV_8UC4, CV_16UC4}) {
+    const double full = type == CV_8UC4 ? 255.0 : 65535.0;
+    cv::Mat image(120, 160, type, cv::Scalar(0.1 * full, 0.1 * full, 0.1 * full, 0.0));
+    cv::circle(image, {80, 60}, 40, cv::Scalar(0.1 * full, 0.1 * full, 0.1 * full, full), cv::FILLED);
+    const std::string file = written(".png", encoded(image, ".png"));
+    const auto loaded = load_contours(file, {});
+    std::filesystem::remove(file);
+    ASSERT_TRUE(loaded) << loaded.error();
+    ASSERT_EQ(loaded->contours.size(), 1u) << type;
+    const auto size = geometry::bounding_box(loaded->contours[0].points_m).size();
+    EXPECT_NEAR(size.x() / loaded->metres_per_pixel, 81.0, 1.5) << type;
   }
 }
 

@@ -49,6 +49,10 @@ bool absorb(DxfEntity& e, const DxfGroup& g) {
   const auto value = take_number(text);
   if (!value) return false;
   if (g.code < 60) e.number[g.code] = *value;
+  if (g.code == 30 || g.code == 31) {
+    e.lowest_z = std::min(e.lowest_z, *value);
+    e.highest_z = std::max(e.highest_z, *value);
+  }
   if (g.code == 60) e.invisible = *value != 0.0;
   if (g.code == 62) e.colour = static_cast<int>(std::clamp(*value, -256.0, 257.0));
   if (g.code == 420) e.true_colour = std::lround(std::clamp(*value, 0.0, 16777215.0));

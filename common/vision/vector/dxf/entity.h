@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct DxfEntity {
   bool on_sheet = false;            ///< 67 = 1: on the printed sheet, not in the drawing
   bool tilted = false;              ///< extruded neither up nor down
   bool extruded_down = false;       ///< 230 = -1: seen from below, x is mirrored
+  double lowest_z = INFINITY;       ///< 30 and 31
+  double highest_z = -INFINITY;     ///< likewise
   std::vector<DxfVertex> vertices;  ///< of polylines
   Spline spline;                    ///< of a SPLINE
   std::vector<Vec2> fit_points;     ///< of a SPLINE

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "common/geometry/polyline.h"
 #include "common/vision/vector/curve_writer.h"
 #include "common/vision/vector/fit_points.h"
 #include "common/vision/vector/spline.h"
@@ -33,6 +34,8 @@ std::vector<DxfVertex> vertices_of(const DxfEntity& e) {
   return out;
 }
 
+constexpr double kFlat = 1e-6;  ///< heights that differ by less than this share of the size are one
+
 bool is_flat(const std::vector<DxfVertex>& vertices) {
   double low = INFINITY;
   double high = -INFINITY;
@@ -42,7 +45,18 @@ bool is_flat(const std::vector<DxfVertex>& vertices) {
     high = std::max(high, v.z);
     size = std::max(size, (v.at - vertices.front().at).norm());
   }
-  return !(high - low > 1e-6 * size);
+  return !(high - low > kFlat * size);
+}
+
+/// Likewise for a LINE, SPLINE or ELLIPSE (whose 31 is the height of its long axis' end above its middle).
+bool is_flat(const DxfEntity& e) {
+  const Vec2 first(e.number[10], e.number[20]);
+  const Vec2 second(e.number[11], e.number[21]);
+  if (e.kind == "ELLIPSE") return !(std::abs(e.number[31]) > kFlat * second.norm());
+  std::vector<Vec2> points = e.spline.control;
+  if (e.kind == "LINE") points = {first, second};
+  points.insert(points.end(), e.fit_points.begin(), e.fit_points.end());
+  return !(e.highest_z - e.lowest_z > kFlat * geometry::bounding_box(points).size().norm());
 }
 
 void draw_polyline(const std::vector<DxfVertex>& v, CurveWriter& w, bool closed) {
@@ -76,6 +90,8 @@ void draw_entity(const DxfEntity& e, const Eigen::Affine2d& here, DrawnLines& ou
   CurveWriter& w = *writer;
   const auto at = [&](int code) { return Vec2(e.number[code], e.number[code + 10]); };
   bool closed = false;
+  const bool spatial = e.kind == "LINE" || e.kind == "SPLINE" || e.kind == "ELLIPSE";
+  if (spatial && !is_flat(e)) return out.unsupported.add(e.kind + " that is not flat");
   if (e.kind == "LINE") {
     w.move_to(at(10));
     w.line_to(at(11));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/machining/kerf.h"
+#include "common/geometry/kerf.h"
 
 #include <fmt/format.h>
 
@@ -9,23 +9,22 @@
 
 #include "common/geometry/nearest.h"
 
-namespace telekerf::machining {
+namespace telekerf::geometry {
 namespace {
 
 constexpr double kSpacing_m = 10e-6;
 
 }  // namespace
 
-tl::expected<geometry::Polyline, std::string> compensated(const geometry::Polyline& contour, double kerf_m,
-                                                          bool hole) {
+tl::expected<Polyline, std::string> compensated(const Polyline& contour, double kerf_m, bool hole) {
   if (!contour.closed || contour.size() < 3 || !(kerf_m > 0.0)) return contour;
   const double offset = 0.5 * kerf_m;
-  const double outward = (geometry::signed_area_m2(contour) > 0.0 ? 1.0 : -1.0) * (hole ? -1.0 : 1.0);
-  const geometry::NearestIndex index(contour);
+  const double outward = (signed_area_m2(contour) > 0.0 ? 1.0 : -1.0) * (hole ? -1.0 : 1.0);
+  const NearestIndex index(contour);
   // Corners are kept, straights get dense points: of those beside an inner corner only the ones before the
   // moved corner survive.
   const double spacing = std::min(offset, kSpacing_m);
-  geometry::Polyline dense{{}, true};
+  Polyline dense{{}, true};
   for (std::size_t i = 0; i < contour.segments(); ++i) {
     const Vec2 way = contour.end_of(i) - contour.start_of(i);
     const auto pieces = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(way.norm() / spacing)));
@@ -34,14 +33,14 @@ tl::expected<geometry::Polyline, std::string> compensated(const geometry::Polyli
                                static_cast<double>(k) / static_cast<double>(pieces) * way);
     }
   }
-  geometry::Polyline out{{}, true};
+  Polyline out{{}, true};
   const std::size_t n = dense.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Vec2& here = dense.points_m[i];
     const Vec2 before = (here - dense.points_m[(i + n - 1) % n]).normalized();
     const Vec2 after = (dense.points_m[(i + 1) % n] - here).normalized();
     // At a sharp outer corner the way goes round it: as many points as the turn needs.
-    const double turn = std::atan2(geometry::cross(before, after), before.dot(after));
+    const double turn = std::atan2(cross(before, after), before.dot(after));
     const int pieces = turn * outward > 0.0 ? 1 + static_cast<int>(std::abs(turn) / 0.2) : 1;
     for (int k = 0; k < pieces; ++k) {
       const double angle = pieces == 1 ? 0.5 * turn : turn * k / (pieces - 1);
@@ -65,4 +64,4 @@ tl::expected<geometry::Polyline, std::string> compensated(const geometry::Polyli
   return out;
 }
 
-}  // namespace telekerf::machining
+}  // namespace telekerf::geometry

@@ -7,12 +7,11 @@
 
 #include "common/geometry/polyline.h"
 
-namespace telekerf::machining {
+namespace telekerf::geometry {
 
 /// The closed contour moved by half the kerf: outwards (the piece inside keeps its size), or inwards for a
 /// hole. Loops that the move makes at tight inner corners are cut off. An open line comes back as it is. An
 /// error, one sentence: the contour is somewhere narrower than the kerf.
-tl::expected<geometry::Polyline, std::string> compensated(const geometry::Polyline& contour, double kerf_m,
-                                                          bool hole);
+tl::expected<Polyline, std::string> compensated(const Polyline& contour, double kerf_m, bool hole);
 
-}  // namespace telekerf::machining
+}  // namespace telekerf::geometry
