@@ -17,6 +17,9 @@ constexpr double kDeadZone = 0.6;
 constexpr double kEnergyPerBit = 0.12;
 /// Coarsest step tried in adaptive mode, half octaves above the finest.
 constexpr int kCoarsestOffset = 12;
+/// Whoever leaves the usual leaves the stream's habits behind, and the blocks after it are told in worse ones: only a
+/// real gain is worth that, bits.
+constexpr double kRealGain = 8.0;
 constexpr int kMaxFits = 5;
 
 double squared(double x) { return x * x; }
@@ -188,14 +191,14 @@ void Analyser::try_run_length(std::span<const double> samples, const CodingTarge
     if (std::popcount(code.set) > target.keep) return;
     const double cost =
         energy / squared(grid.level) + kEnergyPerBit * newest_axis_bits(code, context, grid, block_);
-    if (!best.found || cost < best.cost) best = {code, cost, true};
+    if (!best.found || cost + kEnergyPerBit * kRealGain < best.cost) best = {code, cost, true};
     return;
   }
   const double allowed = squared(target.max_rms) * block_ * (1.0 - 1e-9);
   for (const double band : {2.0, 1.4, 1.0}) {
     if (hold_within(samples, {.absolute = band * target.max_rms}, step, code) > allowed) continue;
     const double bits = newest_axis_bits(code, context, grid, block_);
-    if (!best.found || bits < best.cost) best = {code, bits, true};
+    if (!best.found || bits + kRealGain < best.cost) best = {code, bits, true};
     return;
   }
 }

@@ -51,6 +51,7 @@ int run_codec(const CodecOptions& options) {
     report["keep"] = settings.keep;
   }
   report["redundancy"] = settings.redundancy;
+  report["copies"] = figures.copies;
   report["loss"] = options.link.loss;
   report["bits_per_sample"] = figures.bits_per_sample;
   report["packet_bytes"] = figures.packet_bytes;
