@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Domain types <-> what the middleware carries, with what a stream's ends remember of earlier blocks. Inside the bus
-// only.
+// Domain types <-> what the middleware carries, with what a stream's ends remember of earlier blocks. Inside
+// the bus only.
 #pragma once
 
 #include <telekerf.h>

@@ -17,8 +17,8 @@ constexpr double kDeadZone = 0.6;
 constexpr double kEnergyPerBit = 0.12;
 /// Coarsest step tried in adaptive mode, half octaves above the finest.
 constexpr int kCoarsestOffset = 12;
-/// Whoever leaves the usual leaves the stream's habits behind, and the blocks after it are told in worse ones: only a
-/// real gain is worth that, bits.
+/// Whoever leaves the usual leaves the stream's habits behind, and the blocks after it are told in worse
+/// ones: only a real gain is worth that, bits.
 constexpr double kRealGain = 8.0;
 constexpr int kMaxFits = 5;
 

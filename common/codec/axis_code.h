@@ -36,8 +36,8 @@ struct Grid {
 
   /// Step of the coefficients of an axis, `offset` half octaves above the stream's finest.
   double step(int offset) const noexcept { return fractional_power(level, 2 * offset); }
-  /// Of coefficient k. Twice integrated, the cosine of index k comes to less and less: at a step of 7/4 k^2 its
-  /// rounding moves the integral about as far as the mean's does at a step of 1.
+  /// Of coefficient k. Twice integrated, the cosine of index k comes to less and less: at a step of 7/4 k^2
+  /// its rounding moves the integral about as far as the mean's does at a step of 1.
   double step_of(std::size_t k, int offset) const noexcept {
     const auto index = static_cast<double>(k);
     return integrated && k > 0 ? 1.75 * index * index * step(offset) : step(offset);

@@ -37,7 +37,8 @@ StreamSettings StreamSettings::validated() const {
   if (const int bytes = (redundancy + 1) * axes * block * static_cast<int>(sizeof(float));
       kind == kRaw && bytes + 64 > static_cast<int>(Payload::kCapacity)) {
     throw configuration_error(
-        fmt::format("codec: redundancy = {}: {} blocks of {} samples, {} axes of 4 bytes each, do not fit into a payload of {} "
+        fmt::format("codec: redundancy = {}: {} blocks of {} samples, {} axes of 4 bytes each, do not fit "
+                    "into a payload of {} "
                     "bytes; choose a smaller block, fewer copies or another codec",
                     redundancy, redundancy + 1, block, axes, Payload::kCapacity));
   }

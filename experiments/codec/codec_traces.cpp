@@ -106,8 +106,11 @@ struct Joint {
 struct Heart {
   explicit Heart(Random& random) : rate(random, 0.05, 0.3, 0.06, 0), base(random, 0.05, 0.4, 0.05, 1) {}
   double operator()(std::size_t lead, double t) const {
-    constexpr std::array<std::array<double, 3>, 5> kBells{
-        {{-0.20, 0.12, 0.025}, {-0.035, -0.10, 0.010}, {0.0, 1.10, 0.011}, {0.035, -0.22, 0.012}, {0.28, 0.30, 0.045}}};
+    constexpr std::array<std::array<double, 3>, 5> kBells{{{-0.20, 0.12, 0.025},
+                                                           {-0.035, -0.10, 0.010},
+                                                           {0.0, 1.10, 0.011},
+                                                           {0.035, -0.22, 0.012},
+                                                           {0.28, 0.30, 0.045}}};
     const double phase = (t + rate(t)) / 0.85;
     const double since_s = (phase - std::floor(phase) - 0.4) * 0.85;
     double sum = base(t);
@@ -122,7 +125,8 @@ struct Heart {
 double contact(double t) {
   const double since = std::fmod(t, 2.5);
   if (since > 1.3) return 0.0;
-  return 4.0 * (1.0 - std::exp(-since / 0.01)) + 2.5 * std::exp(-since / 0.04) * std::sin(2 * pi * 70.0 * since);
+  return 4.0 * (1.0 - std::exp(-since / 0.01)) +
+         2.5 * std::exp(-since / 0.04) * std::sin(2 * pi * 70.0 * since);
 }
 
 using Signal = std::function<double(std::size_t axis, double t)>;
@@ -172,12 +176,12 @@ std::vector<SeededTrace> seeded_traces(double seconds, double rate_hz, std::uint
   add("held", "m", 1e-6, true,
       [&](std::size_t a, double t) { return rounded(hand(a, std::floor(t * 50.0) / 50.0), 1e-6); });
   add("noise", "1", 0.1, false, [&](std::size_t, double) { return random.normal(); });
-  const auto add_at = [&](const char* name, double rate, const char* unit, double fine, const Signal& signal) {
+  const auto add_at = [&](const char* name, double rate, const char* unit, double fine,
+                          const Signal& signal) {
     all.push_back({sample(name, 3.0 * seconds, rate, signal), unit, fine, false});
   };
   const std::array<Joint, 3> joints{Joint(random), Joint(random), Joint(random)};
-  add_at("joints", 100.0, "rad", 1e-4,
-         [&](std::size_t a, double t) { return rounded(joints[a](t), 1e-4); });
+  add_at("joints", 100.0, "rad", 1e-4, [&](std::size_t a, double t) { return rounded(joints[a](t), 1e-4); });
   const std::array<Band, 3> strokes{Band(random, 0.5, 6, 3e-3, 1), Band(random, 0.5, 6, 3e-3, 1),
                                     Band(random, 0.1, 1, 1e-3, 1)};
   add_at("pen", 125.0, "m", 5e-6, [&](std::size_t a, double t) {

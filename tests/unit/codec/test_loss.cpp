@@ -9,9 +9,9 @@
 #include <random>
 
 #include "common/codec/baselines/measure.h"
-#include "common/protocol/overhead.h"
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
+#include "common/protocol/overhead.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::codec {

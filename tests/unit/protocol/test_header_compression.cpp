@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blocks whose heads were compressed: restored to the bit whatever is lost on the way, or refused; never another block.
+// Blocks whose heads were compressed: restored to the bit whatever is lost on the way, or refused; never
+// another block.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -37,8 +38,16 @@ CommandBlock command(std::uint32_t n) {
   block.echo_sequence = n / 2 * 2;
   block.echo_sent_ns = 5'000'000'000'000 + block.echo_sequence * kBlock_ns;
   samples::fill(random, block.payload, 30 + n % 5);
-  const std::array<std::uint8_t, 10> prefix{0x30, 0x21, 0x3c, 0xb1, 0, 0x0f, 0x42, 0x40,
-                                            static_cast<std::uint8_t>((n + 9) >> 8), static_cast<std::uint8_t>(n + 9)};
+  const std::array<std::uint8_t, 10> prefix{0x30,
+                                            0x21,
+                                            0x3c,
+                                            0xb1,
+                                            0,
+                                            0x0f,
+                                            0x42,
+                                            0x40,
+                                            static_cast<std::uint8_t>((n + 9) >> 8),
+                                            static_cast<std::uint8_t>(n + 9)};
   std::copy(prefix.begin(), prefix.end(), block.payload.bytes.begin());
   return block;
 }
@@ -141,7 +150,8 @@ TEST(HeaderCompression, WhoComesLateIgnoresWhatItCannotRestore) {
   Wire<StateBlock> wire;
   StateBlock back;
   for (std::uint32_t n = 1; n <= 40; ++n) (void)wire.sent(state(n));
-  for (std::uint32_t n = 41; n < 64; ++n) EXPECT_EQ(wire.got(wire.sent(state(n)), back), Verdict::kUnknownSet) << n;
+  for (std::uint32_t n = 41; n < 64; ++n)
+    EXPECT_EQ(wire.got(wire.sent(state(n)), back), Verdict::kUnknownSet) << n;
   EXPECT_EQ(wire.got(wire.sent(state(64)), back), Verdict::kGood) << "every 32nd has its set";
   EXPECT_TRUE(samples::same(back, state(64)));
   EXPECT_EQ(wire.got(wire.sent(state(65)), back), Verdict::kGood);
@@ -236,7 +246,8 @@ TEST(HeaderCompression, BoundsAreKept) {
   CommandBlock block = command(0);
   block.payload.size = Payload::kCapacity + 1;
   EXPECT_TRUE(wire.sent(block).empty());
-  for (const double wrong : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), 200.0}) {
+  for (const double wrong :
+       {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), 200.0}) {
     block = command(0);
     block.anchor.position_m.x() = wrong;
     EXPECT_TRUE(wire.sent(block).empty()) << wrong;
@@ -258,13 +269,19 @@ TEST(HeaderCompression, TheLastOfEachEnumerationIsTakenAndTheNextIsDamage) {
   };
   EXPECT_EQ(interlock(kLastInterlock), Verdict::kGood);
   EXPECT_EQ(interlock(after(kLastInterlock)), Verdict::kDamaged);
-  const auto mode = [&](SlaveMode value) { return verdict(state(0), [&](StateBlock& b) { b.mode = value; }); };
+  const auto mode = [&](SlaveMode value) {
+    return verdict(state(0), [&](StateBlock& b) { b.mode = value; });
+  };
   EXPECT_EQ(mode(SlaveMode::kStopped), Verdict::kGood);
   EXPECT_EQ(mode(after(SlaveMode::kStopped)), Verdict::kDamaged);
-  const auto reason = [&](HoldReason value) { return verdict(state(0), [&](StateBlock& b) { b.reason = value; }); };
+  const auto reason = [&](HoldReason value) {
+    return verdict(state(0), [&](StateBlock& b) { b.reason = value; });
+  };
   EXPECT_EQ(reason(HoldReason::kStopped), Verdict::kGood);
   EXPECT_EQ(reason(after(HoldReason::kStopped)), Verdict::kDamaged);
-  const auto beta = [&](double value) { return verdict(command(0), [&](CommandBlock& b) { b.beta = value; }); };
+  const auto beta = [&](double value) {
+    return verdict(command(0), [&](CommandBlock& b) { b.beta = value; });
+  };
   EXPECT_EQ(beta(0.5), Verdict::kGood);
   EXPECT_EQ(beta(std::numeric_limits<double>::quiet_NaN()), Verdict::kDamaged);
 }
@@ -272,7 +289,8 @@ TEST(HeaderCompression, TheLastOfEachEnumerationIsTakenAndTheNextIsDamage) {
 TEST(HeaderCompression, AnotherContractIsForeign) {
   Wire<CommandBlock> wire;
   CommandBlock back;
-  EXPECT_EQ(wire.receiver.restore(wire.sent(command(0)), kMaster, kContract + 1, back), Verdict::kForeignContract);
+  EXPECT_EQ(wire.receiver.restore(wire.sent(command(0)), kMaster, kContract + 1, back),
+            Verdict::kForeignContract);
 }
 
 TEST(HeaderCompression, SendersAreKeptApartAndStrangersMakeNobodyForgotten) {
