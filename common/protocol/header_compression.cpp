@@ -20,6 +20,15 @@ constexpr std::size_t kMaxFieldBytes = 96;
 const Payload* force_of(const CommandBlock& /*block*/) noexcept { return nullptr; }
 const Payload* force_of(const StateBlock& block) noexcept { return &block.force; }
 
+/// Whether a block carries its set: at first and after a change some in a row and then now and then, and
+/// always after as many samples.
+bool carries_set(std::uint32_t number, int samples, int since_change) noexcept {
+  if (since_change < kSetRepeats) return true;
+  if (since_change < kSetEverySamples / 16 && since_change % (2 * kSetRepeats) == 0) return true;
+  return number % static_cast<std::uint32_t>(samples == 0 ? 32 : std::max(1, kSetEverySamples / samples)) ==
+         0;
+}
+
 /// Of everything that the receiver is to have: the set, the fields in whole, the payloads.
 template <class Block, class Fields>
 std::uint32_t checksum_of(std::span<const std::uint8_t> set, const Fields& fields,
@@ -101,18 +110,18 @@ std::span<const std::uint8_t> HeaderCompressor<Block>::compress(const Block& blo
     set_ = room;
     set_size_ = set.written().size();
     tag_ = static_cast<std::uint8_t>((tag_ + 1U) & kTagBits);
-    repeats_ = kSetRepeats;
+    since_change_ = 0;
   }
-  const bool with_set = repeats_ > 0 || fields->number % kSetEvery == 0;
-  if (repeats_ > 0) --repeats_;
+  Block scratch;
+  ByteReader own(set.written());
+  const auto frame = get_set(own, scratch);
+  const bool with_set = carries_set(fields->number, frame ? frame->payload.samples() : 0, since_change_);
+  since_change_ = std::min(since_change_ + 1, kSetEverySamples);
 
   std::array<std::uint8_t, kMaxFieldBytes> told_room;
   std::uint8_t form = tag_;
   std::span<const std::uint8_t> told;
   if (!with_set) {
-    Block scratch;
-    ByteReader own(set.written());
-    const auto frame = get_set(own, scratch);
     for (const bool near : {fields->number % kFarEvery != 0, false}) {
       ByteWriter shorter(told_room);
       const ShortForm wanted_form = wanted(*fields, near);

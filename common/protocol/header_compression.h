@@ -14,9 +14,10 @@
 
 namespace telekerf {
 
-/// Every block of such a number carries its set, and
-inline constexpr std::uint32_t kSetEvery = 32;
-/// so many blocks after each change of it do.
+/// A block carries its set after so many samples (of 16 a block: with every number that is a multiple of 32),
+/// and
+inline constexpr int kSetEverySamples = 512;
+/// so many blocks after each change of it do; of the next 28 every 8th.
 inline constexpr int kSetRepeats = 4;
 /// A block is told beside any of so many before it: whichever of them the receiver had last, it is restored.
 inline constexpr std::size_t kWindow = 8;
@@ -46,7 +47,7 @@ class HeaderCompressor {
   std::array<std::uint8_t, kMaxSetBytes> set_{};
   std::size_t set_size_ = 0;
   std::uint8_t tag_ = 0;
-  int repeats_ = 0;
+  int since_change_ = 0;  ///< blocks
   std::array<Fields, kWindow> sent_{};
   std::size_t count_ = 0;
 };
