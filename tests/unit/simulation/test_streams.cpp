@@ -52,7 +52,7 @@ TEST_P(CommandStreamOnTheWire, IsFarBelowRawAndTracksLikeIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Codings, CommandStreamOnTheWire,
-                         testing::Values(Coding{16, 1, 7.2, 0.68}, Coding{32, 2, 12.0, 1.22}));
+                         testing::Values(Coding{16, 1, 11.0, 0.68}, Coding{32, 2, 20.0, 1.22}));
 
 TEST(CodecPage, TheCommandStreamCostsAndTracksAsItSays) {
   const auto page = reporting::read_table(TELEKERF_CODEC_PAGE, "stream");
