@@ -2,6 +2,7 @@
 #include "common/geometry/cutting_order.h"
 
 #include <algorithm>
+#define BOOST_ALLOW_DEPRECATED_HEADERS  // Boost 1.74 includes its own old names
 #include <boost/geometry.hpp>
 #include <boost/geometry/index/rtree.hpp>
 #include <cmath>

@@ -64,4 +64,16 @@ tl::expected<Polyline, std::string> compensated(const Polyline& contour, double 
   return out;
 }
 
+std::string passed_by(const Polyline& contour, const Polyline& moved, double kerf_m) {
+  if (!contour.closed || moved.size() < 2 || !(kerf_m > 0.0)) return {};
+  const NearestIndex index(moved);
+  double deepest = 0.0;
+  for (const Vec2& p : resampled(contour, 0.25 * kerf_m).points_m)
+    deepest = std::max(deepest, index.find(p).distance_m);
+  if (deepest <= 1.5 * kerf_m) return {};
+  return fmt::format(
+      "a slot or notch narrower than the kerf of {:g} mm is not cut; the deepest is {:.2f} mm deep",
+      kerf_m * 1e3, deepest * 1e3);
+}
+
 }  // namespace telekerf::geometry

@@ -14,4 +14,8 @@ namespace telekerf::geometry {
 /// error, one sentence: the contour is somewhere narrower than the kerf.
 tl::expected<Polyline, std::string> compensated(const Polyline& contour, double kerf_m, bool hole);
 
+/// Where the contour's slots and notches are narrower than the kerf the moved line passes them by. One
+/// sentence that says how deep the deepest is; empty where none is deeper than 1.5 times the kerf.
+std::string passed_by(const Polyline& contour, const Polyline& moved, double kerf_m);
+
 }  // namespace telekerf::geometry

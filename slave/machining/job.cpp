@@ -110,11 +110,14 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
   const std::vector<bool> holes = geometry::holes(contours);
   std::vector<TimedPath> plans;
   std::vector<geometry::Polyline> lines;
+  std::vector<std::string> warnings;
   std::vector<Vec2> all;
   double length_m = 0.0;
   for (const std::size_t which : *order) {
     auto line = geometry::compensated(contours[which], settings.kerf_m, holes[which]);
     if (!line) return tl::unexpected(line.error());
+    if (const std::string what = geometry::passed_by(contours[which], *line, settings.kerf_m); !what.empty())
+      warnings.push_back(fmt::format("contour {}: {}", which, what));
     lines.push_back(std::move(*line));
     auto plan = make_timed_path(lines.back(), settings.plan);
     if (!plan) return tl::unexpected(plan.error());
@@ -150,6 +153,7 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
              std::move(*order),
              std::move(plans),
              std::move(lines),
+             std::move(warnings),
              1.0 / settings.plan.control_hz,
              length_m};
 }

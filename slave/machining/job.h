@@ -3,6 +3,7 @@
 // return.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "slave/machining/timed_path.h"
@@ -28,6 +29,7 @@ struct Job {
   std::vector<std::size_t> order;         ///< the contours' numbers as they are cut
   std::vector<TimedPath> plans;           ///< in that order
   std::vector<geometry::Polyline> lines;  ///< what each of them cuts: the contour, moved by half the kerf
+  std::vector<std::string> warnings;      ///< what of the contours is not cut
   double period_s = 0.0;
   double cut_length_m = 0.0;
   double time_s() const noexcept { return period_s * static_cast<double>(trajectory.size()); }

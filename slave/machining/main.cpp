@@ -110,6 +110,7 @@ int run(const Flags& flags) {
     status.say(fmt::format("warning: {} of {} contours are open, which --kerf-um does not move", open,
                            job->lines.size()));
   }
+  for (const std::string& warning : job->warnings) status.say("warning: " + warning);
   if (flags.dry_run) {
     print_plan(*job);
     return 0;

@@ -147,6 +147,7 @@ int inspect(const ContourOptions& o) {
   if (!o.origin_mm.empty()) settings.origin_m = 1e-3 * Vec2(o.origin_mm[0], o.origin_mm[1]);
   const auto gcode = vision::to_gcode(loaded->contours, settings);
   if (!gcode) throw input_error(fmt::format("{}: {}", o.input, gcode.error()));
+  for (const std::string& warning : gcode->warnings) std::cerr << "warning: " << warning << '\n';
   const auto open = std::count_if(loaded->contours.begin(), loaded->contours.end(),
                                   [](const geometry::Polyline& contour) { return !contour.closed; });
   if (o.kerf_um > 0.0 && open > 0) {
@@ -175,6 +176,7 @@ int inspect(const ContourOptions& o) {
   json["list"] = list_of(*loaded);
   json["cutting_time_s"] = gcode->cutting_time_s;
   json["travel_m"] = gcode->travel_m;
+  json["warnings"] = gcode->warnings;
 
   const std::filesystem::path out(o.out);
   make_folder("--out", out);

@@ -19,12 +19,15 @@ namespace {
 
 /// The contours as the program moves along them: compensated for the kerf, seen from its origin.
 tl::expected<std::vector<geometry::Polyline>, std::string> prepared(
-    std::span<const geometry::Polyline> contours, const GCodeSettings& settings) {
+    std::span<const geometry::Polyline> contours, const GCodeSettings& settings,
+    std::vector<std::string>& warnings) {
   std::vector<geometry::Polyline> out(contours.begin(), contours.end());
   const std::vector<bool> holes = geometry::holes(out);
   for (std::size_t i = 0; i < out.size(); ++i) {
     auto moved = geometry::compensated(out[i], settings.kerf_m, holes[i]);
     if (!moved) return tl::unexpected(fmt::format("contour {}: {}", i, moved.error()));
+    if (const std::string what = geometry::passed_by(out[i], *moved, settings.kerf_m); !what.empty())
+      warnings.push_back(fmt::format("contour {}: {}", i, what));
     out[i] = std::move(*moved);
     for (Vec2& p : out[i].points_m) p -= settings.origin_m;
   }
@@ -81,11 +84,11 @@ struct Writer {
 
 tl::expected<GCode, std::string> to_gcode(std::span<const geometry::Polyline> contours,
                                           const GCodeSettings& settings) {
-  const auto prepared_lines = prepared(contours, settings);
+  GCode out;
+  const auto prepared_lines = prepared(contours, settings, out.warnings);
   if (!prepared_lines) return tl::unexpected(prepared_lines.error());
   const std::vector<geometry::Polyline>& all = *prepared_lines;
   const geometry::CuttingOrder cut = geometry::cutting_order(all);
-  GCode out;
   out.travel_m = cut.travel_m;
   double length = 0.0;
   std::vector<Vec2> points;

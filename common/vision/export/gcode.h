@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "common/geometry/polyline.h"
 
@@ -26,6 +27,7 @@ struct GCode {
   std::string text;
   double cutting_time_s = 0.0;  ///< at constant speeds; corners take a little longer
   double travel_m = 0.0;
+  std::vector<std::string> warnings;  ///< what of the contours is not cut
 };
 /// Millimetres, inner contours first, short travel. M4 lets the controller hold the laser's power
 /// proportional to the true speed, so that corners and ends get no more energy than the rest; the beam is off

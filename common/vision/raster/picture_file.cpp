@@ -88,6 +88,12 @@ bool is_cut_jpeg(std::ifstream& file) {
   return true;
 }
 
+bool is_tiff(std::ifstream& file) {
+  const auto head = bytes_at<4>(file, 0);
+  return (head[0] == 'I' && head[1] == 'I' && head[2] == '*') ||
+         (head[0] == 'M' && head[1] == 'M' && head[3] == '*');
+}
+
 /// Decoders talk on stderr; what there is to say is in our own sentence.
 class Silence {
  public:
@@ -240,7 +246,7 @@ tl::expected<Picture, std::string> read_picture(const std::string& path) {
     cv::resize(out.image, out.image, {}, share, share, cv::INTER_AREA);
   }
   const PictureTags tags = tags_of(file);
-  out.image = turned(out.image, tags.orientation);
+  if (!is_tiff(file)) out.image = turned(out.image, tags.orientation);  // that decoder has turned it
   out.dpi = tags.dpi;
   if (static_cast<double>(out.image.total()) > kMax_px) {
     return tl::unexpected(

@@ -43,6 +43,8 @@ class DrawnLines {
   std::size_t count() const { return lines_.size(); }
   const geometry::Polyline& line(std::size_t k) const { return lines_[k]; }
   void leave_out(std::size_t k, const std::string& why) { why_[k] = why; }
+  /// A place of the file, in metres as the lines are.
+  Vec2 placed(const Vec2& in_file) const { return metres_.cwiseProduct(in_file); }
   bool is_kept(std::size_t k) const { return why_[k].empty(); }
 
   /// All lines, those joined that meet; the error names the `format` where it is that there are none.

@@ -28,18 +28,18 @@ class LineGraph {
     for (const std::size_t line : edges_) {
       ends.push_back(lines_[line].points_m.front());
       ends.push_back(lines_[line].points_m.back());
+      length_.push_back(geometry::length_m(lines_[line]));
     }
-    const EndPoints merged_ends = merged(ends, tolerance);
+    const EndPoints merged_ends = merged(ends, length_, tolerance);
     node_of_ = merged_ends.node_of;
     leaving_.resize(merged_ends.at.size());
     for (std::size_t half = 0; half < node_of_.size(); ++half) leaving_[node_of_[half]].push_back(half);
     used_.assign(edges_.size(), false);
     for (std::size_t e = 0; e < edges_.size(); ++e) {
       auto& points = lines_[edges_[e]].points_m;
-      length_.push_back(geometry::length_m(lines_[edges_[e]]));
       const std::size_t from = node_of_[2 * e];
       const std::size_t to = node_of_[2 * e + 1];
-      if (from == to && length_.back() <= 2.0 * tolerance) {  // shorter than can be told
+      if (!(length_[e] > 0.0)) {  // a point
         used_[e] = true;
         const bool alone = leaving_[from].size() == 2;
         if (!alone) continue;
@@ -64,6 +64,8 @@ class LineGraph {
   std::size_t node(std::size_t half) const { return node_of_[half]; }
   static std::size_t other(std::size_t half) { return half ^ 1U; }
   static std::size_t edge(std::size_t half) { return half / 2; }
+
+  bool is_short(std::size_t half) const { return length_[edge(half)] <= 2.0 * tolerance_; }
 
   /// From the node into the line, some way on, so that a rounded end does not mislead.
   Vec2 direction(std::size_t half) const {
@@ -242,7 +244,9 @@ class LineGraph {
     const auto consider = [&](std::size_t i, std::size_t j) {
       if (i == j || edge(by_angle[i].second) == edge(by_angle[j].second)) return;
       const double apart = std::abs(by_angle[i].first - by_angle[j].first);
-      candidates.emplace_back(std::abs(M_PI - std::min(apart, 2.0 * M_PI - apart)), i, j);
+      // What is shorter than ends lie apart has no direction: it is taken last.
+      const double last = is_short(by_angle[i].second) || is_short(by_angle[j].second) ? M_PI : 0.0;
+      candidates.emplace_back(last + std::abs(M_PI - std::min(apart, 2.0 * M_PI - apart)), i, j);
     };
     constexpr std::size_t kFew = 40;  // all pairs; of more only those that lie about opposite
     for (std::size_t i = 0; i < n; ++i) {

@@ -16,7 +16,7 @@ namespace telekerf::vision {
 /// Bounds that keep a hostile file from filling memory or time.
 struct VectorLimits {
   double chord_error_m = 0.1e-6;  ///< largest distance of a curve from its polyline
-  std::size_t max_points = 2'000'000;
+  std::size_t max_points = 6'000'000;
   std::size_t max_bytes = 64'000'000;
 };
 

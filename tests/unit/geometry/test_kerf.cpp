@@ -110,5 +110,27 @@ TEST(Kerf, WhatIsNarrowerThanTheKerfIsRefused) {
   EXPECT_FALSE(compensated(rooms, 4e-3, true)) << "nothing is left of it";
 }
 
+TEST(Kerf, WhatTheBeamCannotEnterIsSaid) {
+  // A plate of 20 x 10 mm with a slot 5 mm deep.
+  const auto plate = [](double slot_m) {
+    return Polyline{{{0, 0},
+                     {20e-3, 0},
+                     {20e-3, 10e-3},
+                     {10e-3 + slot_m, 10e-3},
+                     {10e-3 + slot_m, 5e-3},
+                     {10e-3, 5e-3},
+                     {10e-3, 10e-3},
+                     {0, 10e-3}},
+                    true};
+  };
+  const double kerf = 0.2e-3;
+  EXPECT_EQ(passed_by(plate(0.1e-3), *compensated(plate(0.1e-3), kerf, false), kerf),
+            "a slot or notch narrower than the kerf of 0.2 mm is not cut; the deepest is 5.09 mm deep");
+  EXPECT_EQ(passed_by(plate(0.4e-3), *compensated(plate(0.4e-3), kerf, false), kerf), "");
+  const Polyline open{{{0, 0}, {1, 0}}, false};
+  EXPECT_EQ(passed_by(open, open, kerf), "");
+  EXPECT_EQ(passed_by(plate(0.1e-3), plate(0.1e-3), 0.0), "");
+}
+
 }  // namespace
 }  // namespace telekerf::geometry

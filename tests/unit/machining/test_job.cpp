@@ -74,6 +74,23 @@ TEST(Job, ChosenContoursKeepTheirNumbersAndAHoleChosenAloneIsStillOne) {
   }
 }
 
+TEST(Job, ASlotThatTheBeamCannotEnterIsSaid) {
+  geometry::Polyline plate = square(10e-3);
+  plate.points_m.insert(plate.points_m.begin() + 1,
+                        {{-0.05e-3, -5e-3}, {-0.05e-3, 0}, {0.05e-3, 0}, {0.05e-3, -5e-3}});
+  JobSettings settings;
+  settings.kerf_m = 0.2e-3;
+  settings.select = {1};
+  const auto job = make_job({square(20e-3), plate}, settings);
+  ASSERT_TRUE(job) << job.error();
+  EXPECT_TRUE(job->warnings.empty()) << "a hole is moved inwards: its tongue is cut";
+  settings.select = {};
+  const auto piece = make_job({plate}, settings);
+  ASSERT_TRUE(piece) << piece.error();
+  ASSERT_EQ(piece->warnings.size(), 1u);
+  EXPECT_EQ(piece->warnings[0].find("contour 0: a slot or notch"), 0u) << piece->warnings[0];
+}
+
 TEST(Job, FramingStaysWithinReach) {
   JobSettings settings;
   settings.reach_m = 6e-3;

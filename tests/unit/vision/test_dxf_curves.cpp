@@ -155,16 +155,70 @@ TEST(DxfBulges, AreArcsOfFourTimesTheirAngle) {
 
 TEST(DxfEntities, WhatHasNoSizeDrawsNothing) {
   const std::string line = "0\nLINE\n10\n1\n20\n1\n11\n4\n21\n5\n";
-  for (const char* nothing :
-       {"0\nCIRCLE\n40\n0\n", "0\nARC\n40\n-1\n50\n0\n51\n90\n", "0\nLINE\n10\n3\n11\n3\n",
-        "0\nLWPOLYLINE\n10\n1\n20\n2\n70\n1\n", "0\nATTDEF\n10\n1\n", "0\nCIRCLE\n40\n1\n60\n1\n"}) {
+  const std::string at = "10\n3\n20\n3\n";
+  for (const auto& [nothing, named] :
+       {std::pair("0\nCIRCLE\n" + at + "40\n0\n", "1 CIRCLE without a radius"),
+        {"0\nARC\n" + at + "40\n-1\n50\n0\n51\n90\n", "1 ARC without a radius"},
+        {"0\nLINE\n" + at + "11\n3\n21\n3\n", ""},
+        {"0\nLWPOLYLINE\n10\n1\n20\n2\n70\n1\n", ""},
+        {"0\nATTDEF\n10\n1\n", ""},
+        {"0\nCIRCLE\n" + at + "40\n1\n60\n1\n", ""}}) {
     const auto out = read_dxf(entities(nothing + line));
     ASSERT_TRUE(out) << nothing;
     EXPECT_EQ(out->contours.size(), 1u) << nothing;
-    EXPECT_TRUE(out->unsupported.empty()) << nothing;
+    EXPECT_EQ(out->unsupported.sentence(), named) << nothing;
   }
-  // A full circle of 2 mm at a magnification of nothing.
-  EXPECT_FALSE(read_dxf(entities("0\nCIRCLE\n40\n0\n")));
+  EXPECT_FALSE(read_dxf(entities("0\nCIRCLE\n" + at + "40\n0\n")));
+}
+
+TEST(DxfEntities, WhatIsDamagedIsRefusedAndSaysWhere) {
+  const std::string whole = entities("0\nLINE\n10\n1\n20\n1\n11\n4\n21\n5\n");
+  ASSERT_TRUE(read_dxf(whole));
+  // Cut off anywhere within the section it is not taken for a drawing; a file without its last line is.
+  const std::size_t section = whole.find("LINE");
+  const std::size_t end = whole.find("0\nENDSEC");
+  for (std::size_t size = section; size < end; ++size) EXPECT_FALSE(read_dxf(whole.substr(0, size))) << size;
+  EXPECT_TRUE(read_dxf(whole.substr(0, whole.find("0\nEOF"))));
+  for (const char* number : {"1,5", "2O", "20mm", "0x14", "1 2"}) {
+    const auto out = read_dxf(entities(fmt::format("0\nLINE\n10\n1\n20\n{}\n11\n4\n21\n5\n", number)));
+    ASSERT_FALSE(out) << number;
+    EXPECT_NE(out.error().find(number), std::string::npos) << out.error();
+  }
+  for (const auto& [entity, group] : {std::pair("LINE\n10\n1\n20\n1\n21\n5\n", 11),
+                                      {"LINE\n20\n1\n11\n2\n21\n5\n", 10},
+                                      {"CIRCLE\n10\n0\n20\n0\n", 40},
+                                      {"ARC\n10\n0\n20\n0\n40\n1\n50\n3\n", 51}}) {
+    const auto out = read_dxf(entities(fmt::format("0\n{}", entity)));
+    ASSERT_FALSE(out) << entity;
+    EXPECT_NE(out.error().find(fmt::format("no group {}:", group)), std::string::npos) << out.error();
+  }
+}
+
+TEST(DxfEntities, DashedLinesAreSaidToBeCutWhole) {
+  const std::string tables =
+      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n0\nLAYER\n2\nA\n70\n0\n6\nHIDDEN2\n0\nLAYER\n2\nB\n70\n0\n6"
+      "\nContinuous\n0\nENDTAB\n0\nENDSEC\n";
+  const auto notes = [&](const std::string& words) {
+    const auto out = read_dxf(entities("0\nLINE\n" + words + "10\n1\n20\n1\n11\n4\n21\n5\n", tables));
+    EXPECT_TRUE(out) << words;
+    std::string all;
+    for (const std::string& note : out->notes) all += note;
+    return all;
+  };
+  const std::string said = "1 dashed lines are cut whole (line type)";
+  for (const char* dashed : {"8\na\n", "8\nB\n6\nDASHED\n", "8\nA\n6\nByLayer\n"})
+    EXPECT_NE(notes(dashed).find(said), std::string::npos) << dashed;
+  for (const char* whole : {"8\nB\n", "8\nA\n6\nCONTINUOUS\n", "8\nC\n"})
+    EXPECT_EQ(notes(whole).find(said), std::string::npos) << whole;
+}
+
+TEST(DxfBlocks, AreFoundInAnyCapitals) {
+  const auto out = read_dxf(
+      "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nPart\n10\n0\n20\n0\n0\nLINE\n10\n1\n20\n1\n11\n4\n21\n5\n0\nENDBLK"
+      "\n0\nENDSEC\n" +
+      entities("0\nINSERT\n2\nPART\n10\n0\n20\n0\n"));
+  ASSERT_TRUE(out) << out.error();
+  EXPECT_EQ(out->contours.size(), 1u);
 }
 
 TEST(DxfEntities, WhatRisesOutOfThePlaneIsNamedAndNotProjected) {

@@ -92,6 +92,36 @@ TEST(OneContour, GapsWithinTheToleranceAreNone) {
   }
 }
 
+TEST(OneContour, CurvesOfLinesShorterThanTheToleranceStayCurves) {
+  const double tolerance = 1e-5;
+  for (const double side : {1e-5, 0.8e-5, 3e-6, 1.5e-5}) {
+    std::vector<Polyline> circle;
+    const int n = static_cast<int>(2.0 * M_PI * 1e-3 / side);
+    const auto at = [&](int i) {
+      return Vec2(1e-3 * std::cos(2.0 * M_PI * i / n), 1e-3 * std::sin(2.0 * M_PI * i / n));
+    };
+    for (int i = 0; i < n; ++i) circle.push_back(line(at(i), at((i + 1) % n)));
+    const auto out = joined(circle, tolerance);
+    ASSERT_EQ(out.lines.size(), 1u) << side;
+    EXPECT_TRUE(out.lines[0].closed) << side;
+    EXPECT_EQ(out.lines[0].size(), circle.size()) << side;
+    EXPECT_NEAR(geometry::length_m(out.lines[0]), 2.0 * M_PI * 1e-3, 1e-7) << side;
+  }
+  // A gap bridged by a sliver is bridged once.
+  const auto sliver = joined(
+      {line({0, 0}, {1, 0}), line({1 + 1e-6, 0}, {1 + 4e-6, 0}), line({1 + 5e-6, 0}, {2, 0})}, tolerance);
+  ASSERT_EQ(sliver.lines.size(), 1u);
+  EXPECT_FALSE(sliver.lines[0].closed);
+  EXPECT_EQ(sliver.lines[0].size(), 4u);
+  // Lines side by side do not hang on each other for more than twice the tolerance.
+  std::vector<Polyline> hatch;
+  for (int i = 0; i < 20; ++i) hatch.push_back(line({i * 0.9e-5, 0}, {i * 0.9e-5, 1}));
+  for (const Polyline& l : joined(hatch, tolerance).lines) {
+    for (const Vec2& p : l.points_m)
+      EXPECT_LE(std::abs(p.x() - 0.9e-5 * std::round(p.x() / 0.9e-5)), 1e-5 + 1e-12);
+  }
+}
+
 TEST(OneContour, LinesOnEachOtherAreCutOnce) {
   const Polyline square{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, true};
   Polyline turned{{{1, 1}, {1, 0}, {0, 0}, {0, 1}}, true};
@@ -162,10 +192,10 @@ TEST(DxfLayers, WhatIsNotShownOrNotPlottedIsLeftOutAndNamed) {
     ASSERT_EQ(d->left_out.size(), 1u);
     EXPECT_NE(d->left_out[0].why.find(name), std::string::npos) << d->left_out[0].why;
   }
-  const auto points = read_dxf(dxf_of("", seen + "0\nLINE\n8\nDefpoints\n11\n9\n21\n9\n"));
+  const auto points = read_dxf(dxf_of("", seen + "0\nLINE\n8\nDefpoints\n10\n0\n20\n0\n11\n9\n21\n9\n"));
   EXPECT_EQ(points->contours.size(), 1u);
-  const auto chosen =
-      read_dxf(dxf_of("", seen + "0\nLINE\n8\nA\n62\n1\n11\n90\n21\n90\n"), {}, {.colours = {"1"}});
+  const auto chosen = read_dxf(dxf_of("", seen + "0\nLINE\n8\nA\n62\n1\n10\n0\n20\n0\n11\n90\n21\n90\n"), {},
+                               {.colours = {"1"}});
   ASSERT_TRUE(chosen);
   EXPECT_FALSE(chosen->contours.at(0).closed);
 }

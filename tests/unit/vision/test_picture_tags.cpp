@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/vision/load.h"
@@ -41,6 +43,26 @@ std::string with_orientation(std::string jpeg, int orientation) {
   return jpeg.insert(2, segment + body);
 }
 
+/// A TIFF file of grey pixels, 8 or 16 bits, that states its orientation.
+std::string tiff_of(const cv::Mat& image, int orientation) {
+  const auto bytes = [](std::uint32_t value, int count) {
+    std::string out;
+    for (int i = 0; i < count; ++i) out += static_cast<char>(value >> 8 * i & 0xFFU);
+    return out;
+  };
+  const auto size = static_cast<std::uint32_t>(image.total() * image.elemSize());
+  std::string out = "II*" + std::string(1, '\0') + bytes(8 + size, 4);
+  out.append(reinterpret_cast<const char*>(image.data), size);
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>> tags{
+      {256, image.cols},  {257, image.rows}, {258, image.depth() == CV_16U ? 16 : 8},
+      {259, 1},           {262, 1},          {273, 8},
+      {274, orientation}, {277, 1},          {278, image.rows},
+      {279, size}};
+  out += bytes(static_cast<std::uint32_t>(tags.size()), 2);
+  for (const auto& [tag, value] : tags) out += bytes(tag, 2) + bytes(4, 2) + bytes(1, 4) + bytes(value, 4);
+  return out + bytes(0, 4);
+}
+
 TEST(PictureTags, EveryOrientationComesUpright) {
   // Dark in its upper left part: as it should be seen.
   cv::Mat upright(32, 48, CV_8UC1, cv::Scalar(250));
@@ -53,13 +75,23 @@ TEST(PictureTags, EveryOrientationComesUpright) {
     if (orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8)
       cv::flip(stored, stored, 0);
     if (orientation >= 5) cv::transpose(stored, stored);
-    const std::string file = written(".jpg", with_orientation(encoded(stored, ".jpg"), orientation));
-    const auto picture = read_picture(file);
-    std::filesystem::remove(file);
-    ASSERT_TRUE(picture) << picture.error();
-    ASSERT_EQ(picture->image.size(), upright.size()) << orientation;
-    EXPECT_LT(picture->image.at<unsigned char>(3, 4), 60) << orientation;
-    EXPECT_GT(picture->image.at<unsigned char>(28, 40), 200) << orientation;
+    cv::Mat deep;
+    stored.convertTo(deep, CV_16U, 257.0);
+    for (const auto& [ending, bytes] :
+         {std::pair(".jpg", with_orientation(encoded(stored, ".jpg"), orientation)),
+          {".tif", tiff_of(stored, orientation)},
+          {".tif", tiff_of(deep, orientation)}}) {
+      const std::string file = written(ending, bytes);
+      const auto picture = read_picture(file);
+      std::filesystem::remove(file);
+      ASSERT_TRUE(picture) << picture.error();
+      cv::Mat seen;
+      picture->image.convertTo(seen, CV_8U, picture->image.depth() == CV_16U ? 1.0 / 257.0 : 1.0);
+      cv::extractChannel(seen, seen, 0);
+      ASSERT_EQ(seen.size(), upright.size()) << ending << orientation;
+      EXPECT_LT(seen.at<unsigned char>(3, 4), 60) << ending << orientation;
+      EXPECT_GT(seen.at<unsigned char>(28, 40), 200) << ending << orientation;
+    }
   }
 }
 

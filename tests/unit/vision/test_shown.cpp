@@ -92,6 +92,75 @@ TEST(Shown, WhatIsShownIsCut) {
   EXPECT_NEAR(length_mm(*open), 25.0, 1e-6);
 }
 
+TEST(Shown, SheetsForOthersHideNothing) {
+  const std::string hides = ".x{display:none}</style>";
+  const std::string rect = "<rect class='x' width='9' height='9'/>";
+  const auto cut = [&](const std::string& body) {
+    const auto d = read(body + kSeen);
+    EXPECT_TRUE(d) << body;
+    return d->left_out.empty();
+  };
+  for (const char* style : {"<style media='print'>", "<style type='text/less'>"})
+    EXPECT_TRUE(cut(style + hides + rect)) << style;
+  for (const char* style :
+       {"<style>", "<style media='screen'>", "<style media='all' type='text/css'>", "<style type=''>"})
+    EXPECT_FALSE(cut(style + hides + rect)) << style;
+  EXPECT_TRUE(cut("<rect style='display:none;display:inline' width='9' height='9'/>"));
+  EXPECT_FALSE(cut("<rect style='display:none;display:foo bar' width='9' height='9'/>"));
+  const auto elsewhere = read_svg(
+      "<?xml version='1.0'?><?xml-stylesheet href='a.css'?><svg width='9mm' height='9mm'>" + rect + "</svg>");
+  ASSERT_FALSE(elsewhere);
+  EXPECT_NE(elsewhere.error().find("xml-stylesheet"), std::string::npos);
+}
+
+TEST(Shown, AWindowShowsWhatLiesWithinIt) {
+  // A shape that fills its symbol, one beside it, one that is let out.
+  const auto left_out = [&](const std::string& body) {
+    const auto d = read(body + kSeen);
+    EXPECT_TRUE(d) << body << d.error();
+    return d ? d->left_out.size() : 99;
+  };
+  EXPECT_EQ(left_out("<symbol id='s' viewBox='0 0 4 4'><rect width='4' height='4'/></symbol><use href='#s' "
+                     "width='9' height='9'/>"),
+            0u);
+  EXPECT_EQ(left_out("<symbol id='s' viewBox='0 0 4 4'><rect x='5' width='4' height='4'/></symbol><use "
+                     "href='#s' width='9' height='9'/>"),
+            1u);
+  EXPECT_EQ(left_out("<svg width='9' height='9' overflow='visible'><circle cx='9' cy='3' r='2'/></svg>"), 0u);
+  EXPECT_EQ(
+      left_out("<svg width='9' height='9' style='overflow:visible'><circle cx='20' cy='3' r='2'/></svg>"),
+      0u);
+}
+
+TEST(Shown, ThePagesSizeInAStyleIsNotPassedOver) {
+  const std::string rest = "viewBox='0 0 90 90'><rect width='9' height='9'/></svg>";
+  for (const char* style : {"style='width:90mm' ", "width='90mm' style='height:50mm' "}) {
+    const auto d = read_svg(std::string("<svg ") + style + rest);
+    ASSERT_FALSE(d) << style;
+    EXPECT_NE(d.error().find("in a style"), std::string::npos) << d.error();
+  }
+  for (const char* same : {"width='90mm' style='width:90mm' ", "width='90mm' style='width:100%' ",
+                           "width='90mm' style='enable-background:new' "})
+    EXPECT_TRUE(read_svg(std::string("<svg ") + same + rest)) << same;
+}
+
+TEST(Shown, WhiteIsWhiteInEveryNotation) {
+  for (const char* white : {"white", "#fff", "rgb(255,255,255)", "rgb(100%,100%,100%)", "hsl(0,0%,100%)",
+                            "hsl(77deg 20% 100%)"}) {
+    const auto d =
+        read_svg(fmt::format("<svg width='90mm' height='90mm' viewBox='0 0 90 90'><rect width='90' "
+                             "height='90' fill='{}'/><circle cx='40' cy='40' r='9'/></svg>",
+                             white));
+    ASSERT_TRUE(d) << white;
+    EXPECT_EQ(d->left_out.size(), 1u) << white;
+  }
+  const auto red = read_svg(
+      "<svg width='90mm' height='90mm' viewBox='0 0 90 90'><rect width='90' height='90' "
+      "fill='hsl(0,100%,50%)'/></svg>");
+  ASSERT_TRUE(red);
+  EXPECT_EQ(red->pens.at(0).colour, "#ff0000");
+}
+
 TEST(Shown, WhatCannotBeFollowedAndMattersIsRefusedByName) {
   for (const auto& [body, word] : {
            std::pair("<style>rect:nth-last-child(2){display:none}</style>", "nth-last-child"),
@@ -103,7 +172,16 @@ TEST(Shown, WhatCannotBeFollowedAndMattersIsRefusedByName) {
            {"<rect style='transform-origin:50% 50%;transform-box:fill-box;transform:rotate(9deg)' width='9' "
             "height='9'/>",
             "transform-origin"},
+           {"<rect style='transform-box:fill-box' transform='rotate(9)' width='9' height='9'/>", "fill-box"},
            {"<rect width='9' height='9' clip-path='circle(3px)'/>", "clip-path"},
+           {"<symbol id='s' refX='3'><circle r='5'/></symbol><use href='#s'/>", "refX"},
+           {"<symbol id='s'><circle r='5'/></symbol><use href='#s' width='9' height='9'/>", "<symbol>"},
+           {"<svg width='9' height='9'><circle cx='9' cy='3' r='2'/></svg>", "<svg>"},
+           {"<clipPath id='c'><path clip-rule='evenodd' d='M0 0H90V90H0ZM20 20H60V60H20Z'/></clipPath><rect "
+            "width='9' "
+            "height='9' clip-path='url(#c)'/>",
+            "evenodd"},
+           {"<link xmlns='http://www.w3.org/1999/xhtml' rel='stylesheet' href='a.css'/>", "another file"},
            {"<clipPath id='c'><circle r='5'/></clipPath><rect width='9' height='9' clip-path='url(#c)'/>",
             "#c"},
            {"<mask id='m'><rect fill='gray' width='99' height='99'/></mask><rect width='9' height='9' "

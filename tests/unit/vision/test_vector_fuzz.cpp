@@ -18,7 +18,7 @@ const std::vector<std::string> kSvgSeeds{
     R"svg(<svg stroke="red" width="40mm" height="30mm" viewBox="0 0 400 300"><g transform="translate(10,20) rotate(30)"><circle cx="100" cy="50" r="50"/><path d="M10 10 h50 v50 h-50z m100 100 a25 25 0 1 1 50 0 a 25,25 0 11-50 0"/><rect x="2" y="1" width="5" height="2" rx="5"/></g></svg>)svg",
     R"svg(<svg stroke="red"><path d="M 0 0 C 10 10 20 10 30 0 S 50 -10 60 0 Q 70 10 80 0 T 100 0 L 1e3 2e-3 H 4 V-5 Z"/><polygon points="0,0 1,1 2,0"/></svg>)svg",
     R"svg(<svg stroke="red" viewBox="0 0 1 1" width="1in"><line x1="1cm" x2="2mm"/><ellipse rx="3" ry="2" transform="skewX(30) matrix(1 2 3 4 5 6)"/></svg>)svg",
-    R"svg(<svg stroke="red" width="9cm"><defs><symbol id="s" viewBox="0 0 4 4"><path id="p" d="M0 0L4 4"/></symbol><g id="g"><use href="#s" width="50%" height="2"/><use xlink:href="#p" x="3" y="1"/></g></defs><use href="#g"/><svg x="2" y="1" width="3" height="4" viewBox="1 1 2 2" preserveAspectRatio="xMaxYMin slice"><use href="#g" transform="rotate(5)"/></svg><text>t</text></svg>)svg"};
+    R"svg(<svg stroke="red" width="9cm"><defs><symbol id="s" viewBox="0 0 4 4"><path id="p" d="M0 0L4 4"/></symbol><g id="g"><use href="#s" width="50%" height="2"/><use xlink:href="#p" x="3" y="1"/></g></defs><use href="#g"/><svg x="2" y="1" width="3" height="4" viewBox="1 1 2 2" overflow="visible" preserveAspectRatio="xMaxYMin slice"><use href="#g" transform="rotate(5)"/></svg><text>t</text></svg>)svg"};
 const std::vector<std::string> kDxfSeeds{
     "0\nSECTION\n2\nHEADER\n9\n$"
     "INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n10\n5\n20\n5\n40\n10\n0\nARC\n10\n1\n20"

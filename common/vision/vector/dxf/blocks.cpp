@@ -70,6 +70,7 @@ class Layers {
     if (group.code == 70) flags_ = std::lround(std::clamp(take_number(digits).value_or(0.0), 0.0, 1e6));
     if (group.code == 62)
       colour_ = static_cast<int>(std::clamp(take_number(digits).value_or(7.0), -256.0, 256.0));
+    if (group.code == 6) line_type_ = group.value;
     if (group.code == 290) plotted_ = take_number(digits).value_or(1.0) != 0.0;
   }
 
@@ -78,6 +79,7 @@ class Layers {
     DxfLayer layer;
     layer.frozen = (flags_ & 1) != 0;
     layer.colour = std::abs(colour_);
+    layer.dashed = is_dashed(line_type_);
     if (layer.frozen) {
       layer.why_hidden = "on the frozen layer " + name_;
     } else if (colour_ < 0) {
@@ -90,6 +92,7 @@ class Layers {
     flags_ = 0;
     colour_ = 7;
     plotted_ = true;
+    line_type_ = {};
   }
 
  private:
@@ -99,12 +102,13 @@ class Layers {
   long flags_ = 0;
   int colour_ = 7;
   bool plotted_ = true;
+  std::string_view line_type_;
 };
 
 /// The blocks of a section, group by group.
 class Blocks {
  public:
-  explicit Blocks(std::map<std::string_view, DxfBlock>& found) : found_(found) {}
+  explicit Blocks(std::map<std::string, DxfBlock>& found) : found_(found) {}
 
   /// `rest`: the file from this group on.
   void take(const DxfGroup& group, const DxfPart& rest) {
@@ -119,7 +123,7 @@ class Blocks {
     }
     if (group.value == "ENDBLK") {
       end(block_.part, rest);
-      found_.emplace(name_, block_);
+      found_.emplace(in_capitals(name_), block_);
     }
   }
 
@@ -132,7 +136,7 @@ class Blocks {
     if (group.code == 70) block_.elsewhere = (std::lround(take_number(digits).value_or(0.0)) & (4 | 8)) != 0;
   }
 
-  std::map<std::string_view, DxfBlock>& found_;
+  std::map<std::string, DxfBlock>& found_;
   std::string_view name_;
   DxfBlock block_;
   bool in_head_ = false;  ///< between a BLOCK and its first entity
@@ -146,6 +150,11 @@ std::string in_capitals(std::string_view name) {
   return out;
 }
 
+bool is_dashed(std::string_view line_type) {
+  const std::string name = in_capitals(line_type);
+  return !name.empty() && name != "CONTINUOUS" && name != "BYLAYER" && name != "BYBLOCK";
+}
+
 tl::expected<DxfContents, std::string> contents_of(std::string_view text, std::optional<double> unit_m) {
   DxfGroups groups(text);
   DxfContents out;
@@ -153,9 +162,11 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text, std::o
   Layers layers(out.layers);
   double unit = 0.0;
   bool imperial = false;
+  bool metric = false;
   out.layers["DEFPOINTS"].why_hidden = "on the layer DEFPOINTS, which is not plotted";
   std::string_view section;
   bool any_section = false;
+  bool unfinished = false;  // within a section
   std::string_view variable;
   DxfPart here{text, 0};  // from the group in hand
   for (; const auto group = groups.next(); here = {groups.rest(), groups.line_number()}) {
@@ -165,6 +176,7 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text, std::o
       if (section == "TABLES") layers.end();
       section = {};
       any_section = true;
+      unfinished = group->value == "SECTION";
       if (group->value == "EOF") break;
     } else if (group->code == 2 && section.empty()) {
       section = group->value;
@@ -177,7 +189,9 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text, std::o
       if (group->code == 9) variable = group->value;
       if (variable == "$MEASUREMENT" && group->code == 70) {
         std::string_view digits = group->value;
-        imperial = take_number(digits).value_or(1.0) == 0.0;
+        const double system = take_number(digits).value_or(-1.0);
+        imperial = system == 0.0;
+        metric = system == 1.0;
       }
       if (variable != "$INSUNITS" || group->code != 70 || unit_m) continue;
       const auto metres = metres_of_unit(group->value);
@@ -188,6 +202,10 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text, std::o
   }
   if (groups.damaged())
     return tl::unexpected(fmt::format("not a DXF file, or damaged, near line {}", groups.line_number()));
+  if (unfinished)
+    return tl::unexpected(
+        fmt::format("the DXF file ends at line {} in the middle of a section: it is not whole; copy it anew",
+                    groups.line_number()));
   if (!any_section && out.drawn.empty()) return tl::unexpected<std::string>("not a DXF file");
   if (unit_m) {
     out.metres = *unit_m;
@@ -198,6 +216,8 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text, std::o
   } else if (imperial) {
     out.metres = 25.4e-3;
     out.size_from = "no $INSUNITS, and $MEASUREMENT 0: a unit is an inch (--units mm if it is not so)";
+  } else if (metric) {
+    out.size_from = "no $INSUNITS, and $MEASUREMENT 1: a unit is a millimetre (--units cm if it is not so)";
   } else {
     out.size_from = "the file has no unit: millimetres are taken (--units inch if it is not so)";
   }
@@ -205,7 +225,7 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text, std::o
 }
 
 tl::expected<DxfBlock, std::string> block_of(const DxfInsert& insert, const DxfContents& contents) {
-  const auto found = contents.blocks.find(insert.block);
+  const auto found = contents.blocks.find(in_capitals(insert.block));
   if (found == contents.blocks.end())
     return tl::unexpected(
         fmt::format("INSERT of block \"{:.40}\", which the file does not define", insert.block));

@@ -31,18 +31,21 @@ struct DxfLayer {
   std::string why_hidden;  ///< empty: it is shown and plotted
   bool frozen = false;     ///< blocks inserted on it are hidden too
   int colour = 7;
+  bool dashed = false;  ///< its line type has gaps
 };
 
 struct DxfContents {
   double metres = 1e-3;        ///< a unit, $INSUNITS
   std::string size_from;       ///< what says so
   std::vector<DxfPart> drawn;  ///< sections of entities
-  std::map<std::string_view, DxfBlock> blocks;
+  std::map<std::string, DxfBlock> blocks;
   std::map<std::string, DxfLayer> layers;  ///< by name in capitals
 };
 
 /// A layer's name, which is the same in capitals.
 std::string in_capitals(std::string_view name);
+/// A line type (group 6) with gaps; that of layer or block is looked up there.
+bool is_dashed(std::string_view line_type);
 
 /// The first reading of a file, which `text` must outlive; `unit_m`: whatever the file says. The error is one
 /// sentence.

@@ -43,7 +43,10 @@ class DxfReader {
         max_groups_(limits.max_bytes / 4),
         out_(limits, request, Vec2::Constant(contents.metres)) {}
 
-  tl::expected<VectorDrawing, std::string> drawing() { return out_.drawing("DXF"); }
+  tl::expected<VectorDrawing, std::string> drawing() {
+    if (dashed_ > 0) out_.notes.push_back(fmt::format("{} dashed lines are cut whole (line type)", dashed_));
+    return out_.drawing("DXF");
+  }
 
   /// Draws what a section or a block holds.
   void draw(const DxfPart& part, const Affine& here) {
@@ -139,7 +142,11 @@ class DxfReader {
       std::swap(around_, within);
       return;
     }
+    const std::size_t first = out_.count();
     draw_entity(e, here, out_);
+    const bool by_layer = e.line_type.empty() || in_capitals(e.line_type) == "BYLAYER";
+    const bool dashed = by_layer ? layer_of(out_.pen.layer).dashed : is_dashed(e.line_type);
+    if (dashed && out_.left_out_why.empty() && out_.count() > first) ++dashed_;
   }
 
   void insert(const DxfInsert& insert, const Affine& here) {
@@ -162,6 +169,7 @@ class DxfReader {
   std::size_t max_groups_;  ///< reading a file of that size without blocks takes about as long
   std::size_t groups_read_ = 0;
   int depth_ = 0;  ///< of blocks within blocks
+  std::size_t dashed_ = 0;
   Around around_;
   DrawnLines out_;
 };

@@ -42,12 +42,14 @@ void absorb(DxfInsert& insert, int code, double value) {
 bool absorb(DxfEntity& e, const DxfGroup& g) {
   if (g.code == 2 && e.kind == "INSERT") e.insert.block = g.value;
   if (g.code == 8) e.layer = g.value;
+  if (g.code == 6) e.line_type = g.value;
   const bool wanted = (g.code >= 10 && g.code <= 60) || g.code == 62 || g.code == 67 || g.code == 70 ||
                       g.code == 71 || (g.code >= 210 && g.code <= 230) || g.code == 420;
   if (!wanted) return true;
   std::string_view text = g.value;
   const auto value = take_number(text);
-  if (!value) return false;
+  if (!value || !text.empty()) return false;
+  if (g.code < 60) e.given.set(static_cast<std::size_t>(g.code));
   if (g.code < 60) e.number[g.code] = *value;
   if (g.code == 30 || g.code == 31) {
     e.lowest_z = std::min(e.lowest_z, *value);

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/runtime/vectors.h"
@@ -26,9 +28,11 @@ struct DxfVertex {
 struct DxfEntity {
   std::string kind;
   std::string_view layer;           ///< 8
+  std::string_view line_type;       ///< 6; empty: the layer's
   int colour = 256;                 ///< 62; 256: the layer's, 0: the block's
   long true_colour = -1;            ///< 420
   std::array<double, 60> number{};  ///< the last value of codes 10 .. 59
+  std::bitset<60> given;            ///< which of them the file has
   int flags = 0;                    ///< 70
   bool invisible = false;           ///< 60 = 1
   bool on_sheet = false;            ///< 67 = 1: on the printed sheet, not in the drawing

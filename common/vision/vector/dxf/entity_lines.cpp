@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/vision/vector/dxf/entity_lines.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <vector>
 
 #include "common/geometry/polyline.h"
@@ -59,6 +62,21 @@ bool is_flat(const DxfEntity& e) {
   return !(e.highest_z - e.lowest_z > kFlat * geometry::bounding_box(points).size().norm());
 }
 
+/// The first of the groups without which the entity has no place or size; 0: none is missing.
+int missing(const DxfEntity& e) {
+  const auto first_of = [&](std::initializer_list<int> codes) {
+    for (const int code : codes) {
+      if (!e.given[static_cast<std::size_t>(code)]) return code;
+    }
+    return 0;
+  };
+  if (e.kind == "LINE") return first_of({10, 20, 11, 21});
+  if (e.kind == "CIRCLE") return first_of({10, 20, 40});
+  if (e.kind == "ARC") return first_of({10, 20, 40, 50, 51});
+  if (e.kind == "ELLIPSE") return first_of({10, 20, 11, 21, 40, 41, 42});
+  return 0;
+}
+
 void draw_polyline(const std::vector<DxfVertex>& v, CurveWriter& w, bool closed) {
   for (std::size_t i = 0; i < v.size() && !w.full() && !w.bad(); ++i) {
     i == 0 ? w.move_to(v[0].at) : w.bulge_to(v[i - 1].bulge, v[i].at);
@@ -90,6 +108,8 @@ void draw_entity(const DxfEntity& e, const Eigen::Affine2d& here, DrawnLines& ou
   CurveWriter& w = *writer;
   const auto at = [&](int code) { return Vec2(e.number[code], e.number[code + 10]); };
   bool closed = false;
+  if (const int code = missing(e); code != 0)
+    return out.fail(fmt::format("a {} has no group {}: the file is damaged", e.kind, code));
   const bool spatial = e.kind == "LINE" || e.kind == "SPLINE" || e.kind == "ELLIPSE";
   if (spatial && !is_flat(e)) return out.unsupported.add(e.kind + " that is not flat");
   if (e.kind == "LINE") {
@@ -97,7 +117,7 @@ void draw_entity(const DxfEntity& e, const Eigen::Affine2d& here, DrawnLines& ou
     w.line_to(at(11));
   } else if (e.kind == "CIRCLE" || e.kind == "ARC") {
     const double r = e.number[40];
-    if (!(r > 0.0)) return;
+    if (!(r > 0.0)) return out.unsupported.add(e.kind + " without a radius");
     const bool circle = e.kind == "CIRCLE";
     const double from = circle ? 0.0 : e.number[50] * M_PI / 180.0;
     double to = circle ? 2.0 * M_PI : e.number[51] * M_PI / 180.0;

@@ -15,7 +15,7 @@ namespace telekerf::vision {
 namespace {
 
 /// Written as attributes too.
-constexpr std::array<std::string_view, 20> kAttributes{"display",
+constexpr std::array<std::string_view, 21> kAttributes{"display",
                                                        "visibility",
                                                        "opacity",
                                                        "fill",
@@ -34,7 +34,8 @@ constexpr std::array<std::string_view, 20> kAttributes{"display",
                                                        "transform-origin",
                                                        "transform-box",
                                                        "stroke-dasharray",
-                                                       "clip-rule"};
+                                                       "clip-rule",
+                                                       "overflow"};
 /// In style alone; as attributes they are the elements' own, or nothing.
 constexpr std::array<std::string_view, 19> kStyles{"x",
                                                    "y",
@@ -55,6 +56,13 @@ constexpr std::array<std::string_view, 19> kStyles{"x",
                                                    "all",
                                                    "clip",
                                                    "content-visibility"};
+
+/// First words of what a display can be.
+constexpr std::array<std::string_view, 22> kDisplays{
+    "none",        "inline",       "block",       "inline-block", "contents",   "flex",
+    "inline-flex", "grid",         "inline-grid", "flow-root",    "list-item",  "run-in",
+    "table",       "inline-table", "ruby",        "table-row",    "table-cell", "compact",
+    "marker",      "inherit",      "initial",     "unset"};
 
 template <typename List>
 bool among(const List& list, std::string_view name) {
@@ -146,6 +154,7 @@ std::vector<Cascade::Declaration> Cascade::declarations_of(std::string_view text
       value = trimmed(value.substr(0, mark));
     }
     d.value = value;
+    if (d.name == "display" && !among(kDisplays, lower(d.value))) continue;  // as if it were not there
     if (!d.value.empty() && (among(kAttributes, d.name) || among(kStyles, d.name)))
       out.push_back(std::move(d));
   }

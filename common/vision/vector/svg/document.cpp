@@ -26,6 +26,13 @@ tl::expected<VectorDrawing, std::string> read_svg(std::string_view bytes, const 
     return tl::unexpected(
         fmt::format("not an SVG file: its XML is damaged in line {}", document.ErrorLineNum()));
   }
+  for (auto* node = document.FirstChild(); node != nullptr; node = node->NextSibling()) {
+    if (node->ToDeclaration() != nullptr && std::string_view(node->Value()).starts_with("xml-stylesheet")) {
+      return tl::unexpected<std::string>(
+          "a style sheet of another file (xml-stylesheet) is not read; put its rules into a <style> of this "
+          "one");
+    }
+  }
   const tinyxml2::XMLElement* root = document.RootElement();
   if (root == nullptr || svg_name(*root) != "svg") {
     return tl::unexpected<std::string>("not an SVG file: its root element is not <svg>");

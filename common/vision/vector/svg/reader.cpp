@@ -45,6 +45,18 @@ std::string layer_of(const tinyxml2::XMLElement& e, int depth) {
   return outermost && id != nullptr ? id : "";
 }
 
+/// A style sheet's language; that of others is not for browsers.
+bool is_css(const tinyxml2::XMLElement& style) {
+  const char* type = style.Attribute("type");
+  return type == nullptr || *type == 0 || std::string_view(type) == "text/css";
+}
+
+/// What is drawn beyond the rectangle from 0,0 is not seen.
+bool clips(const Properties& own) {
+  const auto overflow = own.find("overflow");
+  return overflow == own.end() || (overflow->second != "visible" && overflow->second != "auto");
+}
+
 }  // namespace
 
 SvgReader::SvgReader(const Element& root, const SvgPage& page, const VectorLimits& limits,
@@ -65,6 +77,15 @@ tl::expected<VectorDrawing, std::string> SvgReader::drawing() {
     return tl::unexpected<std::string>(
         "a transform of the whole <svg> is not read; put it on a group within");
   if (const auto trouble = trouble_of(own); !trouble.empty()) return tl::unexpected(trouble);
+  for (const char* side : {"width", "height"}) {
+    const auto styled = own.find(side);
+    if (styled == own.end() || styled->second == "auto" || styled->second.find('%') != std::string::npos ||
+        root_.Attribute(side, styled->second.c_str()) != nullptr)
+      continue;
+    return tl::unexpected(fmt::format(
+        "the page's {0} in a style, \"{1:.30}\", is not read; write it as the attribute {0} of <svg>", side,
+        styled->second));
+  }
   children(root_, {page_.view, look_of(own, {}), 0});
   if (dashed_ > 0)
     out_.notes.push_back(fmt::format("{} dashed lines are cut whole (stroke-dasharray)", dashed_));
@@ -73,11 +94,16 @@ tl::expected<VectorDrawing, std::string> SvgReader::drawing() {
 
 void SvgReader::find_names(const Element& e, int depth) {
   if (const char* id = e.Attribute("id")) named_.emplace(id, &e);
-  if (svg_name(e) == "style") {
+  if (svg_name(e) == "style" && is_css(e)) {
+    const char* media = e.Attribute("media");
     for (auto* node = e.FirstChild(); node != nullptr; node = node->NextSibling()) {
-      if (node->ToText() != nullptr) cascade_.add_sheet(node->Value());
+      if (node->ToText() == nullptr) continue;
+      const std::string sheet = node->Value();
+      cascade_.add_sheet(media == nullptr ? sheet : fmt::format("@media {} {{{}}}", media, sheet));
     }
   }
+  if (local_name(e.Name()) == "link" && e.Attribute("rel", "stylesheet") != nullptr)
+    out_.fail("a style sheet of another file (link) is not read; put its rules into a <style> of this one");
   if (depth > kMaxDepth) return;
   for (auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement())
     find_names(*child, depth + 1);
@@ -127,7 +153,7 @@ void SvgReader::contents(std::string_view name, const Element& e, const Properti
     Inherited within = self;
     within.here.translate(position_of(e, own));
     const SvgCoordinates at = coordinates(e, own);
-    viewport(e, within, {at("width", viewport_.x()), at("height", viewport_.y())});
+    viewport(e, own, within, {at("width", viewport_.x()), at("height", viewport_.y())});
   } else {
     shape(name, e, own, self);
   }
@@ -142,20 +168,21 @@ bool SvgReader::transform(const Properties& own, Affine& here) {
     return false;
   }
   Vec2 origin = Vec2::Zero();
+  // An origin within the element's own box is its corner even where none is written.
+  if (const auto box = own.find("transform-box"); box != own.end() && box->second != "view-box") {
+    out_.fail(fmt::format(
+        "the transform-origin of a transform-box \"{:.40}\" is not followed; write it into the transform",
+        box->second));
+    return false;
+  }
   if (const auto at = own.find("transform-origin"); at != own.end()) {
-    const auto box = own.find("transform-box");
-    const bool absolute =
-        at->second.find_first_of("%lcrtb") == std::string::npos || at->second.find("px") != std::string::npos;
-    const bool of_view = box == own.end() || box->second == "view-box";
     const auto read = origin_of(at->second, viewport_);
-    if (!read || (!of_view && !absolute) || (!of_view && !read->isZero())) {
+    if (!read) {
       out_.fail(fmt::format("transform-origin \"{:.40}\" is not followed; write it into the transform",
                             at->second));
       return false;
     }
     origin = *read;
-  } else if (const auto box = own.find("transform-box"); box != own.end() && box->second != "view-box") {
-    // Without an origin it is the user's 0,0 all the same.
   }
   here.translate(origin);
   here = here * *map;
@@ -191,6 +218,8 @@ void SvgReader::shape(std::string_view name, const Element& e, const Properties&
   if (!drawable && why.empty()) out_.unsupported.add(name);
   out_.left_out_why.clear();
   out_.fills = false;
+  if (in_hole_ && self.look.clips_even_odd && out_.count() > first + 1)
+    return out_.fail("clip-rule: evenodd of several parts is not followed; apply it in the drawing program");
   if (out_.failed() || out_.count() == first || !why.empty()) return;
   if (!paint.stroke && !in_hole_) {
     // An area without extent shows nothing.
@@ -256,7 +285,7 @@ void SvgReader::use(const Element& e, const Properties& own, const Inherited& se
       if (kind == "svg") within.here.translate(position_of(*target, targets));
       const SvgCoordinates at = coordinates(*target, targets);
       const SvgCoordinates asked = coordinates(e, own);
-      viewport(*target, within,
+      viewport(*target, targets, within,
                {asked("width", at("width", viewport_.x())), asked("height", at("height", viewport_.y()))});
     }
   } else {
@@ -270,7 +299,13 @@ Vec2 SvgReader::position_of(const Element& e, const Properties& own) {
   return Vec2(at("x"), at("y"));
 }
 
-void SvgReader::viewport(const Element& e, const Inherited& self, const Vec2& size) {
+void SvgReader::viewport(const Element& e, const Properties& own, const Inherited& self, const Vec2& size) {
+  for (const char* name : {"refX", "refY"}) {
+    const char* text = e.Attribute(name);
+    if (text != nullptr && std::string_view(text) != "0" && svg_name(e) == "symbol")
+      return out_.fail(
+          fmt::format("{} \"{:.20}\" of a symbol is not followed; move its parts instead", name, text));
+  }
   const Vec2 around = viewport_;
   const auto box = view_box_of(e);
   if (!box) return out_.fail(box.error());
@@ -278,8 +313,15 @@ void SvgReader::viewport(const Element& e, const Inherited& self, const Vec2& si
   viewport_ = *box ? (*box)->size : size;
   Inherited within = self;
   if (*box) within.here = within.here * fitted(**box, size, aspect_of(e));
+  const std::size_t first = out_.count();
   children(e, within);
   viewport_ = around;
+  if (!clips(own) || !(size.minCoeff() > 0.0)) return;
+  geometry::Polyline frame{{}, true};
+  for (const Vec2& corner : {Vec2(0, 0), Vec2(size.x(), 0), Vec2(size.x(), size.y()), Vec2(0, size.y())})
+    frame.points_m.push_back(out_.placed(self.here * corner));
+  const std::string name(svg_name(e));
+  clip_by({frame}, first, fmt::format("the area of its <{}>", name), fmt::format("the area of a <{}>", name));
 }
 
 std::vector<geometry::Polyline> SvgReader::hole_of(const Element& e, const Inherited& self, bool mask) {
@@ -288,8 +330,8 @@ std::vector<geometry::Polyline> SvgReader::hole_of(const Element& e, const Inher
   const bool in_hole = std::exchange(in_hole_, true);
   const bool in_mask = std::exchange(in_mask_, mask);
   Inherited within = self;
-  within.look = {};
   const Properties own = cascade_.of(e);
+  within.look = look_of(own, {});
   if (own.contains("clip-path") && own.at("clip-path") != "none")
     out_.fail("a clip-path of a clip-path is not followed");
   const char* units = e.Attribute(mask ? "maskContentUnits" : "clipPathUnits");
@@ -329,18 +371,21 @@ void SvgReader::clip(const Properties& own, const Inherited& self, std::size_t f
     const auto hole = hole_of(*target, self, name == "mask");
     in_use_.pop_back();
     if (out_.failed()) return;
-    std::size_t work = 0;
-    for (const auto& ring : hole) work += ring.size();
-    for (std::size_t k = first; k < out_.count(); ++k) {
-      if (!out_.is_kept(k)) continue;
-      visited_ += out_.line(k).size() * work / 1000;
-      if (visited_ > 10 * limits_.max_points) return out_.fail("clip-paths are too large to be followed");
-      const Clipped seen = clipped(out_.line(k), hole);
-      if (seen == Clipped::kOutside) out_.leave_out(k, fmt::format("outside its {}", kind));
-      if (seen == Clipped::kCut)
-        return out_.fail(
-            fmt::format("{} \"#{:.40}\" cuts through a shape; apply it in the drawing program", kind, id));
-    }
+    clip_by(hole, first, fmt::format("its {}", kind), fmt::format("{} \"#{:.40}\"", kind, id));
+  }
+}
+
+void SvgReader::clip_by(const std::vector<geometry::Polyline>& hole, std::size_t first,
+                        const std::string& its, const std::string& name) {
+  std::size_t work = 0;
+  for (const auto& ring : hole) work += ring.size();
+  for (std::size_t k = first; k < out_.count() && !out_.failed(); ++k) {
+    if (!out_.is_kept(k)) continue;
+    visited_ += out_.line(k).size() * work / 1000;
+    if (visited_ > 10 * limits_.max_points) return out_.fail("clip-paths are too large to be followed");
+    const Clipped seen = clipped(out_.line(k), hole);
+    if (seen == Clipped::kOutside) out_.leave_out(k, "outside " + its);
+    if (seen == Clipped::kCut) out_.fail(name + " cuts through a shape; apply it in the drawing program");
   }
 }
 

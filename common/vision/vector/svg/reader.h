@@ -43,13 +43,16 @@ class SvgReader {
   void shape(std::string_view name, const Element& e, const Properties& own, const Inherited& self);
   void first_choice(const Element& e, const Inherited& self);
   void use(const Element& e, const Properties& own, const Inherited& self);
-  void viewport(const Element& e, const Inherited& self, const Vec2& size);
+  void viewport(const Element& e, const Properties& own, const Inherited& self, const Vec2& size);
   bool draws_nothing(std::string_view name, const Element& e) const;
   /// False: it fails.
   bool transform(const Properties& own, Affine& here);
   void leave_out_background(std::size_t first, const Painted& painted);
   /// What was drawn since `first` is seen through the element's clip-path or mask alone.
   void clip(const Properties& own, const Inherited& self, std::size_t first);
+  /// Leaves out what has been drawn since `first` and lies outside; what is cut through is refused.
+  void clip_by(const std::vector<geometry::Polyline>& hole, std::size_t first, const std::string& its,
+               const std::string& name);
   std::vector<geometry::Polyline> hole_of(const Element& e, const Inherited& self, bool mask);
 
   const Element* named(std::string_view id) const;

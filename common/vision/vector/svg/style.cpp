@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -55,6 +56,20 @@ struct Paint {
   std::string colour;
 };
 
+/// CSS Color 4, section 7.1: a hue in degrees, saturation and lightness as shares -> red, green, blue in
+/// 0..1.
+std::array<double, 3> rgb_of_hsl(double hue, double saturation, double lightness) {
+  std::array<double, 3> out{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    constexpr std::array<double, 3> kShift{0.0, 8.0, 4.0};
+    double k = std::fmod(kShift[i] + hue / 30.0, 12.0);
+    if (k < 0.0) k += 12.0;
+    const double a = saturation * std::min(lightness, 1.0 - lightness);
+    out[i] = lightness - a * std::max(-1.0, std::min({k - 3.0, 9.0 - k, 1.0}));
+  }
+  return out;
+}
+
 /// "rgb(1,2,3)", "rgba(1,2,3,0)", "rgb(1 2 3 / 0%)", "hsla(...)"
 Paint function_paint(std::string_view text) {
   const bool rgb = text.starts_with("rgb");
@@ -77,6 +92,12 @@ Paint function_paint(std::string_view text) {
       rest.remove_prefix(1);
   }
   if (values.size() >= 4 && !(values[3] > 0.0)) return {};
+  if (text.starts_with("hsl") && values.size() >= 3) {
+    const auto share = [&](std::size_t i) { return std::clamp(0.01 * values[i], 0.0, 1.0); };
+    const auto c = rgb_of_hsl(values[0], share(1), share(2));
+    return {true, fmt::format("#{:02x}{:02x}{:02x}", std::lround(255.0 * c[0]), std::lround(255.0 * c[1]),
+                              std::lround(255.0 * c[2]))};
+  }
   if (!rgb || values.size() < 3) return {true, std::string(text)};
   std::array<int, 3> c{};
   for (std::size_t i = 0; i < 3; ++i)
@@ -151,6 +172,7 @@ Look look_of(const Properties& own, const Look& around) {
   with("opacity", [&](const auto&, const auto& v) { out.opaque = out.opaque && share_of(v, 1.0) > 0.0; });
   with("display", [&](const auto&, const auto& v) { out.displayed = out.displayed && v != "none"; });
   with("visibility", [&](const auto&, const auto& v) { out.visible = v != "hidden" && v != "collapse"; });
+  with("clip-rule", [&](const auto&, const auto& v) { out.clips_even_odd = v == "evenodd"; });
   for (const std::string_view name : {"marker", "marker-start", "marker-mid", "marker-end"}) {
     with(name, [&](const auto&, const auto& v) { out.markers = v != "none"; });
   }

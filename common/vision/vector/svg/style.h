@@ -23,6 +23,7 @@ struct Look {
   bool displayed = true;  ///< it and all around it
   bool opaque = true;     ///< likewise, even if only a little
   bool markers = false;
+  bool clips_even_odd = false;  ///< as part of a clip-path: overlaps are holes
 };
 
 /// The look of an element within another.
