@@ -5,6 +5,7 @@
 #include <bit>
 #include <vector>
 
+#include "common/protocol/wire_precision.h"
 #include "master/command_stream.h"
 
 namespace telekerf::master {
