@@ -8,6 +8,7 @@
 #
 #     werror    everything built with warnings as errors, all tests        build/
 #     demo      the programs as the demo builds them, several sources a call   build-demo/
+#     processes faults of real processes while they cut, judged by the plant   build/
 #     headers   every header compiles alone
 #     examples  the examples
 #     fuzz      libFuzzer, 60 s a target
@@ -21,22 +22,33 @@
 #   Not among the parts, as it takes hours: puts N small faults (100) into the code, one at a time, and counts those
 #   that the tests notice. The last line is `score NN %`.
 
-readonly check_parts="werror demo headers examples fuzz bench asan tsan tidy"
+readonly check_parts="werror demo processes headers examples fuzz bench asan tsan tidy"
 
 # Benchmarks, all of them if none is named, on standard output.
 bench() {
-  local file names=("$@") name code=0
+  local file names=("$@") name code=0 programs=()
   if ((${#names[@]} == 0)); then
-    for file in "$root"/tests/bench/bench_*.cpp; do names+=("$(basename "$file" .cpp)"); done
+    for file in "$root"/tests/bench/bench_*.{cpp,py}; do names+=("$(basename "${file%.*}")"); done
   fi
   names=("${names[@]/#bench_/}")
   for name in "${names[@]}"; do
-    [[ -f $root/tests/bench/bench_$name.cpp ]] || fail "bench: unknown benchmark $name"
+    if [[ -f $root/tests/bench/bench_$name.cpp ]]; then
+      programs+=("bench_$name")
+    elif [[ -f $root/tests/bench/bench_$name.py ]]; then # of whole processes, with what the tests need
+      [[ -z $(missing_packages tests) ]] || setup tests
+      programs+=(telekerf-vision telekerf-slave telekerf-master telekerf-console)
+    else
+      fail "bench: unknown benchmark $name"
+    fi
   done
-  build benchmarks "${names[@]/#/bench_}"
+  build benchmarks "${programs[@]}"
   for name in "${names[@]}"; do
     echo "== bench_$name"
-    "$build/bin/bench_$name" || code=1
+    if [[ -f $root/tests/bench/bench_$name.py ]]; then
+      /usr/bin/python3 "$root/tests/bench/bench_$name.py" "$build/bin" || code=1
+    else
+      "$build/bin/bench_$name" || code=1
+    fi
   done
   return "$code"
 }
@@ -50,6 +62,7 @@ check_demo() {
   cmake -S "$root" -B "$build-demo" -G Ninja -DCMAKE_BUILD_TYPE=Release -DTELEKERF_BUILD_TESTS=OFF \
     -DTELEKERF_BUILD_EXAMPLES=OFF -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=14 && ninja -C "$build-demo"
 }
+check_processes() { ninja -C "$build" chaos_processes && "$build/bin/chaos_processes"; }
 check_headers() { ninja -C "$build" all_verify_interface_header_sets; }
 check_examples() { ninja -C "$build" && ctest --test-dir "$build" --output-on-failure --no-tests=error -L examples; }
 check_fuzz() {

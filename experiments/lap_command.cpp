@@ -67,6 +67,7 @@ void add_parameters(Options& o, Settings& s) {
   lap.master.add_guidance_parameters(s);
   s.prefix("slave_");
   lap.slave.add_node_parameters(s);
+  s.only_with({"bare_accelerations"}, "law", {"remote-acceleration"});
   s.prefix("");
   s.add("duration_s", lap.duration_s, {.min = 1, .max = 600, .unit = "s"}, "length of the run");
   s.add("record", o.record, "leaves the record beside the report: contour.csv, master.csv, slave.csv");

@@ -2,20 +2,23 @@
 // telekerf-master: the operator's robot, confined to the contour; streams its motion to the slave.
 #include <fmt/format.h>
 
-#include <atomic>
 #include <chrono>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
+#include "common/bus/event_answers.h"
+#include "common/bus/link_test.h"
 #include "common/bus/process.h"
+#include "common/bus/ring.h"
+#include "common/bus/rival_watch.h"
 #include "common/bus/stop_line.h"
 #include "common/protocol/sentences.h"
 #include "common/runtime/program.h"
 #include "common/runtime/startup_error.h"
+#include "master/link_words.h"
 #include "master/station.h"
 #include "master/telemetry.h"
 #include "netem/drivers/netem_flags.h"
@@ -32,6 +35,7 @@ struct Flags {
   netem::NetemFlags netem;
   StationSettings station;
   StopFlags stop;
+  LinkTestFlags link;
   std::string record;
   double duration_s = 0.0;
   double wait_s = 20.0;
@@ -57,11 +61,26 @@ const char* text_of(MasterMode mode, const StateHeader* slave, bool ours) {
   return "unknown";
 }
 
+constexpr Lookout::Wish kContourMissing{"a contour", "vision"};
+constexpr Lookout::Wish kSlaveMissing{"the states of a slave", "slave"};
+
+const Lookout::Wish* missing_of(bool contour, bool slave, MasterMode mode) {
+  if (mode == MasterMode::kStopped) return nullptr;
+  return !contour ? &kContourMissing : !slave ? &kSlaveMissing : nullptr;
+}
+
+RivalWatch::Obeyed obeyed_by(const StateHeader* slave, std::uint32_t epoch) {
+  if (slave == nullptr || slave->master_epoch == 0) return RivalWatch::Obeyed::kNobody;
+  return slave->master_epoch == epoch ? RivalWatch::Obeyed::kUs : RivalWatch::Obeyed::kAnother;
+}
+
 int run(Flags& flags) {
   if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "master");
   BusSettings settings = flags.bus.bus_settings(Site::kOperator, "master");
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
+  if (!flags.link.peer.empty()) settings.peers.push_back(flags.link.peer);
+  if (flags.link.link_test) return run_link_test(settings, flags.link);
   flags.station.epoch = settings.epoch;
   Station station(flags.station);
 
@@ -72,13 +91,13 @@ int run(Flags& flags) {
   StopLine emergency(process.bus(), flags.stop.path(settings));
   Writer<CommandBlock> commands(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());
-  const netem::NetemSwitch netem_switch(process.bus(), emulator);
+  netem::NetemSwitch netem_switch(process.bus(), emulator);
   ContourSubscriber<GuidedContour> contour(
       process.bus(), [&](const ContourMessage& message) { return station.prepare(message); });
   if (station.machine().plant() == nullptr) {
+    const bool nobody = flags.station.button == "hand" && flags.station.hand_device == "simulated";
     status.say(fmt::format("{} is not simulated, so no hand is either: it feels a real one; button = {}{}",
-                           flags.station.machine.drive, flags.station.button,
-                           flags.station.button == "hand" ? ": never held" : ""));
+                           flags.station.machine.drive, flags.station.button, nobody ? ": never held" : ""));
   }
   process.ready();
 
@@ -87,12 +106,20 @@ int run(Flags& flags) {
   arrived_states.reserve(64);
   arrived_events.reserve(64);
   Snapshot values;
-  std::atomic<const char*> refusal{nullptr};
-  std::jthread publisher([&](const std::stop_token& stop) {
-    for (; !stop.stop_requested(); std::this_thread::sleep_for(kTelemetryPeriod)) {
-      if (const auto newest = values.load()) telemetry.write(*newest);
-      if (const char* said = refusal.exchange(nullptr)) status.say(said);
+  EventAnswers answers(process.bus());
+  RivalWatch rivals(process.bus(), status);
+  LinkWords link;
+  Ring<EventVerdict> verdicts(64);
+  const Periodic beside(kTelemetryPeriod, [&] {
+    if (const auto newest = values.load()) telemetry.write(*newest);
+    while (const auto verdict = verdicts.take()) {
+      if (verdict->refusal != nullptr) status.say(verdict->refusal);
+      answers.give(verdict->asker, verdict->refusal == nullptr ? "" : verdict->refusal);
     }
+    answers.again();
+    rivals.look();
+    if (const std::string said = link.due(std::chrono::steady_clock::now()); !said.empty()) status.say(said);
+    if (!flags.record.empty()) station.make_record_room();
   });
   double engaged_s = 0.0;
   double waited_s = 0.0;
@@ -104,40 +131,50 @@ int run(Flags& flags) {
     emergency.obeyed(out.stop);
     if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
-    (out.mode == MasterMode::kEngaged ? engaged_s : waited_s) += station.control_period_s();
+    // Who is stopped does not wait for anybody.
+    if (out.mode == MasterMode::kEngaged)
+      engaged_s += station.control_period_s();
+    else if (out.mode != MasterMode::kStopped)
+      waited_s += station.control_period_s();
     const StateHeader* const slave = station.node().slave();
     status.state(text_of(out.mode, slave, slave != nullptr && slave->master_epoch == settings.epoch));
-    if (out.refusal != nullptr) refusal.store(out.refusal);
+    for (std::size_t n = 0; n < out.verdict_count; ++n) verdicts.push(EventVerdict(out.verdicts[n]));
+    netem_switch.beam(slave != nullptr && slave->laser_on);
+    process.lookout().missing(missing_of(task != nullptr, slave != nullptr, out.mode));
     if (flags.duration_s > 0.0) status.progress(engaged_s / flags.duration_s, flags.duration_s);
     const MasterNode& node = station.node();
     if (node.tick() % kTelemetryTicks == 0)
-      values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks()));
+      values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks(),
+                                              node.link().newest_rtt_s()));
+    link.step(slave);
+    const bool goes_on = rivals.goes_on(obeyed_by(slave, settings.epoch));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
-    return !done && !contour.refused() && !station.machine().failed();
+    return goes_on && !done && !contour.refused() && !station.machine().failed() &&
+           station.obstacle() == nullptr;
   });
   station.release();
 
   const bool failed = station.machine().failed();
-  if (contour.refused()) throw input_error(contour.refusal());
-  if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !failed) {
-    throw environment_error(fmt::format(
-        "nobody to work with for {:.0f} s in {}: are telekerf-vision and telekerf-slave running there?",
-        flags.wait_s, process.place()));
-  }
+  if (station.obstacle() != nullptr) throw configuration_error(station.obstacle());
   if (!flags.record.empty() && contour.current() != nullptr) {
     RunRecord record;
-    const ContourMessage message = contour.message();
-    record.contour_m = message.points_m;
-    record.contour_closed = message.closed;
-    record.words["image"] = message.source;
-    record.words["mode"] = message.mode;
+    station.report_contours(contour.adopted(), record);
     record.words["netem"] = flags.netem.name();
     station.report(record);
     add_figures(loop, record.master_figures);
     add_figures(process.bus().counters(), states.counters(), record.master_figures);
     netem::add_figures(emulator.get(), record.master_figures);
+    if (const auto lost = record.master_figures["dropped_rows"]; lost > 0)
+      status.say(fmt::format("the record lacks its last {:.0f} rows: there was no memory for them", lost));
     write_contour(flags.record, record);
     write_master(flags.record, record);
+  }
+  if (const std::string why = rivals.sentence(); !why.empty()) throw environment_error(why);
+  if (contour.refused()) throw input_error(contour.refusal());
+  if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !failed) {
+    throw environment_error(fmt::format(
+        "nobody to work with for {:.0f} s in {}: are telekerf-vision and telekerf-slave running there?",
+        flags.wait_s, process.place()));
   }
   if (failed) throw hardware_error(station.machine().failure());
   status.say(fmt::format("ended in order after {:.0f} s engaged", engaged_s));
@@ -153,6 +190,7 @@ void add_parameters(Flags& flags, Settings& settings) {
                "ends after this long engaged; 0: runs on");
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
                "with duration_s: gives up after this long not engaged");
+  flags.link.add_parameters(settings);
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);
 }

@@ -35,7 +35,8 @@ MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& set
       constraint_(settings_.constraint),
       stream_(settings.command, epoch),
       states_(settings.stale_s, epoch, settings.command.ticks_per_sample),
-      epoch_(epoch) {}
+      epoch_(epoch),
+      dead_man_(dt_s_) {}
 
 KinematicState MasterNode::observe(const robot::JointReading& joints) noexcept {
   if (!located_ && joints.valid) joints_.reset(joints.joints_m);
@@ -108,7 +109,9 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   if (modes_.step(situation)) constraint_.enter();
   out.engage_spent = modes_.engage_spent();
   if (modes_.mode() == MasterMode::kEngaged && !was_engaged) begin_engagement();
-  button_seen_ = button_seen_ || !inputs.button;
+  const bool felt = dead_man_.step(inputs.button, hand_n_.head<2>().norm());
+  const bool button = inputs.pedal ? inputs.button : felt;
+  button_seen_ = button_seen_ || !button;
 
   const Vec3 wanted = this->wanted(tool, inputs.constraint, out);
   // The hand's force is rejected with the rest of the disturbance; along the curve it comes back through the
@@ -129,7 +132,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
                                {.tool = {tool.position_m, tool.velocity_m_per_s, out.acceleration_m_per_s2},
                                 .beta = modes_.guide()->beta,
                                 .contour_id = modes_.guide()->contour_id,
-                                .button = inputs.button && button_seen_,
+                                .button = button && button_seen_,
                                 .engaged = out.mode == MasterMode::kEngaged,
                                 .engage = engage_,
                                 .stop = out.stop,

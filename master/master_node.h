@@ -15,6 +15,7 @@
 #include "common/streaming/state_receiver.h"
 #include "master/command_stream.h"
 #include "master/constraint/constraint_controller.h"
+#include "master/dead_man.h"
 #include "master/force_feedback.h"
 #include "master/modes.h"
 
@@ -36,6 +37,7 @@ struct MasterInputs {
   std::span<const Received<StateBlock>> states;  ///< since the last step, in order of arrival
   const GuidePath* guide = nullptr;  ///< null: no contour yet; outlives the step after which it is another
   bool button = false;               ///< the pen's laser button
+  bool pedal = false;                ///< it is under a foot: no hand need be felt
   bool engage = false;               ///< the operator wants the slave to follow
   StopOrder stop;
   std::optional<ConstraintMode> constraint;  ///< guidance or corridor from now on; none: as it is
@@ -107,6 +109,7 @@ class MasterNode {
   ForceFeedback force_;
   std::uint32_t epoch_;
   std::uint32_t engage_ = 0;  ///< engagements so far
+  DeadMan dead_man_;
   bool button_seen_ = false;  ///< released, since the engagement began
   streaming::LinkStatistics link_;
 };

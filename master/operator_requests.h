@@ -27,6 +27,10 @@ class OperatorRequests {
     bool rescale = false;           ///< another scale is asked for: the contour must be prepared for it
     const char* refusal = nullptr;  ///< a literal: why nothing comes of an event
   };
+  static bool concerns(const EventMessage& event) noexcept {
+    using Kind = EventMessage::Kind;
+    return event.kind == Kind::kEngage || event.kind == Kind::kDisengage || event.kind == Kind::kSetBeta;
+  }
   /// A scale out of bounds is no request. Wait-free.
   Heard hear(std::span<const EventMessage> events, const Situation& now) noexcept;
   /// The wish to engage is over, until the next event.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "master/station.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/protocol/overhead.h"
@@ -16,9 +17,12 @@ bool wants_release(const StateHeader* slave) noexcept {
   return slave != nullptr && (slave->guards & kButtonGuard) != 0;
 }
 
+constexpr std::size_t kMostContours = 64;
+
 }  // namespace
 
-Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> input)
+Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> input,
+                 std::unique_ptr<OperatorInput> hand)
     : settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
       machine_(model_, settings_.machine, settings_.node.control_hz,
@@ -29,12 +33,14 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                          {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}}),
                robot::Pushed::kYes),
       requests_(settings_.engage, settings_.beta),
+      hand_(settings_.arm, hand ? std::move(hand) : open_hand(settings_.hand_device)),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
-      simulated_button_(!operator_ || settings_.button == "pressed"),
+      simulated_button_(settings_.button == "pressed" || (!operator_ && hand_.simulated())),
       node_(model_, settings_.node, settings_.epoch),
       recorder_(static_cast<std::size_t>(settings_.record_s * settings_.node.control_hz)) {
   control::require_stable(control::loop_conditions(model_, settings_.node.control_hz), node_.bandwidths(),
                           "constraint_rad_s", "observer_rad_s");
+  contours_.reserve(kMostContours);
 }
 
 std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
@@ -52,12 +58,18 @@ std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
   }
 }
 
-HandSample Station::hand(GuidedContour& task) noexcept {
-  const auto tool_m = machine_.true_tool_m();
-  const auto velocity = machine_.true_tool_velocity_m_per_s();
-  if (!tool_m || !velocity) return {};
-  const double now_s = static_cast<double>(node_.tick()) * control_period_s();
-  return task.hand.sample(now_s, *tool_m, *velocity, guided_);
+const char* Station::obstacle() const noexcept {
+  const StateHeader* const slave = node_.slave();
+  if (slave == nullptr || (slave->guards & kRealLaser) == 0) return nullptr;
+  if (settings_.engage)
+    return "engage: the slave's laser is not simulated, so it is engaged by somebody who looks at it; leave "
+           "--engage "
+           "out and say telekerf-ctl engage";
+  if (settings_.button == "pressed")
+    return "button = pressed: the slave's laser is not simulated, so its button is held by a hand or a foot; "
+           "name a "
+           "pedal (--button udp:HOST:PORT)";
+  return nullptr;
 }
 
 StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
@@ -65,10 +77,14 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                              std::span<const EventMessage> events, const StopOrder& stop) noexcept {
   StationOutputs out;
   const StateHeader* const slave = node_.slave();
-  const OperatorRequests::Heard heard =
-      requests_.hear(events, {stop.number != 0, slave != nullptr && slave->laser_on});
-  out.prepare_anew = heard.rescale;
-  out.refusal = heard.refusal;
+  for (const EventMessage& event : events) {
+    if (!OperatorRequests::concerns(event)) continue;
+    const OperatorRequests::Heard heard =
+        requests_.hear({&event, 1}, {stop.number != 0, slave != nullptr && slave->laser_on});
+    out.prepare_anew = out.prepare_anew || heard.rescale;
+    if (out.verdict_count < out.verdicts.size())
+      out.verdicts[out.verdict_count++] = {event.epoch, heard.refusal};
+  }
   const Tick tick = node_.tick();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
 
@@ -83,15 +99,20 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   }
   inputs.states = states;
   inputs.stop = stop;
-  inputs.engage = requests_.engage();
+  inputs.engage = requests_.engage() && obstacle() == nullptr;
   inputs.constraint = constraint_;
   constraint_.reset();
-  HandSample hand;
+  const double beta = task != nullptr ? task->guide.beta : settings_.beta;
+  HandSample hand = hand_.sample(now_ns, static_cast<double>(tick) * control_period_s(), machine_,
+                                 task != nullptr ? &task->hand : nullptr, beta, guided_);
   if (task != nullptr) {
+    const std::uint32_t id = task->guide.contour_id;
+    if ((contours_.empty() || contours_.back().id != id) && contours_.size() < contours_.capacity())
+      contours_.push_back({tick, id});
     inputs.guide = &task->guide;
-    hand = this->hand(*task);
     if (told.force_n) hand.force_n = *told.force_n;
     inputs.button = operator_ ? told.trigger : hand.trigger;
+    inputs.pedal = settings_.button.starts_with("udp:") || hand_.held();  // a lease is a dead-man of its own
     if (simulated_button_ && (!engaged_ || wants_release(slave))) inputs.button = false;
   }
   static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
@@ -107,12 +128,33 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   }
   recorder_.push({tick, static_cast<double>(now_ns) * 1e-9, true_tool_m.value_or(out.tool_m), hand.force_n,
                   out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
-                  out.observed.slave.position_m, out.observed.aligned,
-                  task != nullptr ? task->guide.beta : settings_.beta,
+                  out.observed.slave.position_m, out.observed.aligned, beta,
                   out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                   out.slave_force.force_n});
+  hand_.answer({.now_ns = now_ns,
+                .guided = guided_,
+                .tool_m = beta * out.tool_m.head<2>(),
+                .force_n = hand.force_n.head<2>()});
   machine_.advance();
   return out;
+}
+
+void Station::report_contours(std::span<const ContourMessage> adopted, RunRecord& record) const {
+  const auto message_of = [&](std::uint32_t id) {
+    return std::find_if(adopted.begin(), adopted.end(), [&](const ContourMessage& m) { return m.id == id; });
+  };
+  for (std::size_t n = 0; n + 1 < contours_.size(); ++n) {
+    const auto found = message_of(contours_[n].id);
+    if (found != adopted.end())
+      record.earlier.push_back({contours_[n + 1].tick, found->closed, found->points_m});
+  }
+  if (contours_.empty()) return;
+  const auto last = message_of(contours_.back().id);
+  if (last == adopted.end()) return;
+  record.contour_m = last->points_m;
+  record.contour_closed = last->closed;
+  record.words["image"] = last->source;
+  record.words["mode"] = last->mode;
 }
 
 void Station::report(RunRecord& record) const {

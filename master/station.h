@@ -3,10 +3,14 @@
 // and the virtual-time lap run this same station.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/protocol/messages.h"
 #include "common/recording/run_record.h"
@@ -16,6 +20,7 @@
 #include "master/operator/simulated_operator.h"
 #include "master/operator_requests.h"
 #include "master/station_settings.h"
+#include "master/tool_hand.h"
 
 namespace telekerf::master {
 
@@ -25,16 +30,24 @@ struct GuidedContour {
   SimulatedOperator hand;
 };
 
+/// What becomes of an operator's event.
+struct EventVerdict {
+  std::uint32_t asker = 0;        ///< the epoch of who has said it
+  const char* refusal = nullptr;  ///< why nothing comes of it, a literal; null: it is taken up
+};
+
 struct StationOutputs : MasterOutputs {
-  const char* refusal = nullptr;  ///< why nothing comes of what the operator said, a literal
-  bool prepare_anew = false;      ///< another scale is asked for: prepare() the contour once more
+  static constexpr std::size_t kMostVerdicts = 16;
+  std::array<EventVerdict, kMostVerdicts> verdicts;
+  std::size_t verdict_count = 0;
+  bool prepare_anew = false;  ///< another scale is asked for: prepare() the contour once more
 };
 
 class Station {
  public:
-  /// `drive`, `input`: others than those that the settings name. Throws StartupError.
+  /// `drive`, `input` (of the button), `hand`: others than those that the settings name. Throws StartupError.
   explicit Station(const StationSettings& settings, robot::Drive drive = {},
-                   std::unique_ptr<OperatorInput> input = {});
+                   std::unique_ptr<OperatorInput> input = {}, std::unique_ptr<OperatorInput> hand = {});
 
   /// At the scale that the settings name or an operator has asked for since. Allocates: call it outside the
   /// loop, from one thread at a time. Throws StartupError if the robot cannot take the scaled contour; then
@@ -48,6 +61,9 @@ class Station {
   /// Guidance or corridor from the next step on.
   void set_constraint(const ConstraintMode& mode) noexcept { constraint_ = mode; }
 
+  /// Why these settings do not go with the slave that answers, whose laser is real: somebody has to be there.
+  /// A literal; null: they go.
+  const char* obstacle() const noexcept;
   const MasterNode& node() const { return node_; }
   const robot::RobotSupervisor& machine() const { return machine_; }
   /// After the last step: leaves the robot without current.
@@ -55,19 +71,29 @@ class Station {
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
   /// The master's part of the record: rows and figures.
   void report(RunRecord& record) const;
+  /// The contours of the record: `adopted` have been in force, in order.
+  void report_contours(std::span<const ContourMessage> adopted, RunRecord& record) const;
+  /// Beside the loop, several times a second: memory for a record that goes on.
+  void make_record_room() {
+    recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz));
+  }
 
  private:
-  /// Simulated on a simulated robot; a real hand is felt by the robot alone.
-  HandSample hand(GuidedContour& task) noexcept;
-
+  static constexpr double kRoom_s = 10.0;
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
   OperatorRequests requests_;
-  std::unique_ptr<OperatorInput> operator_;  ///< null: the simulated operator alone
+  ToolHand hand_;
+  std::unique_ptr<OperatorInput> operator_;  ///< who holds the button; null: the hand
   bool simulated_button_;                    ///< nobody's hand: it lets go when it is told to
   MasterNode node_;
   Recorder<MasterRow> recorder_;
+  struct ContourBegin {
+    Tick tick = 0;
+    std::uint32_t id = 0;
+  };
+  std::vector<ContourBegin> contours_;  ///< in force, since when; room is taken at the start
   bool guided_ = false;
   bool engaged_ = false;
   std::optional<ConstraintMode> constraint_;

@@ -29,8 +29,11 @@ void StationSettings::add_parameters(Settings& settings) {
   settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
                "slave motion = beta x master motion");
   machine.add_parameters(settings);
+  settings.add(
+      "hand", hand_device, device_form(hand_forms(), validate_hand),
+      "who moves a simulated master: the simulated operator, the console's page, a program, a record");
   settings.add("button", button, device_form(operator_input_forms(), validate_operator_input),
-               "who holds the laser button while the slave follows; hand: the simulated one");
+               "who holds the laser button while the slave follows; hand: the hand itself");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a share");
   settings.add("seed", seed, kSeeds, "of the simulated robot and hand");
@@ -62,6 +65,7 @@ void StationSettings::add_guidance_parameters(Settings& settings) {
                "mean speed of the simulated hand");
   settings.add("hand_sideways_n", hand.max_sideways_n, {.min = 0, .max = 30, .unit = "N"},
                "how hard the simulated hand pushes off the curve");
+  settings.not_with({"corridor_stiffness_n_per_m"}, "corridor_mm", {"0"});
 }
 
 void StationSettings::add_stream_parameters(Settings& settings) {
@@ -93,6 +97,13 @@ void StationSettings::add_stream_parameters(Settings& settings) {
                "previous blocks repeated in a packet");
   settings.add("max_redundancy", node.command.max_redundancy, {.min = 0, .max = 7},
                "and at most, after losses that these did not cover; redundancy if that is more");
+  codec::refuse_unread(settings, {""});
+  settings.not_with({"max_redundancy"}, "codec", {"raw"});
+  settings.only_with({"thesis_cutoff_rad_s"}, "estimator", {"thesis", "thesis-convergent"});
+  settings.only_with({"innovation_gain_per_s"}, "estimator", {"delayed-innovation", "thesis-convergent"});
+  settings.only_with({"predictor_rad_s", "disturbance_rad_s"}, "estimator", {"predictor"});
+  settings.only_with({"timing_error_s", "predictor_rad_s", "disturbance_rad_s"}, "law",
+                     {"remote-acceleration"});
 }
 
 StationSettings StationSettings::validated() const {

@@ -9,6 +9,7 @@
 #include "common/robot/supervisor.h"
 #include "common/runtime/settings.h"
 #include "master/master_node.h"
+#include "master/operator/arm.h"
 #include "master/operator/simulated_operator.h"
 
 namespace telekerf::master {
@@ -17,11 +18,13 @@ struct StationSettings {
   MasterSettings node;
   std::string robot = "master-horizontal";
   robot::RobotSupervisorSettings machine;
-  std::string button = "hand";  ///< who holds the laser button, see operator_input.h
+  std::string hand_device = "simulated";  ///< who moves a simulated master, see operator_input.h
+  std::string button = "hand";            ///< who holds the laser button, see there
   double beta = 0.5;
   bool engage = false;    ///< the slave shall follow without being told to
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   SimulatedOperatorSettings hand;
+  ArmSettings arm;                                  ///< between a pointer and the tool
   double hand_speed_mm_s = 20.0;                    ///< what a user sets of it
   double tracking_rad_s = 0.0;                      ///< of the law; 0: chosen from the stream's rate
   double corridor_mm = 0.0;                         ///< half width in which the hand is free; 0: guidance

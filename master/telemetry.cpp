@@ -3,8 +3,8 @@
 
 namespace telekerf::master {
 
-MasterValues master_values(const MasterOutputs& out, double beta,
-                           const streaming::ClockEstimate& clocks) noexcept {
+MasterValues master_values(const MasterOutputs& out, double beta, const streaming::ClockEstimate& clocks,
+                           double round_trip_s) noexcept {
   const GuidePiece& piece = out.active.piece;
   const geometry::CircleOrLine& shape = piece.shape;
   const Vec2 centre = shape.is_line ? shape.point_m : shape.centre_m;
@@ -45,7 +45,12 @@ MasterValues master_values(const MasterOutputs& out, double beta,
           out.slave_force.known ? 1.0 : 0.0,
           out.slave_force.force_n.x(),
           out.slave_force.force_n.y(),
-          out.slave_force.force_n.z()};
+          out.slave_force.force_n.z(),
+          out.velocity_m_per_s.x(),
+          out.velocity_m_per_s.y(),
+          out.hand_n.x(),
+          out.hand_n.y(),
+          round_trip_s};
 }
 
 // A sequence lock whose data are atomics, so that a torn reading is noticed and never undefined: who has read

@@ -24,14 +24,17 @@ inline constexpr std::array kMasterValueNames{
     // The clocks.
     "clock_offset_s", "clock_skew", "clock_uncertainty_s",
     // The force on the slave's tool; not known: nothing came, or nothing comes any more.
-    "force_known", "force_x_n", "force_y_n", "force_z_n"};
+    "force_known", "force_x_n", "force_y_n", "force_z_n",
+    // The tool's motion, the hand's force on it as it is estimated, and the network alone, there and back.
+    "tool_x_m_per_s", "tool_y_m_per_s", "hand_x_n", "hand_y_n", "round_trip_s"};
 using MasterValues = std::array<double, kMasterValueNames.size()>;
 
 /// In the order of kMasterValueNames. Circle and tangent in the master's workpiece frame; of a line,
 /// circle_x_m and circle_y_m are a point on it and the radius is zero. `slave_`: predicted for the tick at
 /// which the command made now acts, slave's workpiece frame. `clock_`: slave's clock against the master's.
-MasterValues master_values(const MasterOutputs& out, double beta,
-                           const streaming::ClockEstimate& clocks) noexcept;
+/// `round_trip_s`: the newest.
+MasterValues master_values(const MasterOutputs& out, double beta, const streaming::ClockEstimate& clocks,
+                           double round_trip_s) noexcept;
 
 /// The newest values of one writer, for any number of readers. The writer never waits.
 class Snapshot {

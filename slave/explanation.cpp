@@ -39,6 +39,7 @@ std::string tracking_explanation(SlaveMode mode, HoldReason reason, std::uint32_
 }
 
 std::string explanation(const SlaveOutputs& out) {
+  if (out.mode == SlaveMode::kStopped) return "not following, beam off: the emergency stop is latched";
   return tracking_explanation(out.mode, out.reason, out.forbidden, out.settled) + "; " +
          beam_explanation(out.forbidden, out.button, out.laser_w > 0.0);
 }

@@ -2,19 +2,23 @@
 // telekerf-slave: the robot with the laser follows what the master streams.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <string>
 #include <vector>
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/contour_subscriber.h"
 #include "common/bus/endpoints.h"
+#include "common/bus/link_test.h"
 #include "common/bus/process.h"
 #include "common/bus/stop_line.h"
 #include "common/protocol/sentences.h"
+#include "common/runtime/clock.h"
 #include "common/runtime/program.h"
 #include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
 #include "slave/explainer.h"
+#include "slave/look_log.h"
 #include "slave/station.h"
 
 namespace telekerf::slave {
@@ -25,6 +29,7 @@ struct Flags {
   netem::NetemFlags netem;
   StationSettings station;
   StopFlags stop;
+  LinkTestFlags link;
   std::string record;
   void validate() const { (void)station.validated(); }
 };
@@ -44,11 +49,22 @@ const char* text_of(SlaveMode mode, HoldReason reason) {
   return "unknown";
 }
 
+constexpr Lookout::Wish kContourMissing{"a contour", "vision"};
+constexpr Lookout::Wish kCommandsMissing{"a master's commands", "master"};
+
+const Lookout::Wish* missing_of(bool contour, HoldReason reason) {
+  if (!contour) return &kContourMissing;
+  return reason == HoldReason::kNoCommands ? &kCommandsMissing : nullptr;
+}
+
 int run(Flags& flags) {
   if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "slave");
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "slave");
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
+  if (!flags.link.peer.empty()) settings.peers.push_back(flags.link.peer);
+  if (flags.link.link_test)
+    return run_link_test(settings, flags.link, flags.station.node.interlock.beam_age_s);
   flags.station.epoch = settings.epoch;
   Station station(flags.station);
 
@@ -56,7 +72,7 @@ int run(Flags& flags) {
   Reader<CommandBlock> commands(process.bus());
   StopLine emergency(process.bus(), flags.stop.path(settings));
   Writer<StateBlock> states(process.bus());
-  const netem::NetemSwitch netem_switch(process.bus(), emulator);
+  netem::NetemSwitch netem_switch(process.bus(), emulator);
   ContourSubscriber<Corridor> contour(
       process.bus(), [&](const ContourMessage& message) { return station.prepare(message); });
   if (station.machine().plant() == nullptr)
@@ -65,16 +81,33 @@ int run(Flags& flags) {
   process.status().say(fmt::format("commands older than {:g} s, there and back, give no light (--beam-age-s)",
                                    flags.station.node.interlock.beam_age_s));
 
+  const double look_age_s = flags.station.node.interlock.max_look_age_s;
+  process.status().say(
+      look_age_s > 0.0
+          ? fmt::format("no light when vision has not seen the contour for {:g} s (--look-age-s)", look_age_s)
+          : "nobody asks how long ago vision has seen the contour (--look-age-s 0)");
+  LookLog looks;
+  const Reader<TelemetryMessage> vision(
+      process.bus(), [&looks](const TelemetryMessage& message) { looks.hear(message, monotonic_ns()); });
+
   std::vector<Received<CommandBlock>> arrived_commands;
   arrived_commands.reserve(64);
   Explainer explainer(process.status());
+  const Periodic beside(std::chrono::milliseconds(500), [&] {
+    if (!flags.record.empty()) station.make_record_room();
+  });
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(commands, arrived_commands);
-    const SlaveOutputs out = station.step(now_ns, contour.current(), arrived_commands, emergency.order());
+    const Corridor* const corridor = contour.current();
+    const SlaveOutputs out =
+        station.step(now_ns, corridor, arrived_commands, emergency.order(),
+                     corridor != nullptr ? looks.age_s(corridor->contour_id, now_ns) : laser::kAbsent);
     emergency.obeyed(out.stop);
     if (out.state) states.write(*out.state);
     process.status().state(text_of(out.mode, out.reason));
     explainer.step(out);
+    netem_switch.beam(out.laser_w > 0.0);
+    process.lookout().missing(missing_of(corridor != nullptr, out.reason));
     return !contour.refused() && !station.machine().failed() && !station.beam().failed();
   });
   station.release();
@@ -86,6 +119,9 @@ int run(Flags& flags) {
     add_figures(loop, record.slave_figures);
     add_figures(process.bus().counters(), commands.counters(), record.slave_figures);
     netem::add_figures(emulator.get(), record.slave_figures);
+    if (const auto lost = record.slave_figures["dropped_rows"]; lost > 0)
+      process.status().say(
+          fmt::format("the record lacks its last {:.0f} rows: there was no memory for them", lost));
     write_slave(flags.record, record);
   }
   if (contour.refused()) throw input_error(contour.refusal());
@@ -99,6 +135,7 @@ void add_parameters(Flags& flags, Settings& settings) {
   flags.station.add_parameters(settings);
   flags.stop.add_parameters(settings);
   settings.add("record", flags.record, kFolder, "for the record of the run");
+  flags.link.add_parameters(settings);
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);
   settings.moved("automatic", "is a program of its own now: telekerf-machine");

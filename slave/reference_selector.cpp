@@ -42,6 +42,7 @@ Selected ReferenceSelector::step(const streaming::Played& played, const Circumst
   auto applied = streaming::Applied::kNothing;
   if (led) applied = sample->concealed ? streaming::Applied::kConcealed : streaming::Applied::kSample;
   out.acknowledgement = log_.step(applied, played.index, played.begins);
+  if (sample != nullptr) out.due_age_s = played.age_s.value_or(-1.0);
   if (led) {
     out.applied_tick = played.tick;
     out.age_s = played.age_s.value_or(-1.0);

@@ -36,6 +36,7 @@ struct Selected {
   Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< of the source, without what is left of a transfer
   bool button = false;
   double age_s = -1.0;         ///< of the command that is applied, by the slave's clock; negative: none
+  double due_age_s = -1.0;     ///< of the command whose turn it is, followed or not; negative: none
   double applied_tick = -1.0;  ///< master tick that the reference is of; negative: none
   streaming::Acknowledgement acknowledgement;
 };

@@ -11,8 +11,6 @@ namespace {
 static_assert(laser::guard_bit("button") == kButtonGuard);
 
 constexpr double kSettled_m = 2e-6;
-constexpr std::int64_t kLatePeriods = 3;
-constexpr std::int64_t kDarkAfterLate_ns = 20'000'000;
 
 std::int64_t period_ns(const SlaveSettings& settings) noexcept {
   return std::llround(1e9 / settings.control_hz);
@@ -46,6 +44,7 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
       interlock_(limits_of(model, settings), period_ns(settings)),
       cut_speed_(dt_s_),
       dose_(model.workspace.radius_m),
+      punctuality_(period_ns(settings)),
       report_({.positions = settings.feedback,
                .forces = settings.force,
                .ticks_per_sample = static_cast<int>(std::lround(settings.control_hz / settings.stream_hz)),
@@ -97,17 +96,18 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
   // As long as a permit lasts.
   const double more_j = dose.kept ? 2.0 * dt_s_ * power_w : laser::kAbsent;
   return {.stopped = stop_ != 0,
-          .fault = false,
+          .fault = inputs.fault,
           .contour_known = known,
           .engaged = selector_.mode() == SlaveMode::kFollowing,
           .armed = selector_.arming().armed(),
           .button_armed = selector_.arming().button_armed(),
           .fresh = selected.following && joints_.posed() && inputs.joints.valid && led_m_per_s.allFinite(),
-          .unlit = true,
+          .unlit = unlit(selected),
           .on_time = on_time,
           .emission_agrees = inputs.emission_agrees,
           .monitor_agrees = inputs.monitor_agrees,
-          .command_age_s = selected.age_s >= 0.0 ? selected.age_s : laser::kAbsent,
+          .command_age_s = selected.due_age_s >= 0.0 ? selected.due_age_s : laser::kAbsent,
+          .look_age_s = inputs.look_age_s,
           .radius_m = place.norm(),
           .height_m = std::abs(tool.position_m.z()),
           .contour_distance_m = on_contour.distance_m,
@@ -123,18 +123,15 @@ laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Select
           .area_dose_j_per_mm2 = dose.area_j_per_mm2 + more_j};
 }
 
+bool SlaveNode::unlit(const Selected& selected) const noexcept {
+  return selected.applied_tick < 0.0 || commands_.header().epoch != lit_sample_.master_epoch ||
+         selected.applied_tick > lit_sample_.tick;
+}
+
 void SlaveNode::book(std::int64_t now_ns) noexcept {
   // A beam that nobody has told anything any more ends with its permit.
   const std::int64_t lasted_ns = std::clamp(now_ns - lit_.time_ns, std::int64_t{0}, 2 * period_ns(settings_));
   dose_.add(lit_.place_m, lit_.power_w * static_cast<double>(lasted_ns) * 1e-9);
-}
-
-bool SlaveNode::on_time(std::int64_t now_ns) noexcept {
-  if (tick_ > 0 && now_ns - lit_.time_ns > kLatePeriods * period_ns(settings_)) {
-    on_time_from_ns_ = now_ns + kDarkAfterLate_ns;
-    ++late_steps_;
-  }
-  return now_ns >= on_time_from_ns_;
 }
 
 SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noexcept {
@@ -160,13 +157,14 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
   out.currents_a = joints_.currents(track(selected, tool));
 
   book(now_ns);
-  const laser::InterlockInputs now = judged(inputs, selected, tool, on_time(now_ns));
+  const laser::InterlockInputs now = judged(inputs, selected, tool, punctuality_.step(now_ns));
   auto [judgement, permit] = interlock_.decide(now_ns, now);
   out.interlock = judgement.reason();
   out.forbidden = judgement.forbidden;
   out.permit = std::move(permit);
   out.laser_w = judgement.permits() && selected.button ? now.power_w : 0.0;
   lit_ = {now_ns, tool.position_m.head<2>(), out.laser_w};
+  if (out.laser_w > 0.0) lit_sample_ = {commands_.header().epoch, selected.applied_tick};
   out.mode = selector_.mode();
   out.reason = selector_.reason();
   out.stop = stop_;
@@ -188,8 +186,8 @@ SlaveOutputs SlaveNode::step(std::int64_t now_ns, const SlaveInputs& inputs) noe
                             .engage_spent = selector_.arming().spent(),
                             .stop = stop_,
                             .stop_tick = stop_tick_,
-                            .guards = out.forbidden,
-                            .command_age_s = out.command_age_s},
+                            .guards = out.forbidden | (settings_.real_laser ? kRealLaser : 0U),
+                            .command_age_s = selected.due_age_s},
                            commands_, selected.acknowledgement);
   if (out.state) commands_.state_sent(out.state->sequence, out.state->sent_ns);
   return out;

@@ -19,6 +19,7 @@
 #include "slave/laser/contour_place.h"
 #include "slave/laser/dose_book.h"
 #include "slave/laser/interlock.h"
+#include "slave/laser/punctuality.h"
 #include "slave/reference_selector.h"
 #include "slave/state_report.h"
 
@@ -31,6 +32,7 @@ struct SlaveSettings {
   double observer_rad_s = 0.0;      ///< of the disturbance observer; 0: likewise (loop_design.h)
   double command_timeout_s = 0.15;  ///< no command for this long: laser off, hold
   double laser_w = 10.0;            ///< at beam_power's speed
+  bool real_laser = false;          ///< it is not simulated: told to the master
   laser::BeamPowerSettings beam_power;
   BareAccelerations bare_accelerations = BareAccelerations::kObeyed;
   codec::StreamSettings feedback;  ///< of the positions in the state stream, m
@@ -54,6 +56,8 @@ struct SlaveInputs {
   std::span<const Received<CommandBlock>> commands;  ///< since the last step, in order of arrival
   StopOrder stop;
   const Corridor* corridor = nullptr;  ///< null: no contour yet; must outlive its use
+  bool fault = false;                  ///< robot or laser has failed
+  double look_age_s = laser::kAbsent;  ///< since vision last saw this contour; absent: it has not
   bool monitor_agrees = true;          ///< see laser::BeamMonitor
   bool emission_agrees = true;         ///< see LaserOutput::emission_agrees()
 };
@@ -97,7 +101,7 @@ class SlaveNode {
   }
 
   SlaveCounters counters() const noexcept {
-    return {commands_.counters(), report_.counters(), selector_.missed_ticks(), late_steps_};
+    return {commands_.counters(), report_.counters(), selector_.missed_ticks(), punctuality_.late_steps()};
   }
   /// What the work has got so far.
   const laser::DoseBook& dose() const noexcept { return dose_; }
@@ -111,10 +115,10 @@ class SlaveNode {
   Vec3 track(const Selected& selected, const KinematicState& tool) const noexcept;
   laser::InterlockInputs judged(const SlaveInputs& inputs, const Selected& selected,
                                 const KinematicState& tool, bool on_time) noexcept;
+  /// No sample was lit that is not older.
+  bool unlit(const Selected& selected) const noexcept;
   /// The energy of the step before is in the account when this one is judged.
   void book(std::int64_t now_ns) noexcept;
-  /// A step that comes later than a laser waits for keeps the beam off for a while.
-  bool on_time(std::int64_t now_ns) noexcept;
 
   robot::RobotModel model_;
   SlaveSettings settings_;
@@ -138,8 +142,11 @@ class SlaveNode {
     Vec2 place_m = Vec2::Zero();
     double power_w = 0.0;
   } lit_;  ///< of the step before
-  std::int64_t on_time_from_ns_ = 0;
-  std::uint64_t late_steps_ = 0;
+  struct {
+    std::uint32_t master_epoch = 0;
+    double tick = -1.0;
+  } lit_sample_;  ///< newest that was lit
+  laser::Punctuality punctuality_;
   StateReport report_;
 };
 

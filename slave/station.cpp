@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/runtime/startup_error.h"
+#include "slave/laser/dose_limits.h"
 
 namespace telekerf::slave {
 void StationSettings::add_parameters(Settings& settings) {
@@ -46,17 +47,16 @@ void StationSettings::add_node_parameters(Settings& settings) {
                "no command for this long: hold, laser off");
   settings.add("beam_age_s", node.interlock.beam_age_s, {.min = 0.02, .max = 2, .unit = "s"},
                "commands older than this, measured there and back, give no light");
+  settings.add("look_age_s", node.interlock.max_look_age_s, {.min = 0, .max = 3600, .unit = "s"},
+               "no light after vision has not seen the contour where it is for this long; 0: not asked");
   settings.add("bare_accelerations", node.bare_accelerations, kBareAccelerations,
                "of law remote-acceleration, what the slave makes of them");
   settings.add("laser_w", node.laser_w, {.min = 0, .max = 1000, .unit = "W"},
                "laser power at laser_speed_mm_s; it follows the tool's speed up to 1.5 times");
   settings.add("laser_speed_mm_s", laser_speed_mm_s, {.min = 0.5, .max = 200, .unit = "mm/s"},
                "speed of the tool that gets laser_w");
-  settings.add("dose_max_j", node.interlock.max_dose_j, {.min = 0.01, .max = 1000, .unit = "J"},
-               "energy that no place gets more of within 0.1 mm, over all passes");
-  settings.add("dose_max_j_per_mm2", node.interlock.max_area_dose_j_per_mm2,
-               {.min = 0.1, .max = 1000, .unit = "J/mm^2"},
-               "mean energy that no square millimetre gets more of, over all passes");
+  laser::add_dose_parameters(node.interlock, settings);
+  codec::refuse_unread(settings, {"", "force_"});
 }
 
 StationSettings StationSettings::validated() const {
@@ -67,15 +67,9 @@ StationSettings StationSettings::validated() const {
                                           node.control_hz, node.stream_hz));
   }
   beam.validate(node.laser_w);
+  settings.node.real_laser = !beam.simulated();
   settings.node.beam_power.speed_m_per_s = 1e-3 * laser_speed_mm_s;
-  const double pass_j = node.laser_w / settings.node.beam_power.speed_m_per_s *
-                        (2.0 * laser::DoseBook::kRadius_m + laser::DoseBook::kCell_m);
-  if (pass_j > node.interlock.max_dose_j) {
-    throw configuration_error(
-        fmt::format("laser_w = {:g} at laser_speed_mm_s = {:g} gives a place {:.2g} J in one pass, more than "
-                    "dose_max_j = {:g}; lower the power, or raise dose_max_j if the material bears it",
-                    node.laser_w, laser_speed_mm_s, pass_j, node.interlock.max_dose_j));
-  }
+  laser::require_dose(node.interlock, node.laser_w, laser_speed_mm_s, "laser_speed_mm_s");
   settings.node.feedback.sample_period_ns = static_cast<std::uint32_t>(std::llround(1e9 / node.stream_hz));
   settings.node.feedback = codec::with_codec(settings.node.feedback, codec).validated();
   codec::StreamSettings& force = settings.node.force;
@@ -122,14 +116,15 @@ std::unique_ptr<Corridor> Station::prepare(const ContourMessage& contour) const 
                     "use a smaller --width-mm",
                     reach_m * 1e3, model_.name, model_.workspace.radius_m * 1e3));
   }
+  const geometry::Polyline line{contour.points_m, contour.closed};
   return std::make_unique<Corridor>(
-      Corridor{contour.id, geometry::NearestIndex(geometry::Polyline{contour.points_m, contour.closed}),
-               laser::CorridorRaster(contour.points_m, contour.closed, settings_.node.interlock.corridor_m,
-                                     model_.workspace.radius_m)});
+      Corridor{contour.id, geometry::NearestIndex(line),
+               laser::CorridorRaster(line, settings_.node.interlock.corridor_m, model_.workspace.radius_m)});
 }
 
 SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
-                           std::span<const Received<CommandBlock>> commands, const StopOrder& stop) noexcept {
+                           std::span<const Received<CommandBlock>> commands, const StopOrder& stop,
+                           double look_age_s) noexcept {
   SlaveInputs inputs;
   inputs.joints = machine_.read();
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to report
@@ -142,15 +137,13 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   inputs.commands = commands;
   inputs.stop = stop;
   inputs.corridor = corridor;
+  inputs.fault = machine_.failed() || beam_.failed();
+  inputs.look_age_s = look_age_s;
   inputs.emission_agrees = beam_.emission_agrees();
   inputs.monitor_agrees = monitor_.agrees();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   SlaveOutputs out = node_.step(now_ns, inputs);
-  if (out.command_age_s >= 0.0) {
-    age_.sum_s += out.command_age_s;
-    age_.max_s = std::max(age_.max_s, out.command_age_s);
-    ++age_.count;
-  }
+  if (out.command_age_s >= 0.0) age_.add(out.command_age_s);
   if (inputs.joints.valid) machine_.watch(out.tool_m);
   if (machine_.failed()) {
     out.laser_w = 0.0;

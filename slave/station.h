@@ -46,7 +46,8 @@ class Station {
   std::unique_ptr<Corridor> prepare(const ContourMessage& contour) const;
 
   SlaveOutputs step(std::int64_t now_ns, const Corridor* corridor,
-                    std::span<const Received<CommandBlock>> commands, const StopOrder& stop = {}) noexcept;
+                    std::span<const Received<CommandBlock>> commands, const StopOrder& stop = {},
+                    double look_age_s = laser::kAbsent) noexcept;
 
   /// See SlaveNode::change().
   void change(const codec::StreamSettings& feedback, const codec::StreamSettings& force) {
@@ -64,8 +65,13 @@ class Station {
   }
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
   void report(RunRecord& record) const;
+  /// Beside the loop, several times a second: memory for a record that goes on.
+  void make_record_room() {
+    recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz));
+  }
 
  private:
+  static constexpr double kRoom_s = 10.0;
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
@@ -78,6 +84,11 @@ class Station {
     double sum_s = 0.0;
     double max_s = 0.0;
     std::uint64_t count = 0;
+    void add(double age_s) noexcept {
+      sum_s += age_s;
+      max_s = max_s > age_s ? max_s : age_s;
+      ++count;
+    }
   } age_;  ///< of the commands applied
 };
 

@@ -18,6 +18,9 @@ bool Bus::wait_for_role(const std::string& role, std::chrono::nanoseconds timeou
   return participant_->wait_for_role(role, timeout);
 }
 const std::vector<std::string>& Bus::notes() const { return participant_->notes(); }
+std::vector<std::string> Bus::strangers() const { return participant_->strangers(); }
+std::optional<Bus::Rival> Bus::rival() const { return participant_->rival(); }
+std::vector<PresenceMessage> Bus::elsewhere() const { return participant_->elsewhere(); }
 BusCounters Bus::counters() const { return participant_->counters(); }
 
 }  // namespace telekerf

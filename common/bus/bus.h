@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ std::string complaint_about_peer(const std::string& peer);
 
 struct BusCounters {
   std::uint64_t incompatible = 0;  ///< processes that came after us and did not fit
+  std::uint64_t strangers = 0;     ///< participants that said what is not theirs to say
 };
 
 class Bus {
@@ -55,6 +57,18 @@ class Bus {
   /// What the user should know about the environment, one sentence each, e.g. clipped socket buffers.
   const std::vector<std::string>& notes() const;
   BusCounters counters() const;
+  /// A sentence for each participant that has said what is not theirs to say in this cell, and was not heard:
+  /// it has not announced itself here, has another role, or another start's number.
+  std::vector<std::string> strangers() const;
+  /// Another process that has joined and does not fit beside this one: the two could not see each other
+  /// before.
+  struct Rival {
+    std::string sentence;         ///< what does not fit, with its remedy
+    bool we_come_second = false;  ///< see presence.h
+  };
+  std::optional<Rival> rival() const;
+  /// Processes that have announced themselves in other cells of the domain.
+  std::vector<PresenceMessage> elsewhere() const;
 
   /// The middleware's side of it; complete inside the bus only. Endpoints share its ownership, so the order
   /// of destruction is free.

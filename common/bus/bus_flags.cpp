@@ -52,6 +52,7 @@ BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {
 
 void add_figures(const BusCounters& counters, const ReaderCounters& stream, Metrics& figures) {
   figures["misfits"] = static_cast<double>(counters.incompatible);
+  figures["strangers"] = static_cast<double>(stream.strangers);
   figures["damaged"] = static_cast<double>(stream.damaged);
 }
 

@@ -10,31 +10,43 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "common/bus/endpoints.h"
+#include "common/bus/event_answers.h"
 #include "common/bus/handover.h"
+#include "common/runtime/say.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
 
+/// As people tell it from another one: number, source, length and size.
+std::string title_of(const ContourMessage& message);
+
 /// `Prepared` is what a node needs of a contour (a guide, a corridor). A first contour that does not fit ends
-/// the subscription with the StartupError's sentence; a later one is refused with it, and what is in force
-/// stays. So is one whose id is not its digest. The contour in force, published again, changes nothing.
+/// the subscription with the StartupError's sentence. Another one than that in force waits until an operator
+/// takes it (EventMessage::Kind::kTakeContour); of several the last one waits. If it does not fit then it is
+/// refused with its sentence, and what is in force stays. So is one whose id is not its digest. The contour
+/// in force, published again, changes nothing.
 template <class Prepared>
 class ContourSubscriber {
  public:
   using Prepare = std::function<std::unique_ptr<Prepared>(const ContourMessage&)>;
 
   ContourSubscriber(Bus& bus, Prepare prepare)
-      : reader_(bus),
+      : role_(bus.settings().role),
+        reader_(bus),
+        events_(bus),
+        answers_(bus),
         prepare_(std::move(prepare)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-  /// The newest prepared contour, null before the first. For one thread, the control loop's, once a step:
-  /// wait-free. What an earlier step got may be freed after the step that got another one (Handover).
+  /// The contour in force as prepared last, null before the first. For one thread, the control loop's, once a
+  /// step: wait-free. What an earlier step got may be freed after the step that got another one (Handover).
   Prepared* current() noexcept { return prepared_.current(); }
   /// True once a contour was refused; `refusal()` says why.
   bool refused() const noexcept { return refused_.load(std::memory_order_acquire); }
@@ -52,57 +64,107 @@ class ContourSubscriber {
     const std::lock_guard lock(mutex_);
     return message_;
   }
+  /// Those that have been in force, in order; of very many the last ones.
+  std::vector<ContourMessage> adopted() const {
+    const std::lock_guard lock(mutex_);
+    return adopted_;
+  }
 
  private:
   void run(const std::stop_token& stop) {
-    bool any = false;
-    while (!stop.stop_requested()) {
-      while (auto received = reader_.take()) {
-        if (received->value.id != digest_of(received->value)) {
-          refuse(received->value, "its id is not the digest of its points");
-          continue;
-        }
-        if (any && received->value.id == message_.id) continue;
-        try {
-          auto prepared = prepare_(received->value);
-          {
-            const std::lock_guard lock(mutex_);
-            message_ = std::move(received->value);
-          }
-          prepared_.offer(std::move(prepared));
-          any = true;
-        } catch (const StartupError& refusal) {
-          if (any) {
-            refuse(received->value, refusal.what());
-            continue;
-          }
-          const std::lock_guard lock(mutex_);
-          refusal_ = refusal.what();
-          refused_.store(true, std::memory_order_release);
-        }
+    constexpr std::chrono::milliseconds kNap{10};
+    constexpr std::chrono::milliseconds kPace{100};  // whoever publishes oftener is not looked at oftener
+    std::optional<ContourMessage> newest;
+    for (auto next = Clock::now(); !stop.stop_requested(); std::this_thread::sleep_for(kNap)) {
+      while (auto received = reader_.take()) newest = std::move(received->value);
+      if (newest && Clock::now() >= next) {
+        next = Clock::now() + kPace;
+        consider(std::move(*newest));
+        newest.reset();
       }
-      if (rebuild_.exchange(false, std::memory_order_acq_rel) && any) rebuild();
+      while (const auto event = events_.take()) {
+        if (event->value.kind == EventMessage::Kind::kTakeContour)
+          answers_.give(event->value.epoch, take(event->value.value));
+      }
+      answers_.again();
+      if (rebuild_.exchange(false, std::memory_order_acq_rel) && any_) rebuild();
       prepared_.collect();
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
+  }
+  void consider(ContourMessage message) {
+    if (message.id != digest_of(message)) return refuse(message, "its id is not the digest of its points");
+    if (!any_) {
+      try {
+        adopt(message);
+      } catch (const StartupError& refusal) {
+        const std::lock_guard lock(mutex_);
+        refusal_ = refusal.what();
+        refused_.store(true, std::memory_order_release);
+      }
+      return;
+    }
+    if (message.id == message_.id || (waiting_ && message.id == waiting_->id)) return;
+    write_line(stdout,
+               fmt::format("{}: {} has come and waits; {} stays in force unless it is told: telekerf-ctl "
+                           "take-contour {}",
+                           role_, title_of(message), title_of(message_), message.id));
+    waiting_ = std::move(message);
+  }
+  /// Why nothing comes of it; empty: it is done.
+  std::string take(double id) {
+    if (any_ && message_.id == id) return {};
+    if (!waiting_ || waiting_->id != id)
+      return fmt::format("no contour {:.0f} waits here{}", id,
+                         waiting_ ? fmt::format(", but {}", title_of(*waiting_)) : std::string());
+    const ContourMessage message = std::move(*waiting_);
+    waiting_.reset();
+    try {
+      adopt(message);
+    } catch (const StartupError& refusal) {
+      refuse(message, refusal.what());
+      return fmt::format("{} refused: {}", title_of(message), refusal.what());
+    }
+    write_line(stdout, fmt::format("{}: {} is in force now", role_, title_of(message)));
+    return {};
+  }
+  /// Throws StartupError.
+  void adopt(const ContourMessage& message) {
+    auto prepared = prepare_(message);
+    {
+      const std::lock_guard lock(mutex_);
+      message_ = message;
+      constexpr std::size_t kMost = 16;
+      if (adopted_.size() == kMost) adopted_.erase(adopted_.begin());
+      adopted_.push_back(message);
+    }
+    prepared_.offer(std::move(prepared));
+    any_ = true;
   }
   void refuse(const ContourMessage& message, const char* why) {
     unfit_.fetch_add(1, std::memory_order_relaxed);
-    fmt::print(stderr, "contour {} refused: {}\n", message.source, why);
+    write_line(stderr, fmt::format("{}: contour {} refused: {}", role_, message.source, why));
   }
   void rebuild() {
     try {
       prepared_.offer(prepare_(message_));  // only this thread writes it
     } catch (const StartupError& refusal) {
-      fmt::print(stderr, "{}: stays as it is: {}\n", message_.source, refusal.what());
+      write_line(stderr, fmt::format("{}: stays as it is: {}", message_.source, refusal.what()));
     }
   }
 
+  using Clock = std::chrono::steady_clock;
+
+  std::string role_;
   Reader<ContourMessage> reader_;
+  Reader<EventMessage> events_;
+  EventAnswers answers_;
   Prepare prepare_;
+  bool any_ = false;                       ///< the thread's: a contour is in force
+  std::optional<ContourMessage> waiting_;  ///< the thread's
   Handover<Prepared> prepared_;
   mutable std::mutex mutex_;
   ContourMessage message_;
+  std::vector<ContourMessage> adopted_;
   std::string refusal_;
   std::atomic<bool> refused_{false};
   std::atomic<std::uint64_t> unfit_{0};

@@ -6,11 +6,13 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
+#include <fastrtps/utils/IPLocator.h>
 #include <algorithm>
 
 #include "common/bus/participant_qos.h"
 #include "common/bus/wire_messages.h"
 #include "common/runtime/real_time.h"
+#include "common/runtime/say.h"
 #include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
 
@@ -30,6 +32,18 @@ BusSettings validated(BusSettings settings) {
     throw usage_error(fmt::format("cell = '{}': {}", settings.cell, wrong));
   if (settings.name.empty()) settings.name = settings.role;
   return settings;
+}
+
+/// What is kept for people of participants that are none of ours.
+constexpr std::size_t kMostStrangers = 64;
+constexpr std::size_t kMostAddresses = 1024;
+
+std::string address_of(const rtps::ParticipantProxyData& data) {
+  const auto text = [](const rtps::Locator_t& locator) { return rtps::IPLocator::ip_to_string(locator); };
+  std::string address = "an unknown address";
+  for (const rtps::Locator_t& locator : data.default_locators.unicast) return text(locator);
+  for (const rtps::Locator_t& locator : data.metatraffic_locators.unicast) return text(locator);
+  return address;
 }
 
 std::array<std::uint8_t, 12> key_of(const rtps::GUID_t& guid) {
@@ -56,27 +70,30 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
                     .epoch = settings_.epoch,
                     .joined = false,
                     .version = kVersion};
+  if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
+  transport_ = bus::udp_transport();
+  if (settings_.receive_filter) transport_ = settings_.receive_filter->over(std::move(transport_));
+  create();
+}
+
+void Bus::Participant::create() {
   const auto announced = bus::presence_bytes(self_.presence);
   if (announced.empty())
     throw usage_error("the names of cell, role and process may have 64, 32 and 64 letters");
-  if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
-
-  auto transport = bus::udp_transport();
-  if (settings_.receive_filter) transport = settings_.receive_filter->over(std::move(transport));
-  auto qos = bus::participant_qos(settings_, std::move(transport), announced);
+  auto qos = bus::participant_qos(settings_, transport_, announced);
   // The threads that receive are started here. A busy machine would let them wait, and that looks like a bad
   // link.
   const RealTimePriority inherited(kNetworkPriority);
   self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
-  {
-    // One at a time in a process. Another process may take the ports in between: the middleware then takes
-    // others.
-    static std::mutex choosing;
-    const std::lock_guard lock(choosing);
-    qos.wire_protocol().participant_id = bus::free_participant_id(settings_.domain);
-    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
-        static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
+  // Another number each time: whoever has not forgotten the one before would take the ports for its own.
+  numbers_.push_back(std::make_unique<bus::ParticipantNumber>(settings_.domain));
+  if (numbers_.back()->value() < 0) {
+    numbers_.clear();
+    numbers_.push_back(std::make_unique<bus::ParticipantNumber>(settings_.domain));
   }
+  qos.wire_protocol().participant_id = numbers_.back()->value();
+  participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<std::uint32_t>(settings_.domain), qos, this, dds::StatusMask::none());
   if (participant_ == nullptr) {
     throw environment_error(
         fmt::format("no DDS participant in domain {}: is the network up, and are UDP ports from {} free?",
@@ -90,11 +107,17 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
   subscriber_ = participant_->create_subscriber(subscriber_qos);
 }
 
-Bus::Participant::~Participant() {
+void Bus::Participant::destroy() {
   if (participant_ == nullptr) return;
   participant_->set_listener(nullptr);
   participant_->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  participant_ = nullptr;
+}
+
+Bus::Participant::~Participant() {
+  network_.reset();
+  destroy();
 }
 
 void Bus::Participant::wait_for_objections() {
@@ -123,6 +146,51 @@ void Bus::Participant::join() {
   if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
     throw environment_error("the middleware did not take the announcement");
   }
+  network_ = std::make_unique<NetworkWatch>([this](bool lost) { addresses_changed(lost); });
+}
+
+void Bus::Participant::addresses_changed(bool lost) {
+  // The middleware notices new interfaces when it is told to look, but whoever has found this participant
+  // before goes on with the addresses of then (Fast DDS 2.9). So it is made anew, unless that would interrupt
+  // what still works.
+  if (!lost && whole()) return;
+  const std::lock_guard lock(endpoints_mutex_);
+  for (Endpoint* const endpoint : endpoints_) endpoint->close();
+  destroy();
+  {
+    const std::lock_guard neighbours(mutex_);
+    others_.clear();
+    elsewhere_.clear();
+    addresses_.clear();
+  }
+  try {
+    create();
+    for (Endpoint* const endpoint : endpoints_) endpoint->open();
+  } catch (const StartupError& refusal) {
+    write_line(stderr, fmt::format("{}: after a change of the network: {}", settings_.role, refusal.what()));
+  }
+}
+
+bool Bus::Participant::whole() const {
+  const auto role = [this](const char* name) {
+    return settings_.role == name || std::any_of(others_.begin(), others_.end(), [&](const auto& other) {
+             return other.second.presence.role == name;
+           });
+  };
+  const std::lock_guard lock(mutex_);
+  return role("master") && role("slave");
+}
+
+void Bus::Participant::add(Endpoint* endpoint) {
+  const std::lock_guard lock(endpoints_mutex_);
+  endpoint->open();
+  endpoints_.insert(endpoint);
+}
+
+void Bus::Participant::remove(Endpoint* endpoint) {
+  const std::lock_guard lock(endpoints_mutex_);
+  endpoints_.erase(endpoint);
+  endpoint->close();
 }
 
 void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
@@ -131,12 +199,18 @@ void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
   const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
                     info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
   Neighbour other{.presence = {}, .key = key};
-  if (!gone && !bus::read_presence(info.info.m_userData, other.presence)) return;
+  const bool ours = !gone && bus::read_presence(info.info.m_userData, other.presence);
   {
     const std::lock_guard lock(mutex_);
     if (gone) {
       others_.erase(key);
-    } else if (other.presence.cell == settings_.cell) {
+      elsewhere_.erase(key);
+      addresses_.erase(key);
+    } else if (addresses_.size() < kMostAddresses) {
+      addresses_[key] = address_of(info.info);
+    }
+    if (ours && other.presence.cell != settings_.cell) elsewhere_[key] = other.presence;
+    if (ours && other.presence.cell == settings_.cell) {
       others_[key] = other;
       if (self_.presence.joined && incompatibility(self_.presence, other.presence)) incompatible_.insert(key);
     }
@@ -162,7 +236,60 @@ bool Bus::Participant::wait_for_role(const std::string& role, std::chrono::nanos
 
 BusCounters Bus::Participant::counters() const {
   const std::lock_guard lock(mutex_);
-  return {.incompatible = incompatible_.size()};
+  return {.incompatible = incompatible_.size(), .strangers = strangers_.size()};
+}
+
+std::vector<std::string> Bus::Participant::strangers() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> sentences;
+  for (const auto& [key, sentence] : strangers_) sentences.push_back(sentence);
+  return sentences;
+}
+
+std::optional<Bus::Rival> Bus::Participant::rival() const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [key, other] : others_) {
+    // This start's own participant of before a change of the network may not be forgotten yet.
+    if (!other.presence.joined || other.presence.epoch == self_.presence.epoch) continue;
+    if (auto reason = incompatibility(self_.presence, other.presence))
+      return Rival{*reason, comes_second(self_, other)};
+  }
+  return std::nullopt;
+}
+
+std::vector<PresenceMessage> Bus::Participant::elsewhere() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<PresenceMessage> list;
+  for (const auto& [key, presence] : elsewhere_) list.push_back(presence);
+  return list;
+}
+
+bool Bus::Participant::may_say(const rtps::GUID_t& writer, const char* topic, const char* role,
+                               std::optional<std::uint32_t> epoch) {
+  const Key key = key_of(writer);
+  const std::lock_guard lock(mutex_);
+  const auto other = others_.find(key);
+  if (other != others_.end()) {
+    const PresenceMessage& presence = other->second.presence;
+    if ((role == nullptr || presence.role == role) && presence.epoch == epoch.value_or(presence.epoch))
+      return true;
+  }
+  if (strangers_.size() < kMostStrangers && !strangers_.contains(key))
+    strangers_[key] = stranger(key, topic, role);
+  return false;
+}
+
+std::string Bus::Participant::stranger(const Key& key, const char* topic, const char* role) const {
+  std::string who = "a participant that has not announced itself";
+  if (const auto here = others_.find(key); here != others_.end()) {
+    who = fmt::format("{} '{}'", here->second.presence.role, here->second.presence.name);
+  } else if (const auto there = elsewhere_.find(key); there != elsewhere_.end()) {
+    who = fmt::format("{} '{}' of cell '{}'", there->second.role, there->second.name, there->second.cell);
+  }
+  const auto address = addresses_.find(key);
+  return fmt::format("what {} ({}) says on {} is not heard: it is no {} of cell '{}'", who,
+                     address == addresses_.end() ? "of an unknown address" : address->second, topic,
+                     role == nullptr ? "process" : role, settings_.cell);
 }
 
 dds::Topic* Bus::Participant::topic(const char* name, const dds::TypeSupport& type) {

@@ -10,9 +10,12 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 
 #include "common/bus/bus.h"
+#include "common/bus/network_watch.h"
+#include "common/bus/participant_qos.h"
 #include "common/bus/presence.h"
 
 namespace telekerf {
@@ -30,11 +33,34 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   std::vector<PresenceMessage> others() const;
   bool wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const;
   BusCounters counters() const;
+  std::vector<std::string> strangers() const;
+  std::vector<PresenceMessage> elsewhere() const;
+  std::optional<Rival> rival() const;
+
+  /// In a thread of the middleware, no allocation if it may. Whether this writer's process has announced
+  /// itself in this cell, in this role (null: any) and as the start `epoch`. Whoever has not is remembered.
+  bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer, const char* topic, const char* role,
+               std::optional<std::uint32_t> epoch);
 
   /// The topic of this name, created at first use; `type` is registered then.
   eprosima::fastdds::dds::Topic* topic(const char* name, const eprosima::fastdds::dds::TypeSupport& type);
   eprosima::fastdds::dds::Publisher* publisher() { return publisher_; }
   eprosima::fastdds::dds::Subscriber* subscriber() { return subscriber_; }
+  /// A reader or writer. All are made anew, with the participant, where this computer's addresses have
+  /// changed.
+  class Endpoint {
+   public:
+    /// Throws StartupError.
+    virtual void open() = 0;
+    virtual void close() = 0;
+
+   protected:
+    ~Endpoint() = default;
+  };
+  /// Opens it. Throws StartupError.
+  void add(Endpoint* endpoint);
+  /// Closes it.
+  void remove(Endpoint* endpoint);
   bool is_own(const eprosima::fastrtps::rtps::GUID_t& writer) const {
     return writer.guidPrefix == participant_->guid().guidPrefix;
   }
@@ -44,10 +70,18 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
 
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
+  void create();
+  void destroy();
   void wait_for_objections();
+  void addresses_changed(bool lost);
+  /// Both sites are seen.
+  bool whole() const;
+  std::string stranger(const Key& key, const char* topic, const char* role) const;
 
   BusSettings settings_;
   std::vector<std::string> notes_;
+  std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> transport_;
+  std::vector<std::unique_ptr<bus::ParticipantNumber>> numbers_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
@@ -58,6 +92,12 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   Neighbour self_;
   std::map<Key, Neighbour> others_;
   std::set<Key> incompatible_;  // seen since we joined
+  std::mutex endpoints_mutex_;
+  std::set<Endpoint*> endpoints_;
+  std::map<Key, PresenceMessage> elsewhere_;
+  std::map<Key, std::string> addresses_;   // of everyone seen in the domain, for people
+  std::map<Key, std::string> strangers_;   // a sentence each
+  std::unique_ptr<NetworkWatch> network_;  // last: ends first
 };
 
 }  // namespace telekerf

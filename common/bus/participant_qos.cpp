@@ -9,10 +9,12 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 #include <fastdds/dds/log/Log.hpp>
 
 #include <charconv>
+#include <cstddef>
 #include <cstdlib>
 #include <mutex>
 #include <optional>
@@ -32,7 +34,7 @@ using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
 using eprosima::fastrtps::Duration_t;
 
 constexpr const char* kDiscoveryMulticast = "239.255.0.1";  // RTPS default
-constexpr std::uint32_t kParticipantsPerPeer = 16;          // ports tried at a peer that names none
+constexpr std::uint32_t kParticipantsPerPeer = 64;          // ports tried at a peer that names none
 constexpr int kParticipantsPerHost = 120;                   // more would run into the next domain's ports
 
 std::string resolved(const std::string& host) {
@@ -80,6 +82,20 @@ bool is_free(int port) {
   return free;
 }
 
+/// A name that only one process of this host has at a time, as long as the descriptor is open; negative:
+/// another one has it. It is a socket without a file, so nothing stays behind.
+int claimed(const std::string& name) {
+  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return fd;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  name.copy(address.sun_path + 1, sizeof address.sun_path - 1);
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&address), size) == 0) return fd;
+  close(fd);
+  return -1;
+}
+
 /// The vendor's two bytes, the site, and nine of chance: unique without asking anybody.
 rtps::GuidPrefix_t random_prefix(Site site) {
   std::random_device random;
@@ -125,12 +141,21 @@ std::shared_ptr<TransportDescriptorInterface> udp_transport() {
   return trimming_over(std::move(udp));
 }
 
-int free_participant_id(int domain) {
+ParticipantNumber::ParticipantNumber(int domain) {
   for (int id = 0; id < kParticipantsPerHost; ++id) {
     const int port = participant_port(domain, id);
-    if (is_free(port) && is_free(port + 1)) return id;
+    if (!is_free(port) || !is_free(port + 1)) continue;
+    // Between this look and the middleware's own socket another one may look, too.
+    const int claim = claimed(fmt::format("telekerf/{}", port));
+    if (claim < 0) continue;
+    value_ = id;
+    claim_ = claim;
+    return;
   }
-  return -1;
+}
+
+ParticipantNumber::~ParticipantNumber() {
+  if (claim_ >= 0) close(claim_);
 }
 
 dds::DomainParticipantQos participant_qos(const BusSettings& settings,

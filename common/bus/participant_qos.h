@@ -21,11 +21,23 @@ void settle_library();
 /// UDPv4 transport as all participants use it.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> udp_transport();
 
-/// A number for a participant of this host whose two ports are free; negative: there is none. The middleware
-/// must be told one: left to itself it takes other ports when these are in use, but from set_qos() on
-/// announces those of number 0 as well, and every sample crosses the network twice (Fast DDS 2.9,
-/// eProsima/Fast-DDS#2676).
-int free_participant_id(int domain);
+/// A number for a participant of this host whose two ports are free, and which no other process of ours takes
+/// as long as this lives. The middleware must be told one: left to itself it takes other ports when these are
+/// in use, but from set_qos() on announces those of number 0 as well, and every sample crosses the network
+/// twice (Fast DDS 2.9, eProsima/Fast-DDS#2676).
+class ParticipantNumber {
+ public:
+  explicit ParticipantNumber(int domain);
+  ~ParticipantNumber();
+  ParticipantNumber(const ParticipantNumber&) = delete;
+  ParticipantNumber& operator=(const ParticipantNumber&) = delete;
+  /// Negative: there is none.
+  int value() const noexcept { return value_; }
+
+ private:
+  int value_ = -1;
+  int claim_ = -1;
+};
 
 /// `transport` is the only one; `user_data` is announced. Throws StartupError for a peer that does not
 /// resolve.

@@ -34,7 +34,10 @@ std::optional<std::string> incompatibility(const PresenceMessage& self, const Pr
 
 bool must_give_way(const Neighbour& self, const Neighbour& other) {
   if (self.presence.joined) return false;
-  if (other.presence.joined) return true;
+  return other.presence.joined || comes_second(self, other);
+}
+
+bool comes_second(const Neighbour& self, const Neighbour& other) {
   return std::tie(other.presence.epoch, other.key) < std::tie(self.presence.epoch, self.key);
 }
 

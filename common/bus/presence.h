@@ -27,4 +27,8 @@ std::optional<std::string> incompatibility(const PresenceMessage& self, const Pr
 /// not see each other before) both stay.
 bool must_give_way(const Neighbour& self, const Neighbour& other);
 
+/// Of two that have both joined and do not fit, which one must give way if nothing else decides: the one with
+/// the higher epoch, then the higher key, so that exactly one of them does.
+bool comes_second(const Neighbour& self, const Neighbour& other);
+
 }  // namespace telekerf

@@ -16,7 +16,10 @@ const BusSettings& with_signals_caught(const BusSettings& settings) {
 }  // namespace
 
 Process::Process(const BusSettings& settings, const std::string& who, const char* initial_state)
-    : bus_(with_signals_caught(settings)), status_(who, initial_state) {}
+    : bus_(with_signals_caught(settings)),
+      status_(who, initial_state),
+      lookout_(bus_, status_),
+      looking_(std::chrono::milliseconds(100), [this] { lookout_.look(); }) {}
 
 std::string Process::place() const {
   return fmt::format("cell '{}' of domain {}", bus_.settings().cell, bus_.settings().domain);

@@ -8,7 +8,9 @@
 #include <string>
 
 #include "common/bus/bus.h"
+#include "common/bus/lookout.h"
 #include "common/runtime/loop.h"
+#include "common/runtime/periodic.h"
 #include "common/runtime/status_reporter.h"
 
 namespace telekerf {
@@ -21,6 +23,8 @@ class Process {
 
   Bus& bus() noexcept { return bus_; }
   StatusReporter& status() noexcept { return status_; }
+  /// What the loop misses is said by a thread of the process' own.
+  Lookout& lookout() noexcept { return lookout_; }
   /// "cell 'cell-1' of domain 0"
   std::string place() const;
 
@@ -32,6 +36,8 @@ class Process {
  private:
   Bus bus_;
   StatusReporter status_;
+  Lookout lookout_;
+  Periodic looking_;  ///< last: starts when everything else is there, ends first
 };
 
 }  // namespace telekerf

@@ -28,9 +28,13 @@ Qos qos_of(Intent intent) {
 
 }  // namespace
 
+std::size_t kept_samples(Intent intent) {
+  return intent == Intent::kEvent ? kEvents : intent == Intent::kStop ? kStops : 1;
+}
+
 dds::DataWriterQos writer_qos(Intent intent) {
   auto qos = qos_of<dds::DataWriterQos>(intent);
-  qos.history().depth = 1;
+  qos.history().depth = static_cast<std::int32_t>(kept_samples(intent));
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   auto& times = qos.reliable_writer_qos().times;
   switch (intent) {
@@ -48,13 +52,11 @@ dds::DataWriterQos writer_qos(Intent intent) {
       times.nackResponseDelay = milliseconds(5);
       break;
     case Intent::kEvent:  // small and rare: repaired at once
-      qos.history().depth = kEvents;
       times.initialHeartbeatDelay = milliseconds(0);
       times.heartbeatPeriod = milliseconds(5);
       times.nackResponseDelay = milliseconds(0);
       break;
     case Intent::kStop:
-      qos.history().depth = kStops;
       times.initialHeartbeatDelay = milliseconds(0);
       times.heartbeatPeriod = milliseconds(20);
       times.nackResponseDelay = milliseconds(0);

@@ -13,6 +13,9 @@ inline eprosima::fastrtps::Duration_t milliseconds(double value) {
   return {static_cast<long double>(value * 1e-3)};
 }
 
+/// That a writer keeps for whoever comes late, or is behind.
+std::size_t kept_samples(Intent intent);
+
 eprosima::fastdds::dds::DataWriterQos writer_qos(Intent intent);
 eprosima::fastdds::dds::DataReaderQos reader_qos(Intent intent);
 

@@ -17,22 +17,29 @@ namespace dds = eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 
 template <class T>
-struct Reader<T>::Impl : dds::DataReaderListener {
+struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
   Impl(Bus& bus, std::size_t capacity, std::function<void(const T&)> to = {})
       : participant(bus.participant()),
         ring(capacity == 0 ? bus::Topic<T>::kRing : capacity),
         tap(std::move(to)) {
+    participant->add(this);
+  }
+  ~Impl() override { participant->remove(this); }
+
+  void open() override {
     reader = participant->subscriber()->create_datareader(
         bus::topic_of<T>(*participant), bus::reader_qos(bus::Topic<T>::kIntent), this,
         dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
     if (reader == nullptr)
       throw environment_error(std::string("the middleware refused a reader of ") + bus::Topic<T>::kName);
   }
-  ~Impl() override {
+  void close() override {
+    if (reader == nullptr) return;
     reader->set_listener(nullptr);
     participant->subscriber()->delete_datareader(reader);
+    reader = nullptr;
+    matched = 0;
   }
-
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
     matched.fetch_add(status.current_count_change, std::memory_order_relaxed);
   }
@@ -61,18 +68,40 @@ struct Reader<T>::Impl : dds::DataReaderListener {
       } else if (!taken) {
         return;
       } else if (info.valid_data && !participant->is_own(info.sample_identity.writer_guid())) {
-        accept(now_ns, info.sample_identity.writer_guid().guidPrefix);
+        accept(now_ns, info.sample_identity.writer_guid());
       }
     }
   }
 
-  void accept(std::int64_t now_ns, const eprosima::fastrtps::rtps::GuidPrefix_t& writer) {
+  /// Whether what is in `wire` may come from this writer. Who announces itself as another start than the
+  /// stream's own is not the one who sends it. A stop is heard from everyone: it can only make things safer,
+  /// and who says it may not be known yet. What speaks another contract is judged by that.
+  bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer, std::optional<std::uint32_t> epoch) {
+    if (bus::contract_of(wire).value_or(participant->settings().contract) != participant->settings().contract)
+      return true;
+    if constexpr (std::is_same_v<T, StopMessage>) {
+      if (wire.in_force() != 0) return true;
+    }
+    return participant->may_say(writer, bus::Topic<T>::kName, bus::Topic<T>::kFrom, epoch);
+  }
+
+  void accept(std::int64_t now_ns, const eprosima::fastrtps::rtps::GUID_t& writer) {
+    if (!may_say(writer, std::nullopt)) {
+      strangers.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
     SenderKey sender;
-    std::copy_n(writer.value, sender.size(), sender.begin());
+    std::copy_n(writer.guidPrefix.value, sender.size(), sender.begin());
     Received<T> sample;
     sample.received_ns = now_ns;
     switch (from_wire(wire, sender, participant->settings().contract, sample.value)) {
       case Verdict::kGood:
+        if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) {
+          if (!may_say(writer, sample.value.epoch)) {
+            strangers.fetch_add(1, std::memory_order_relaxed);
+            return;
+          }
+        }
         received.fetch_add(1, std::memory_order_relaxed);
         if (tap) {
           tap(sample.value);
@@ -104,6 +133,7 @@ struct Reader<T>::Impl : dds::DataReaderListener {
   std::atomic<std::uint64_t> damaged{0};
   std::atomic<std::uint64_t> foreign{0};
   std::atomic<std::uint64_t> unknown{0};
+  std::atomic<std::uint64_t> strangers{0};
 };
 
 template <class T>
@@ -129,6 +159,7 @@ ReaderCounters Reader<T>::counters() const noexcept {
           .damaged = impl_->damaged.load(std::memory_order_relaxed),
           .foreign_contract = impl_->foreign.load(std::memory_order_relaxed),
           .unknown_set = impl_->unknown.load(std::memory_order_relaxed),
+          .strangers = impl_->strangers.load(std::memory_order_relaxed),
           .dropped = impl_->ring.dropped()};
 }
 

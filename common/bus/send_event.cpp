@@ -2,13 +2,56 @@
 #include "common/bus/send_event.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
+#include <map>
+#include <mutex>
+#include <thread>
 
 #include "common/bus/endpoints.h"
-#include "common/runtime/startup_error.h"
 
 namespace telekerf {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kAnswered{5};
+
+/// Role -> its answer.
+class Answered {
+ public:
+  explicit Answered(Bus& bus)
+      : epoch_(bus.settings().epoch), reader_(bus, [this](const EventMessage& event) { hear(event); }) {}
+
+  std::map<std::string, EventMessage> all() const {
+    const std::lock_guard lock(mutex_);
+    return answers_;
+  }
+  int writers() const { return reader_.writers(); }
+
+ private:
+  void hear(const EventMessage& event) {
+    if (event.kind != EventMessage::Kind::kAnswer || event.epoch != epoch_) return;
+    const std::lock_guard lock(mutex_);
+    answers_.emplace(event.text.substr(0, event.text.find(':')), event);
+  }
+
+  std::uint32_t epoch_;
+  mutable std::mutex mutex_;
+  std::map<std::string, EventMessage> answers_;
+  Reader<EventMessage> reader_;  ///< last: hears from its construction on
+};
+
+std::vector<std::string> present(const Bus& bus, const std::vector<std::string>& roles) {
+  std::vector<std::string> there;
+  for (const PresenceMessage& other : bus.others()) {
+    if (std::find(roles.begin(), roles.end(), other.role) != roles.end()) there.push_back(other.role);
+  }
+  return there;
+}
+
+}  // namespace
 
 StartupError nobody_listens(const Bus& bus) {
   return environment_error(
@@ -17,24 +60,50 @@ StartupError nobody_listens(const Bus& bus) {
                   bus.settings().cell, bus.settings().domain));
 }
 
-std::size_t tell(Bus& bus, const EventMessage& event) {
+std::vector<std::string> tell(Bus& bus, EventMessage event, const std::vector<std::string>& roles) {
+  const Answered answered(bus);
   Writer<EventMessage> writer(bus);
-  constexpr std::chrono::seconds kPatience{5};
   const std::size_t others = bus.others().size();
-  if (others == 0 || !writer.wait_for_reader(kPatience)) {
-    throw nobody_listens(bus);
+  if (others == 0) throw nobody_listens(bus);
+  const std::vector<std::string> asked = present(bus, roles);
+  if (asked.empty())
+    throw environment_error(fmt::format("there is no {} in cell '{}' of domain {} to do it",
+                                        fmt::join(roles, " or "), bus.settings().cell,
+                                        bus.settings().domain));
+  if (!writer.wait_for_reader(kAnswered)) throw nobody_listens(bus);
+  event.epoch = bus.settings().epoch;
+  const auto start = Clock::now();
+  std::vector<std::string> done, refusals, silent;
+  for (int told = 0; Clock::now() - start < kAnswered;) {
+    // Who is there hears it at once, the rest as soon as they are found.
+    if (const int readers = writer.readers(); readers > told) {
+      if (!writer.write(event)) throw environment_error("the event could not be sent");
+      told = readers;
+    }
+    const auto answers = answered.all();
+    done.clear();
+    refusals.clear();
+    silent.clear();
+    for (const std::string& role : asked) {
+      const auto answer = answers.find(role);
+      if (answer == answers.end()) {
+        silent.push_back(role);
+      } else if (answer->second.value == 0.0) {
+        done.push_back(role);
+      } else {
+        refusals.push_back(answer->second.text);
+      }
+    }
+    if (silent.empty()) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  // Who is there hears it at once, the rest as soon as they are found.
-  const int first = writer.readers();
-  bool sent = writer.write(event);
-  (void)writer.wait_for_reader(kPatience, static_cast<int>(others));
-  if (writer.readers() > first) sent = writer.write(event) && sent;
-  if (!sent) throw environment_error("the event could not be sent");
-  if (!writer.wait_until_received(kPatience))
+  const std::string but = done.empty() ? "" : fmt::format("; done by {}", fmt::join(done, ", "));
+  if (!refusals.empty()) throw environment_error(fmt::format("{}{}", fmt::join(refusals, "; "), but));
+  if (!silent.empty())
     throw environment_error(
-        fmt::format("not everyone in cell '{}' has confirmed it within {} s: see to it at the machine",
-                    bus.settings().cell, kPatience.count()));
-  return others;
+        fmt::format("{} of cell '{}' has not answered within {} s{}: see to it at the machine",
+                    fmt::join(silent, ", "), bus.settings().cell, kAnswered.count(), but));
+  return done;
 }
 
 }  // namespace telekerf

@@ -7,12 +7,11 @@
 #include <chrono>
 #include <mutex>
 #include <random>
-#include <set>
 #include <thread>
 
 #include "common/bus/endpoints.h"
 #include "common/bus/send_event.h"
-#include "common/protocol/stop_latch.h"
+#include "common/protocol/stop_answers.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf {
@@ -21,67 +20,79 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kAgain{20};
 constexpr std::chrono::seconds kPatience{5};
+constexpr std::chrono::milliseconds kAllFound{600};
 /// Time to hear of the stops that the stations have latched.
 constexpr std::chrono::milliseconds kListen{1500};
 
-bool is_station(const PresenceMessage& process) {
-  return process.role == "master" || process.role == "slave";
+/// As people know it: by its role, and by its name where that is another.
+std::string title(const PresenceMessage& process) {
+  return process.name == process.role ? process.role : process.role + " '" + process.name + "'";
 }
 
-/// What the stations say of the stops that they obey.
+struct Confirmations {
+  std::vector<std::string> told, missing;
+  bool master = false, slave = false;  ///< have confirmed it; a machine is a slave
+};
+
+/// What the stations say of the stops that they obey, heard in the middleware's thread.
 class Answers {
  public:
-  explicit Answers(Bus& bus) : reader_(bus, [this](const StopMessage& message) { hear(message); }) {}
+  explicit Answers(Bus& bus)
+      : reader_(bus, [this](const StopMessage& message) {
+          const std::lock_guard lock(mutex_);
+          answers_.hear(message);
+        }) {}
 
-  /// Of the stations that are there, those that have not said that this stop is in force (or over) for them.
-  std::vector<std::string> missing(const Bus& bus, std::uint32_t number, bool set,
-                                   std::vector<std::string>& told) const {
+  /// Which of the stations that are there have said that this stop is in force (or over) for them.
+  Confirmations of(const Bus& bus, std::uint32_t number, bool set) const {
     const std::lock_guard lock(mutex_);
-    std::vector<std::string> missing;
-    told.clear();
+    Confirmations now;
     for (const PresenceMessage& other : bus.others()) {
       if (!is_station(other)) continue;
-      (said_.contains({other.epoch, number, set}) ? told : missing).push_back(other.name);
+      const bool said = answers_.said(other, number, set);
+      (said ? now.told : now.missing).push_back(title(other));
+      if (said) (other.role == "master" ? now.master : now.slave) = true;
     }
-    return missing;
+    return now;
   }
   std::vector<StopLatch::Entry> in_force() const {
     const std::lock_guard lock(mutex_);
-    return latch_.in_force();
+    return answers_.in_force();
   }
 
  private:
-  void hear(const StopMessage& message) {
-    const std::lock_guard lock(mutex_);
-    if (!message.obeyed) return;
-    (void)latch_.hear(message);
-    said_.insert({message.epoch, message.number, message.set});
-  }
-
   mutable std::mutex mutex_;
-  StopLatch latch_;
-  std::set<std::tuple<std::uint32_t, std::uint32_t, bool>> said_;
+  StopAnswers answers_;
   Reader<StopMessage> reader_;  ///< last: hears from its construction on
 };
 
 /// Says `message` again and again until every station has answered.
 std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMessage& message) {
   Writer<StopMessage> writer(bus);
-  std::vector<std::string> told, missing;
+  Confirmations now;
   const auto start = Clock::now();
   while (Clock::now() - start < kPatience) {
     if (!writer.write(message)) throw environment_error("the stop could not be sent");
-    missing = answers.missing(bus, message.number, message.set, told);
-    // Whoever is there shows up within the first announcements.
-    const bool all_found = Clock::now() - start > std::chrono::milliseconds(600);
-    if (missing.empty() && !told.empty() && all_found) return told;
-    std::this_thread::sleep_for(kAgain);
+    for (const auto next = Clock::now() + kAgain; Clock::now() < next;) {
+      now = answers.of(bus, message.number, message.set);
+      // A cell has one of each. Whoever is there beside one alone shows up within the first announcements.
+      const bool all_found = (now.master && now.slave) || Clock::now() - start > kAllFound;
+      const bool where_it_matters = now.slave || (!message.set && now.master);
+      if (now.missing.empty() && all_found && where_it_matters) return now.told;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
   }
-  if (told.empty() && missing.empty()) throw nobody_listens(bus);
+  const std::string place = fmt::format("cell '{}' of domain {}", bus.settings().cell, bus.settings().domain);
+  if (now.told.empty() && now.missing.empty()) throw nobody_listens(bus);
+  if (now.missing.empty())
+    throw environment_error(fmt::format(
+        "{} has confirmed it, but no slave is seen in {}: see to it at the machine; a slave that comes back "
+        "hears of it",
+        fmt::join(now.told, ", "), place));
   throw environment_error(
-      fmt::format("{} of cell '{}' has not confirmed it within {} s{}: see to it at the machine",
-                  fmt::join(missing, ", "), bus.settings().cell, kPatience.count(),
-                  told.empty() ? std::string() : fmt::format(", {} has", fmt::join(told, ", "))));
+      fmt::format("{} of {} has not confirmed it within {} s{}: see to it at the machine",
+                  fmt::join(now.missing, ", "), place, kPatience.count(),
+                  now.told.empty() ? std::string() : fmt::format(", {} has", fmt::join(now.told, ", "))));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "common/runtime/say.h"
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 
@@ -146,8 +147,8 @@ void StopLine::keep() {
   file.close();
   if (file) std::filesystem::rename(next, path_, ignored);  // otherwise what is there stays
   if (!file || ignored)
-    fmt::print(stderr, "an emergency stop cannot be kept over a restart: {}: {}\n", path_,
-               file ? ignored.message() : "it cannot be written");
+    write_line(stderr, fmt::format("an emergency stop cannot be kept over a restart: {}: {}", path_,
+                                   file ? ignored.message() : "it cannot be written"));
 }
 
 }  // namespace telekerf

@@ -37,6 +37,8 @@ struct TopicOf {
   /// Of the first of the kLanes writers that a process may have of the topic (streams only, see site.h; the
   /// middleware counts otherwise).
   static constexpr int kEntity = 0;
+  /// The role that alone is heard; null: whoever has announced itself in the cell.
+  static constexpr const char* kFrom = nullptr;
 };
 
 template <class T>
@@ -46,15 +48,18 @@ template <>
 struct Topic<CommandBlock> : TopicOf<wire::CommandBlockPubSubType, Intent::kStream> {
   static constexpr const char* kName = "telekerf/command";
   static constexpr int kEntity = kStreamEntity << 8 | 0x10;
+  static constexpr const char* kFrom = "master";
 };
 template <>
 struct Topic<StateBlock> : TopicOf<wire::StateBlockPubSubType, Intent::kStream> {
   static constexpr const char* kName = "telekerf/state";
   static constexpr int kEntity = kStreamEntity << 8 | 0x20;
+  static constexpr const char* kFrom = "slave";
 };
 template <>
 struct Topic<ContourMessage> : TopicOf<wire::ContourPubSubType, Intent::kLatched> {
   static constexpr const char* kName = "telekerf/contour";
+  static constexpr const char* kFrom = "vision";
 };
 template <>
 struct Topic<EventMessage> : TopicOf<wire::EventPubSubType, Intent::kEvent> {

@@ -7,11 +7,22 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "common/bus/wire_messages.h"
 #include "common/protocol/header_compression.h"
 
 namespace telekerf::bus {
+
+/// The contract under which it was written, where that can be seen.
+template <class Wire>
+std::optional<std::uint16_t> contract_of(const Wire& wire) {
+  if constexpr (requires { wire.contract(); }) {
+    return wire.contract();
+  } else {
+    return contract_of_block(wire.octets());
+  }
+}
 
 /// The sending end. False: the value breaks a bound of the contract (too many points, a text too long).
 template <class T>

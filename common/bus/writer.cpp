@@ -7,6 +7,7 @@
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
 #include <thread>
+#include <vector>
 
 #include "common/bus/qos.h"
 #include "common/bus/topic.h"
@@ -17,10 +18,18 @@ namespace dds = eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 
 template <class T>
-struct Writer<T>::Impl : dds::DataWriterListener {
+struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   using Topic = bus::Topic<T>;
+  using Wire = typename Topic::Type::type;
+  static constexpr bool kLatched =
+      Topic::kIntent == bus::Intent::kLatched || Topic::kIntent == bus::Intent::kStop;
 
-  explicit Impl(Bus& bus) : participant(bus.participant()) {
+  explicit Impl(Bus& bus) : participant(bus.participant()) { participant->add(this); }
+  ~Impl() override { participant->remove(this); }
+
+  /// What is latched is said again by a new writer.
+  void open() override {
+    const Turn turn(*this);
     for (int lane = 0; lane < Topic::kLanes; ++lane) {
       dds::DataWriterQos qos = bus::writer_qos(Topic::kIntent);
       if (Topic::kEntity != 0) qos.endpoint().entity_id = static_cast<std::int16_t>(Topic::kEntity + lane);
@@ -31,15 +40,41 @@ struct Writer<T>::Impl : dds::DataWriterListener {
         throw environment_error(std::string("the middleware refused a writer of ") + Topic::kName);
       }
     }
+    for (Wire& value : kept) (void)lanes[0]->write(&value);
   }
-  ~Impl() override { remove_lanes(); }
-
+  void close() override {
+    const Turn turn(*this);
+    remove_lanes();
+  }
   void remove_lanes() {
-    for (dds::DataWriter* lane : lanes) {
+    for (dds::DataWriter*& lane : lanes) {
       if (lane == nullptr) continue;
       lane->set_listener(nullptr);
       participant->publisher()->delete_datawriter(lane);
+      lane = nullptr;
     }
+    matched = 0;
+  }
+
+  /// Who writes, and who makes the lanes anew, one at a time.
+  struct Release {
+    std::atomic_flag& busy;
+    ~Release() { busy.clear(std::memory_order_release); }
+  };
+  struct Turn : Release {
+    explicit Turn(Impl& impl) : Release{impl.busy} {
+      while (this->busy.test_and_set(std::memory_order_acquire))
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  bool send() {
+    next = (next + 1) % lanes.size();
+    if (lanes[next] == nullptr || !lanes[next]->write(&wire)) return false;
+    if constexpr (kLatched) {
+      if (kept.size() == bus::kept_samples(Topic::kIntent)) kept.erase(kept.begin());
+      kept.push_back(wire);
+    }
+    return true;
   }
 
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
@@ -48,10 +83,12 @@ struct Writer<T>::Impl : dds::DataWriterListener {
 
   std::shared_ptr<Bus::Participant> participant;
   std::array<dds::DataWriter*, Topic::kLanes> lanes{};
-  std::size_t turn = 0;
+  std::size_t next = 0;
+  std::atomic_flag busy = ATOMIC_FLAG_INIT;  // written, or made anew
   bus::ToWire<T> to_wire;
-  typename Topic::Type::type wire;  // reused, so that a stream allocates nothing
-  std::atomic<int> matched{0};      // over all lanes
+  Wire wire;                    // reused, so that a stream allocates nothing
+  std::vector<Wire> kept;       // as many of the latched as whoever comes late gets
+  std::atomic<int> matched{0};  // over all lanes
 };
 
 template <class T>
@@ -66,9 +103,18 @@ Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
 template <class T>
 bool Writer<T>::write(const T& value) noexcept {
   try {
-    if (!impl_->to_wire(value, impl_->participant->settings().contract, impl_->wire)) return false;
-    impl_->turn = (impl_->turn + 1) % impl_->lanes.size();
-    return impl_->lanes[impl_->turn]->write(&impl_->wire);
+    const auto send = [&] {
+      return impl_->to_wire(value, impl_->participant->settings().contract, impl_->wire) && impl_->send();
+    };
+    if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) {
+      // A block does not wait for lanes that are made anew: it is lost, as on the way.
+      if (impl_->busy.test_and_set(std::memory_order_acquire)) return false;
+      const typename Impl::Release end{impl_->busy};
+      return send();
+    } else {
+      const typename Impl::Turn turn(*impl_);
+      return send();
+    }
   } catch (const std::exception&) {
     return false;
   }
@@ -94,6 +140,7 @@ bool Writer<T>::wait_until_received(std::chrono::nanoseconds timeout) const {
   const auto end = std::chrono::steady_clock::now() + timeout;
   for (dds::DataWriter* lane : impl_->lanes) {
     const std::chrono::duration<double> left = end - std::chrono::steady_clock::now();
+    if (lane == nullptr) return false;
     if (lane->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(std::max(left.count(), 1e-3))) !=
         ReturnCode_t::RETCODE_OK) {
       return false;

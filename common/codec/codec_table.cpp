@@ -12,4 +12,13 @@ StreamSettings with_codec(StreamSettings settings, const CodecChoice& choice) {
   return settings;
 }
 
+void refuse_unread(Settings& settings, const std::vector<std::string>& signals) {
+  settings.not_with({"block", "redundancy"}, "codec", {"raw"});
+  for (const std::string& signal : signals) {
+    settings.not_with({signal + "max_rms"}, "codec", {"raw", "batched"});
+    settings.not_with({signal + "keep"}, "codec", {"raw", "batched", "deadband", "weber", "dpcm"});
+    settings.only_with({signal + "keep"}, signal + "max_rms", {"0"});
+  }
+}
+
 }  // namespace telekerf::codec

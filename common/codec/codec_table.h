@@ -3,6 +3,9 @@
 // and source, a row here and a test.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "common/codec/baselines/deadband.h"
 #include "common/codec/baselines/dpcm.h"
 #include "common/codec/baselines/raw.h"
@@ -10,6 +13,7 @@
 #include "common/codec/sdct.h"
 #include "common/codec/settings.h"
 #include "common/runtime/enum_table.h"
+#include "common/runtime/settings.h"
 
 namespace telekerf::codec {
 
@@ -35,6 +39,10 @@ inline constexpr CodecChoice kDefaultCodec{&kSdctCodec};
 
 /// `settings` with that codec. Sample by sample: block 1 and redundancy 0.
 StreamSettings with_codec(StreamSettings settings, const CodecChoice& choice);
+
+/// What the chosen codec does not read is refused: block and redundancy, and keep and max_rms of each signal,
+/// whose name stands before them ("", "force_"); all of them are declared, and codec as well.
+void refuse_unread(Settings& settings, const std::vector<std::string>& signals);
 
 /// The codec of that number on the wire; null: there is none.
 inline const AxisCodec* find_codec(CodecKind kind) noexcept {

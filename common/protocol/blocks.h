@@ -80,6 +80,13 @@ inline constexpr Interlock kLastInterlock = Interlock::kLate;
 /// The bit of StateHeader::guards that asks for a released button.
 inline constexpr std::uint32_t kButtonGuard = 1U << 5U;
 
+/// The one that is set where the commands are older than the slave lets light.
+inline constexpr std::uint32_t kAgeGuard = 1U << 8U;
+
+/// The bit of StateHeader::guards that is none: the laser is not simulated, so that nobody may light it who
+/// is not there.
+inline constexpr std::uint32_t kRealLaser = 1U << 31U;
+
 enum class SlaveMode : std::uint8_t {
   kWaiting,    ///< no commands yet, or disengaged: holds its pose
   kFollowing,  ///< applies the stream
@@ -129,8 +136,8 @@ struct StateHeader {
   std::uint32_t engage = 0;     ///< engagements up to this one are not followed any more
   std::uint32_t stop = 0;       ///< number of the emergency stop that is obeyed; 0: none
   Tick stop_tick = 0;           ///< slave tick since which it is
-  std::uint32_t guards = 0;     ///< bit n: guard n forbids the beam (slave/laser/guards.h)
-  double command_age_s = -1.0;  ///< of the command applied, by the slave's own clock; negative: none
+  std::uint32_t guards = 0;     ///< bit n: guard n forbids the beam (slave/laser/guards.h); kRealLaser
+  double command_age_s = -1.0;  ///< of the command whose turn it is, by the slave's own clock; negative: none
 };
 
 /// Slave -> operator, best effort, one a block of N stream samples of the measured tool position and of the

@@ -11,11 +11,19 @@ namespace telekerf {
 
 /// Modes and events, reliable.
 struct EventMessage {
-  enum class Kind : std::uint8_t { kEngage, kDisengage, kSetBeta, kFinished, kSetNetem };
-  std::uint32_t epoch = 0;
+  enum class Kind : std::uint8_t {
+    kEngage,
+    kDisengage,
+    kSetBeta,
+    kFinished,
+    kSetNetem,
+    kAnswer,
+    kTakeContour
+  };
+  std::uint32_t epoch = 0;  ///< of the process that says it; of an answer: of whom it answers
   Kind kind = Kind::kDisengage;
-  double value = 0.0;
-  std::string text;
+  double value = 0.0;  ///< of a scale; of a contour its id; of an answer 1: refused, 0: done
+  std::string text;    ///< of a network: its profile; of an answer "ROLE: what became of it"
 };
 
 /// Slow named numbers of one process, for console and recorder.

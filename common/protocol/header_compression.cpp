@@ -82,6 +82,14 @@ bool get_payloads(ByteReader& in, const StateFields& fields, const SetFrame& set
 
 }  // namespace
 
+std::optional<std::uint16_t> contract_of_block(std::span<const std::uint8_t> bytes) noexcept {
+  ByteReader in(bytes);
+  (void)in.get(kChecksum);
+  const bool has_set = (in.get(1) & kHasSet) != 0;
+  const auto contract = static_cast<std::uint16_t>(in.get(2));
+  return has_set && in.good() ? std::optional(contract) : std::nullopt;
+}
+
 template <class Block>
 bool HeaderCompressor<Block>::restorable(std::span<const std::uint8_t> told, const Fields& fields,
                                          ShortForm form, std::int64_t block_ns) const noexcept {

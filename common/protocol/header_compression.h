@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "common/protocol/block_fields.h"
@@ -51,6 +52,9 @@ class HeaderCompressor {
   std::array<Fields, kWindow> sent_{};
   std::size_t count_ = 0;
 };
+
+/// The contract that a block's set names; none: this one carries no set.
+std::optional<std::uint16_t> contract_of_block(std::span<const std::uint8_t> bytes) noexcept;
 
 /// Who sends: the 12 bytes of its GUID prefix.
 using SenderKey = std::array<std::uint8_t, 12>;

@@ -55,4 +55,49 @@ constexpr const char* led_sentence_of(HoldReason reason) noexcept {
   return "engaged, but the slave does not follow";
 }
 
+/// Why the beam is off, as the operator reads it.
+constexpr const char* sentence_of(Interlock interlock) noexcept {
+  switch (interlock) {
+    case Interlock::kReady:
+      return "the button decides";
+    case Interlock::kNoContour:
+      return "the slave knows no contour, or not the master's";
+    case Interlock::kNotEngaged:
+      return "the slave does not follow";
+    case Interlock::kStale:
+      return "commands are missing";
+    case Interlock::kOutsideWorkspace:
+      return "the tool is outside its workspace";
+    case Interlock::kOutsideCorridor:
+      return "the tool is off the contour";
+    case Interlock::kTracking:
+      return "the slave is not where it is led to yet";
+    case Interlock::kStopped:
+      return "the emergency stop is in force";
+    case Interlock::kHeight:
+      return "the tool is too far above or below the work";
+    case Interlock::kSpeed:
+      return "the tool rests, or is too slow or too fast to burn";
+    case Interlock::kDose:
+      return "this place has got all the energy that it may";
+    case Interlock::kPower:
+      return "more power is wanted than the work may have";
+    case Interlock::kPredicted:
+      return "the tool could leave the corridor in a moment";
+    case Interlock::kFault:
+      return "the slave has a fault";
+    case Interlock::kAge:
+      return "commands reach the slave too late to burn";
+    case Interlock::kNotArmed:
+      return "let go of the fire button once, or engage anew";
+    case Interlock::kMonitor:
+      return "the second judgement forbids it";
+    case Interlock::kArc:
+      return "the tool is beside another part of the contour than expected";
+    case Interlock::kLate:
+      return "a control step of the slave came late";
+  }
+  return "an unknown reason";
+}
+
 }  // namespace telekerf

@@ -72,7 +72,15 @@ void refuse_record_folder(const std::string& option, const fs::path& folder, con
 
 void write_contour(const fs::path& folder, const RunRecord& record) {
   write_atomically(folder / "contour.csv", csv_of<Vec2>(contour_columns(), record.contour_m));
-  write_json(folder / "contour.json", nlohmann::json{{"closed", record.contour_closed}});
+  nlohmann::json json{{"closed", record.contour_closed}};
+  for (std::size_t n = 0; n < record.earlier.size(); ++n) {
+    const EarlierContour& earlier = record.earlier[n];
+    const std::string file = fmt::format("contour-{}.csv", n + 1);
+    write_atomically(folder / file, csv_of<Vec2>(contour_columns(), earlier.points_m));
+    json["earlier"].push_back(
+        {{"file", file}, {"closed", earlier.closed}, {"until_tick", earlier.until_tick}});
+  }
+  write_json(folder / "contour.json", json);
 }
 
 void write_master(const fs::path& folder, const RunRecord& record) {
@@ -91,7 +99,13 @@ void write_slave(const fs::path& folder, const RunRecord& record) {
 RunRecord read_run(const fs::path& folder) {
   RunRecord record;
   record.contour_m = read_csv(folder / "contour.csv", contour_columns());
-  record.contour_closed = read_json(folder / "contour.json").value("closed", true);
+  const nlohmann::json contour = read_json(folder / "contour.json");
+  record.contour_closed = contour.value("closed", true);
+  for (const nlohmann::json& earlier : contour.value("earlier", nlohmann::json::array())) {
+    if (!earlier.is_object()) continue;
+    record.earlier.push_back({earlier.value("until_tick", std::uint64_t{0}), earlier.value("closed", true),
+                              read_csv(folder / earlier.value("file", "contour-1.csv"), contour_columns())});
+  }
   record.master = read_csv(folder / "master.csv", master_columns());
   record.slave = read_csv(folder / "slave.csv", slave_columns());
   const auto master = read_json(folder / "master.json");

@@ -8,30 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "common/recording/recorder.h"
 #include "common/recording/rows.h"
 #include "common/runtime/loop.h"
 
 namespace telekerf {
-
-/// Rows kept in memory that is taken before the loop starts; when it is full, further rows are counted only.
-template <typename Row>
-class Recorder {
- public:
-  explicit Recorder(std::size_t capacity) { rows_.reserve(capacity); }
-  void push(const Row& row) noexcept {
-    if (rows_.size() < rows_.capacity()) {
-      rows_.push_back(row);
-    } else {
-      ++dropped_;
-    }
-  }
-  const std::vector<Row>& rows() const { return rows_; }
-  std::uint64_t dropped() const { return dropped_; }
-
- private:
-  std::vector<Row> rows_;
-  std::uint64_t dropped_ = 0;
-};
 
 /// Named figures of a process ("rtt_p50_ms" -> 100.2), kept in order of their names.
 using Metrics = std::map<std::string, double>;
@@ -48,9 +29,17 @@ struct DriveRecord {
 /// As results say it: `name`, and `tool`: "true" or "measured".
 Metadata words_of(const DriveRecord& drive);
 
+/// A contour that was in force before another one took its place.
+struct EarlierContour {
+  std::uint64_t until_tick = 0;  ///< of the master: the first at which the next one was in force
+  bool closed = true;
+  std::vector<Vec2> points_m;
+};
+
 struct RunRecord {
   std::vector<Vec2> contour_m;  ///< as extracted, true size
   bool contour_closed = true;
+  std::vector<EarlierContour> earlier;  ///< in order; the one above was the last
   std::vector<MasterRow> master;
   std::vector<SlaveRow> slave;
   Metrics master_figures, slave_figures;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "common/geometry/corridor.h"
@@ -33,6 +34,27 @@ Polyline contour_of(const RunRecord& record) {
   line.points_m = record.contour_m;
   return line;
 }
+
+/// Which contour was in force when.
+class Contours {
+ public:
+  explicit Contours(const RunRecord& record) {
+    for (const EarlierContour& earlier : record.earlier) {
+      until_.push_back(static_cast<double>(earlier.until_tick));
+      indices_.emplace_back(Polyline{earlier.points_m, earlier.closed});
+    }
+    indices_.emplace_back(contour_of(record));
+  }
+  const geometry::NearestIndex& last() const { return indices_.back(); }
+  const geometry::NearestIndex& at(double master_tick) const {
+    const auto later = std::upper_bound(until_.begin(), until_.end(), master_tick);
+    return indices_[static_cast<std::size_t>(later - until_.begin())];
+  }
+
+ private:
+  std::vector<double> until_;
+  std::vector<geometry::NearestIndex> indices_;
+};
 
 /// The sum of figures; null if one of them was never measured.
 nlohmann::ordered_json known(std::initializer_list<std::pair<const Metrics*, const char*>> parts) {
@@ -116,13 +138,15 @@ nlohmann::ordered_json loop_json(const Metrics& figures) {
 
 nlohmann::ordered_json make_report(const RunRecord& record) {
   if (record.contour_m.size() < 2) throw input_error("the run has no contour: nothing to report");
-  const geometry::NearestIndex contour(contour_of(record));
+  const Contours contours(record);
+  const geometry::NearestIndex& contour = contours.last();
   const double dt_s = control_period_s(record);
 
   ErrorStatistics constraint;
   for (const auto& row : record.master) {
     // In the master's size: to contour / beta.
-    if (row.guided) constraint.add(contour.find(row.beta * in_plane(row.tool_m)).distance_m / row.beta);
+    const auto& guiding = contours.at(static_cast<double>(row.tick));
+    if (row.guided) constraint.add(guiding.find(row.beta * in_plane(row.tool_m)).distance_m / row.beta);
   }
 
   const TrackingError error = tracking_error(record);
@@ -132,16 +156,19 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
   double inside_j = 0.0;
   double outside_j = 0.0;
   std::optional<geometry::Nearest> previous;
+  double applied = std::numeric_limits<double>::infinity();
   for (const auto& row : record.slave) {
+    if (row.applied >= 0.0) applied = row.applied;
     if (row.laser_w <= 0.0) {
       previous.reset();
       continue;
     }
-    const geometry::Nearest nearest = contour.find(in_plane(row.tool_m));
+    const geometry::NearestIndex& in_force = contours.at(applied);
+    const geometry::Nearest nearest = in_force.find(in_plane(row.tool_m));
     cut.add(nearest.distance_m);
     laser_on_s += dt_s;
     (nearest.distance_m <= geometry::kCorridorHalfWidth_m ? inside_j : outside_j) += row.laser_w * dt_s;
-    if (nearest.distance_m <= geometry::kCorridorHalfWidth_m) {
+    if (&in_force == &contour && nearest.distance_m <= geometry::kCorridorHalfWidth_m) {
       coverage.mark(previous.value_or(nearest), nearest);
       previous = nearest;
     } else {
@@ -163,6 +190,7 @@ nlohmann::ordered_json make_report(const RunRecord& record) {
                        {"closed", record.contour_closed},
                        {"image", word(record, "image")},
                        {"mode", word(record, "mode")}};
+  if (!record.earlier.empty()) report["contour"]["earlier"] = record.earlier.size();
   report["beta"] = metric(record.master_figures, "beta", 1.0);
   report["law"] = word(record, "law");
   report["estimator"] = word(record, "estimator");

@@ -90,6 +90,9 @@ void catch_stop_signals() {
   struct sigaction before {};
   sigaction(SIGHUP, nullptr, &before);
   if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+  // Who reads what we say may go: that is no reason to go, too.
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGPIPE, &action, nullptr);
 }
 
 bool stop_requested() noexcept { return stop.load(std::memory_order_relaxed); }

@@ -44,7 +44,8 @@ class DurationHistogram {
 /// without it.
 LoopStatistics run_loop(double rate_hz, const std::function<bool(std::int64_t now_ns)>& step);
 
-/// SIGINT, SIGTERM and a closed terminal set a flag from now on instead of ending the process.
+/// SIGINT, SIGTERM and a closed terminal set a flag from now on instead of ending the process;
+/// a reader of its output that goes away does not end it either.
 void catch_stop_signals();
 bool stop_requested() noexcept;
 /// Sets the same flag from inside.

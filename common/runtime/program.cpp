@@ -10,6 +10,7 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/say.h"
 #include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
 
@@ -122,6 +123,7 @@ int Program::dispatch(std::vector<std::string> words) {
     return 0;
   }
   settings.require_given();
+  settings.refuse_without_effect();
   return command->run();
 }
 
@@ -131,9 +133,9 @@ int Program::run(int argc, char** argv) {
   try {
     return dispatch({argv + 1, argv + argc});
   } catch (const StartupError& error) {
-    fmt::print(stderr, "{}{}: {}\n", wipe, name_, error.what());
+    write_line(stderr, fmt::format("{}{}: {}", wipe, name_, error.what()));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}{}: unexpected: {}\n", wipe, name_, error.what());
+    write_line(stderr, fmt::format("{}{}: unexpected: {}", wipe, name_, error.what()));
   }
   return kCannot;
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <fstream>
 #include <system_error>
 
@@ -39,10 +40,16 @@ void write_atomically(const fs::path& file, const std::string& text) {
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), failed);
   const fs::path draft = file.string() + ".part";
   {
+    errno = 0;
     std::ofstream out(draft, std::ios::binary);
     out << text;
-    if (!out.flush())
-      throw environment_error(fmt::format("{}: cannot be written; is the folder writable?", file.string()));
+    out.close();
+    if (!out) {
+      const std::string why = errno == 0 ? "cannot be written" : std::system_category().message(errno);
+      fs::remove(draft, failed);
+      throw environment_error(fmt::format("{}: {}; name a folder that is writable and has {} kB free",
+                                          file.string(), why, text.size() / 1000 + 1));
+    }
   }
   fs::rename(draft, file, failed);
   if (!failed) return;

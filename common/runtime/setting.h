@@ -19,7 +19,8 @@ struct TextForm {
   std::string form;            ///< as a user writes it: FILE, "simulated|udp:HOST:PORT"
   const char* shipped = "";    ///< kind of shipped data that may be named as well ("robots")
   const char* extension = "";  ///< of these
-  /// What a text must be, if it is not; empty: it is. Without it what is not shipped must be a path that exists.
+  /// What a text must be, if it is not; empty: it is. Without it what is not shipped must be a path that
+  /// exists.
   std::function<std::string(const std::string&)> complaint = {};
 };
 inline const TextForm kName{"NAME"};
@@ -48,8 +49,18 @@ struct Setting {
   std::size_t count = 0;        ///< of numbers in a list, 0: any
   std::string sentence;
   std::optional<ConfigValue> initial;  ///< none: not set, and the sentence says what that means
+  /// Read only while another setting of the command is (or is not) one of these words; a number is written
+  /// "0".
+  struct Condition {
+    std::string other;
+    std::vector<std::string> words;
+    bool among = true;
+  };
+  std::vector<Condition> conditions;
+  std::string prefix;  ///< of its name: `other` is sought with it, and then without
   bool required = false;
-  bool positional = false;  ///< a word on the command line without its flag, and no key
+  bool may_be_empty = false;  ///< a text
+  bool positional = false;    ///< a word on the command line without its flag, and no key
 
   /// For chaining behind `Settings::add`.
   Setting& must_be_given() {
@@ -59,6 +70,10 @@ struct Setting {
   Setting& as_argument() {
     positional = true;
     return must_be_given();
+  }
+  Setting& empty_is_said() {
+    may_be_empty = true;
+    return *this;
   }
   std::string flag() const;
 };

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "common/runtime/resources.h"
@@ -88,6 +89,7 @@ Settings::Entry Settings::described(const std::string& name, Type type, const st
 
 Setting& Settings::enter(Entry entry) {
   entry.setting.name = prefix_ + entry.setting.name;
+  entry.setting.prefix = prefix_;
   entry.setting.initial = entry.get();
   entries_.push_back(std::move(entry));
   return entries_.back().setting;
@@ -128,6 +130,25 @@ Setting& Settings::add(const std::string& name, std::vector<double>& value, std:
   return enter(std::move(entry));
 }
 
+void Settings::only_with(const std::vector<std::string>& names, const std::string& other,
+                         const std::vector<std::string>& words) {
+  add_condition(names, {other, words, true});
+}
+
+void Settings::not_with(const std::vector<std::string>& names, const std::string& other,
+                        const std::vector<std::string>& words) {
+  add_condition(names, {other, words, false});
+}
+
+void Settings::add_condition(const std::vector<std::string>& names, const Setting::Condition& condition) {
+  for (const std::string& name : names) {
+    const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const Entry& e) { return e.setting.name == prefix_ + name; });
+    if (entry == entries_.end()) throw std::logic_error("no setting " + prefix_ + name);
+    entry->setting.conditions.push_back(condition);
+  }
+}
+
 void Settings::renamed(const std::string& old, const std::string& now) {
   gone_.push_back({old, fmt::format("is {} now", now)});
 }
@@ -135,8 +156,10 @@ void Settings::renamed(const std::string& old, const std::string& now) {
 void Settings::moved(const std::string& old, const std::string& remedy) { gone_.push_back({old, remedy}); }
 
 /// Empty: taken. Otherwise what is wrong.
-std::string Settings::take(Entry& entry, const ConfigValue& value) {
+std::string Settings::take(Entry& entry, const ConfigValue& value, const std::string& source) {
   const Setting& s = entry.setting;
+  // A file that --print-config wrote has the empty defaults as well.
+  const bool may_be_empty = s.may_be_empty || (source != kCommandLine && s.initial == value);
   switch (s.type) {
     case Type::kSwitch:
       if (!std::holds_alternative<bool>(value)) return "must be true or false";
@@ -151,6 +174,7 @@ std::string Settings::take(Entry& entry, const ConfigValue& value) {
     }
     case Type::kNumbers: {
       const auto* numbers = std::get_if<std::vector<double>>(&value);
+      if (numbers != nullptr && numbers->empty() && !may_be_empty) return "must not be empty";
       if (numbers == nullptr || (s.count != 0 && numbers->size() != s.count))
         return s.count == 0 ? "must be numbers" : fmt::format("must be {} numbers", s.count);
       for (const double number : *numbers) {
@@ -159,14 +183,19 @@ std::string Settings::take(Entry& entry, const ConfigValue& value) {
       break;
     }
     case Type::kTexts:
-      if (!std::holds_alternative<std::vector<std::string>>(value)) return "must be a list of texts";
-      break;
+      if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) {
+        const bool empty = texts->empty() || std::find(texts->begin(), texts->end(), "") != texts->end();
+        if (empty && !may_be_empty) return "must not be empty";
+        break;
+      }
+      return "must be a list of texts";
     case Type::kText:
     case Type::kChoice: {
       const auto* text = std::get_if<std::string>(&value);
       if (text == nullptr) return "must be a text in quotes";
       if (s.type == Type::kText) {
         if (const std::string wrong = complaint_about(*text, s.text); !wrong.empty()) return wrong;
+        if (text->empty() && !s.text.complaint && !may_be_empty) return "must not be empty";
         break;
       }
       std::vector<std::string> words;
@@ -177,7 +206,7 @@ std::string Settings::take(Entry& entry, const ConfigValue& value) {
     }
   }
   entry.set(value);
-  entry.given = true;
+  entry.given = source;
   return "";
 }
 
@@ -185,7 +214,7 @@ void Settings::load(const ConfigFile& file) {
   for (Entry& entry : entries_) {
     if (entry.setting.positional || !file.has(entry.setting.name)) continue;
     const auto value = file.value(entry.setting.name);
-    const std::string wrong = take(entry, value.value_or(std::vector<double>{}));
+    const std::string wrong = take(entry, value.value_or(std::vector<double>{}), file.name());
     if (!wrong.empty()) file.refuse(entry.setting.name, wrong);
   }
   for (const Gone& gone : gone_) {
@@ -211,7 +240,7 @@ Settings::Entry* Settings::find_flag(const std::string& flag) {
 
 Settings::Entry& Settings::next_argument(const std::string& word) {
   for (Entry& entry : entries_) {
-    if (entry.setting.positional && !entry.given) return entry;
+    if (entry.setting.positional && entry.given.empty()) return entry;
   }
   throw usage_error(fmt::format("{}: '{}' is not understood; see --help", kCommandLine, word));
 }
@@ -223,7 +252,7 @@ std::vector<Settings::Given> Settings::sorted(std::span<const std::string> words
     const std::string& word = words[i];
     if (!is_flag(word)) {
       Entry& entry = next_argument(word);
-      entry.given = true;
+      entry.given = kCommandLine;
       all.push_back({&entry, {word}});
       continue;
     }
@@ -271,7 +300,7 @@ void Settings::load(std::span<const std::string> words) {
   for (const Given& given : all) {
     if (given.entry == nullptr) continue;
     const Setting& setting = given.entry->setting;
-    const std::string wrong = take(*given.entry, value_of(setting, given.words));
+    const std::string wrong = take(*given.entry, value_of(setting, given.words), kCommandLine);
     if (wrong.empty()) continue;
     const std::string shown = fmt::format("{}", fmt::join(given.words, " "));
     throw usage_error(fmt::format("{}: {} = {}: {}", kCommandLine, setting.name,
@@ -283,9 +312,39 @@ void Settings::load(std::span<const std::string> words) {
 void Settings::require_given() const {
   for (const Entry& entry : entries_) {
     const Setting& s = entry.setting;
-    if (!s.required || entry.given) continue;
+    if (!s.required || !entry.given.empty()) continue;
     throw usage_error(
         fmt::format("{}: {} is missing: {}", kCommandLine, s.positional ? s.name : s.flag(), s.sentence));
+  }
+}
+
+std::optional<std::string> Settings::word_of(const Setting& setting, const std::string& other) const {
+  for (const std::string& name : {setting.prefix + other, other}) {
+    for (const Entry& entry : entries_) {
+      if (entry.setting.name != name) continue;
+      const auto now = entry.get();
+      if (!now) return std::nullopt;
+      if (const auto* number = std::get_if<double>(&*now)) return fmt::format("{:g}", *number);
+      if (const auto* text = std::get_if<std::string>(&*now)) return *text;
+    }
+  }
+  return std::nullopt;
+}
+
+void Settings::refuse_without_effect() const {
+  for (const Entry& entry : entries_) {
+    const Setting& s = entry.setting;
+    if (entry.given.empty() || entry.get() == s.initial) continue;
+    for (const Setting::Condition& condition : s.conditions) {
+      const auto word = word_of(s, condition.other);
+      if (!word) continue;
+      const bool found =
+          std::find(condition.words.begin(), condition.words.end(), *word) != condition.words.end();
+      if (found == condition.among) continue;
+      throw usage_error(fmt::format(
+          "{}: {} has no effect with {} = {}; {}", entry.given, s.name, condition.other, *word,
+          condition.among ? fmt::format("it needs {}", fmt::join(condition.words, " or ")) : "leave it out"));
+    }
   }
 }
 

@@ -83,6 +83,14 @@ class Settings {
   /// same name.
   void prefix(const std::string& word) { prefix_ = word; }
 
+  /// These have no effect unless (or if) another setting is one of the words, a number written "0": then they
+  /// are refused, if they are given and not the default. Where there is no such other setting, or none is
+  /// given, they are read.
+  void only_with(const std::vector<std::string>& names, const std::string& other,
+                 const std::vector<std::string>& words);
+  void not_with(const std::vector<std::string>& names, const std::string& other,
+                const std::vector<std::string>& words);
+
   /// A key and flag of before: refused with the name of today, or with the program that has it now.
   void renamed(const std::string& old, const std::string& now);
   void moved(const std::string& old, const std::string& remedy);
@@ -93,6 +101,8 @@ class Settings {
   void load(std::span<const std::string> words);
   /// Throws StartupError if a setting that must be given has not been.
   void require_given() const;
+  /// Throws StartupError if a setting is given that nothing reads beside the others.
+  void refuse_without_effect() const;
 
   /// What --help lists, what --config reads, and all of it for programs.
   std::string help() const;
@@ -105,7 +115,7 @@ class Settings {
     Setting setting;
     std::function<std::optional<ConfigValue>()> get;
     std::function<void(const ConfigValue&)> set;
-    bool given = false;
+    std::string given;  ///< by whom: the file's name or the command line
   };
   struct Gone {
     std::string name;
@@ -113,13 +123,16 @@ class Settings {
   };
   static Entry described(const std::string& name, Setting::Type type, const std::string& sentence);
   Setting& enter(Entry entry);
-  std::string take(Entry& entry, const ConfigValue& value);
+  std::string take(Entry& entry, const ConfigValue& value, const std::string& source);
+  /// The word that another setting has now; none: the command has no such setting, or it is not set.
+  std::optional<std::string> word_of(const Setting& setting, const std::string& other) const;
   /// Words of the command line that belong to one setting.
   struct Given {
     Entry* entry;  ///< null: --config
     std::vector<std::string> words;
   };
   std::vector<Given> sorted(std::span<const std::string> words);
+  void add_condition(const std::vector<std::string>& names, const Setting::Condition& condition);
   Entry* find_flag(const std::string& flag);
   Entry& next_argument(const std::string& word);
 

@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "common/runtime/say.h"
+
 namespace telekerf {
 namespace {
 
@@ -29,14 +31,12 @@ StatusReporter::~StatusReporter() {
   thread_.request_stop();
   thread_.join();
   report();
-  if (bar_) fmt::print("{}", kWipe);
-  std::fflush(stdout);
+  if (bar_) write_text(stdout, kWipe);
 }
 
 void StatusReporter::say(const std::string& sentence) {
   const std::lock_guard lock(writing_);
-  fmt::print("{}{}: {}\n", terminal_ ? kWipe : "", who_, sentence);
-  std::fflush(stdout);
+  write_line(stdout, fmt::format("{}{}: {}", terminal_ ? kWipe : "", who_, sentence));
 }
 
 void StatusReporter::run(const std::stop_token& stop) {
@@ -57,9 +57,8 @@ void StatusReporter::report() {
   if (terminal_) {
     const int full = static_cast<int>(fraction * kBarWidth);
     const std::lock_guard lock(writing_);
-    fmt::print("\r  [{:#<{}}{:.<{}}] {:4.1f} s of {:.0f} s", "", full, "", kBarWidth - full,
-               fraction * total_s, total_s);
-    std::fflush(stdout);
+    write_text(stdout, fmt::format("\r  [{:#<{}}{:.<{}}] {:4.1f} s of {:.0f} s", "", full, "",
+                                   kBarWidth - full, fraction * total_s, total_s));
     bar_ = true;
   } else if (const int tenth = static_cast<int>(10.0 * fraction); tenth > tenth_ && tenth < 10) {
     tenth_ = tenth;

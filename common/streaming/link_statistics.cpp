@@ -23,6 +23,7 @@ void LinkStatistics::received(const StateHeader& state, std::int64_t received_ns
   last_received_ns_ = received_ns;
   const std::int64_t held_ns = state.sent_ns - state.echo_received_ns;
   const double rtt_ms = static_cast<double>(received_ns - state.echo_sent_ns - held_ns) * 1e-6;
+  newest_rtt_s_ = rtt_ms * 1e-3;
   const double bin = std::clamp(rtt_ms / kBinMs, 0.0, static_cast<double>(kBins - 1));
   ++histogram_[static_cast<std::size_t>(bin)];
   ++round_trips_;

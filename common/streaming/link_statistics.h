@@ -24,6 +24,8 @@ class LinkStatistics {
   void received(const StateHeader& state, std::int64_t received_ns) noexcept;
 
   double rtt_quantile_ms(double fraction) const;
+  /// Of the newest command that was answered; 0: none yet.
+  double newest_rtt_s() const noexcept { return newest_rtt_s_; }
   std::uint64_t round_trips() const noexcept { return round_trips_; }
   /// The slave's clock against ours, as of the newest state.
   ClockEstimate clocks() const noexcept { return clocks_.estimate(last_received_ns_); }
@@ -41,6 +43,7 @@ class LinkStatistics {
   static constexpr std::size_t kBins = 150'000;  ///< 3 s; longer ones fall into the last
   std::vector<std::uint32_t> histogram_;
   std::uint64_t round_trips_ = 0;
+  double newest_rtt_s_ = 0.0;
   ClockOffsetEstimator clocks_;
   std::int64_t last_received_ns_ = 0;
   std::uint32_t last_echo_ = 0;

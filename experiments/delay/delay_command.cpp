@@ -40,6 +40,7 @@ void add_conditions(Options& o, Settings& s) {
   s.add("loss", o.loss, {.min = 0, .max = 1}, "as a fraction; without it 0");
   s.prefix("slave_");
   o.trial.slave.add_node_parameters(s);
+  s.only_with({"bare_accelerations"}, "law", {"remote-acceleration"});
   s.prefix("");
 }
 

@@ -18,7 +18,7 @@ constexpr std::array<double, 3> kLoss{0.0, 0.01, 0.05};
 constexpr double kTunedShare = 0.1;
 constexpr double kTunedLoss = 0.01;
 constexpr std::array kProfiles{
-    "ideal", "lan",           "5g",     "4g",        "wifi",    "wifi-lossy",      "leo",
+    "ideal", "lan",           "5g",     "4g",        "wifi",    "wifi-quiet",      "wifi-lossy", "leo",
     "geo",   "transatlantic", "sydney", "lindbergh", "hostile", "thesis-constant", "thesis-tcp"};
 
 Run make_run(const Rival& rival, double rtt_ms, double jitter_ms, double loss, std::uint64_t seed) {

@@ -3,7 +3,9 @@
 
 #include "common/runtime/device_registry.h"
 #include "common/runtime/udp.h"
+#include "master/operator/recorded_hand.h"
 #include "master/operator/udp_foot_switch.h"
+#include "master/operator/udp_hand.h"
 
 namespace telekerf::master {
 namespace {
@@ -13,17 +15,26 @@ class AlwaysPressed final : public OperatorInput {
   OperatorSample sample(std::int64_t) noexcept override { return {.trigger = true}; }
 };
 
-std::unique_ptr<OperatorInput> hand(std::string_view) { return nullptr; }
+std::unique_ptr<OperatorInput> nobody(std::string_view) { return nullptr; }
 std::unique_ptr<OperatorInput> pressed(std::string_view) { return std::make_unique<AlwaysPressed>(); }
 
 // A device of your own: one row.
 using Registry = DeviceRegistry<std::unique_ptr<OperatorInput>>;
 constexpr Registry::Kind kKinds[] = {
-    {"hand", "hand", no_argument, hand},
+    {"hand", "hand", no_argument, nobody},
     {"pressed", "pressed", no_argument, pressed},
     {"udp", "udp:HOST:PORT", validate_udp, open_udp_foot_switch},
 };
 constexpr Registry kInputs("button", kKinds);
+
+// A hand of your own: one row.
+constexpr Registry::Kind kHandKinds[] = {
+    {"simulated", "simulated", no_argument, nobody},
+    {"browser", "browser, browser:HOST:PORT", validate_browser_hand, open_browser_hand},
+    {"udp", "udp:HOST:PORT", validate_udp, open_udp_hand},
+    {"recorded", "recorded:FILE", validate_recorded_hand, open_recorded_hand},
+};
+constexpr Registry kHands("hand", kHandKinds);
 
 }  // namespace
 
@@ -32,5 +43,11 @@ std::string operator_input_forms() { return kInputs.forms(); }
 std::string validate_operator_input(const std::string& button) { return kInputs.validate(button); }
 
 std::unique_ptr<OperatorInput> open_operator_input(const std::string& button) { return kInputs.open(button); }
+
+std::string hand_forms() { return kHands.forms(); }
+
+std::string validate_hand(const std::string& hand) { return kHands.validate(hand); }
+
+std::unique_ptr<OperatorInput> open_hand(const std::string& hand) { return kHands.open(hand); }
 
 }  // namespace telekerf::master

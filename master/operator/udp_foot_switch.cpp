@@ -36,20 +36,16 @@ OperatorSample UdpFootSwitch::sample(std::int64_t now_ns) noexcept {
       hear(told, from, now_ns);
     }
   }
-  return {.trigger = held_ && let_go_ && now_ns - heard_ns_ < kSilence_ns, .force_n = {}};
+  return {.trigger = lease_.held(now_ns)};
 }
 
 void UdpFootSwitch::hear(const UdpButton& told, const udp::endpoint& from, std::int64_t now_ns) noexcept {
-  if (now_ns - heard_ns_ >= kSilence_ns) {
+  if (lease_.silent(now_ns)) {
     pedal_ = from;
-    newest_ = 0;
-    let_go_ = false;
+    lease_.begin();
   }
-  if (from != pedal_ || told.sequence <= newest_) return;  // a stranger's, or overtaken on the way
-  newest_ = told.sequence;
-  heard_ns_ = now_ns;
-  held_ = told.held == 1;
-  let_go_ = let_go_ || !held_;
+  if (from != pedal_) return;  // a stranger's
+  (void)lease_.hear({told.sequence, std::nullopt, told.held == 1}, now_ns);
 }
 
 std::unique_ptr<OperatorInput> open_udp_foot_switch(std::string_view rest) {

@@ -6,12 +6,12 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <string_view>
 
 #include "common/runtime/udp.h"
 #include "master/operator/operator_input.h"
+#include "master/operator/operator_lease.h"
 
 namespace telekerf::master {
 
@@ -26,12 +26,9 @@ struct UdpButton {
   std::uint32_t reserved = 0;
 };
 
-/// Released when it is silent, and after a silence until it has been released once: who holds it down while
-/// the line comes back must press it anew.
+/// Held by a lease (operator_lease.h): who holds it down while the line comes back must press it anew.
 class UdpFootSwitch final : public OperatorInput {
  public:
-  static constexpr std::int64_t kSilence_ns = 100'000'000;
-
   /// `address`: of this host, where the pedal's datagrams arrive; port 0: any free one. Throws StartupError.
   explicit UdpFootSwitch(const UdpAddress& address);
   OperatorSample sample(std::int64_t now_ns) noexcept override;
@@ -44,10 +41,7 @@ class UdpFootSwitch final : public OperatorInput {
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
   boost::asio::ip::udp::endpoint pedal_;  ///< the one that is heard
-  std::uint64_t newest_ = 0;
-  std::int64_t heard_ns_ = std::numeric_limits<std::int64_t>::min() / 2;  ///< never
-  bool held_ = false;
-  bool let_go_ = false;  ///< since the last silence
+  OperatorLease lease_;
 };
 
 /// `rest`: HOST:PORT, as the user wrote it. Throws StartupError.

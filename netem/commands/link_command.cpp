@@ -13,8 +13,10 @@ void add_link_parameters(LinkOptions& o, Settings& s) {
   s.add("slave_dev", o.slave_side.device, device, "TUN device at the slave's side");
   s.add("operator_netns", o.operator_side.netns, netns, "network namespace to put it into (name or path)");
   s.add("slave_netns", o.slave_side.netns, netns, "network namespace to put it into (name or path)");
-  s.add("operator_address", o.operator_side.address, address, "of the device; empty: configure it yourself");
-  s.add("slave_address", o.slave_side.address, address, "of the device; empty: configure it yourself");
+  s.add("operator_address", o.operator_side.address, address, "of the device; empty: configure it yourself")
+      .empty_is_said();
+  s.add("slave_address", o.slave_side.address, address, "of the device; empty: configure it yourself")
+      .empty_is_said();
   s.add("operator_default_route", o.operator_side.default_route,
         "everything from the operator's side goes over the link");
   s.add("slave_default_route", o.slave_side.default_route,

@@ -24,10 +24,13 @@ int print_list() {
       return fmt::format("{:.4g} ± {:.3g}", moments.mean_s * 1e3, moments.sd_s * 1e3);
     };
     const Conditions& forward = profile.forward.stages.front().conditions;
-    const LossChain chain = loss_chain(forward.loss);
-    const double burst = mean_burst(chain);
+    const LossChain chain = loss_chain(forward.loss, 0.0);
     std::string loss = fmt::format("{:g}", mean_loss(chain));
-    if (chain.states > 1) loss += fmt::format(" by {:.2g}", burst);
+    if (forward.loss.burst_s > 0) {
+      loss += fmt::format(" by {:.3g} ms", forward.loss.burst_s * 1e3);
+    } else if (chain.states > 1) {
+      loss += fmt::format(" by {:.2g}", mean_burst(chain));
+    }
     // fmt counts "±" as one column.
     fmt::print("{:<16} {:>15} {:>15} {:>13} {:<8} {}{}\n", name, delay(profile.forward),
                delay(profile.backward), loss, forward.tcp_like ? "tcp" : kOrders.word(forward.order),
@@ -35,7 +38,7 @@ int print_list() {
   }
   fmt::print(
       "\nmean ± standard deviation of the delay that is drawn, one way; loss as a fraction, mean burst "
-      "length\n");
+      "length in packets or ms, forward\n");
   return 0;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-netem switch PROFILE: the processes of a running cell put another emulated network in place.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -30,8 +31,9 @@ int run_switch(SwitchOptions& options) {
   EventMessage event;
   event.kind = EventMessage::Kind::kSetNetem;
   event.text = options.profile;
-  const std::size_t others = tell(bus, event);
-  fmt::print("told {} processes of cell '{}': {}\n", others, bus.settings().cell, options.profile);
+  const auto switched = tell(bus, event, {"master", "slave", "vision"});
+  fmt::print("the network of cell '{}' is now {}, at {}\n", bus.settings().cell, options.profile,
+             fmt::join(switched, ", "));
   return 0;
 }
 

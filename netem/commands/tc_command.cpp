@@ -14,6 +14,7 @@ struct TcOptions {
   std::string profile;
   std::string device;
   Direction direction = Direction::kForward;
+  std::int64_t packet_bytes = kTcPacket_bytes;
 };
 
 int run_tc(const TcOptions& options) {
@@ -27,7 +28,8 @@ int run_tc(const TcOptions& options) {
   }
   const Profile profile = load_profile(options.profile);
   const bool forward = options.direction == Direction::kForward;
-  const TcExport out = export_to_tc(forward ? profile.forward : profile.backward, options.device);
+  const TcExport out =
+      export_to_tc(forward ? profile.forward : profile.backward, options.device, options.packet_bytes);
   fmt::print(
       "# {}: what leaves {} ({})\n", profile.name, options.device,
       forward ? "forward: run this on the operator's machine" : "backward: run this on the slave's machine");
@@ -45,6 +47,8 @@ void add_tc_command(Program& program) {
         s.add("profile", o.profile, kProfile, "a shipped name, a TOML file or a trace").as_argument();
         s.add("dev", o.device, TextForm{"DEVICE"}, "network device").must_be_given();
         s.add("direction", o.direction, kDirections, "which way");
+        s.add("packet_bytes", o.packet_bytes, {.min = 1, .max = 65535, .unit = "bytes"},
+              "size of a packet, for the limit beside a rate: tc counts packets");
       },
       run_tc);
 }

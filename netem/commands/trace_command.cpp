@@ -46,6 +46,10 @@ Capacity roomy() {
 
 int print_trace(const TraceOptions& options) {
   const Profile profile = load_profile(options.profile);
+  constexpr double kLongest_s = 1e9;
+  if (static_cast<double>(options.packets) > kLongest_s * options.rate_hz)
+    throw usage_error(fmt::format("{} packets at --rate-hz {:g} take more than {:g} s", options.packets,
+                                  options.rate_hz, kLongest_s));
   const bool forward = options.direction == Direction::kForward;
   Emulator emulator(forward ? profile.forward : profile.backward, {options.seed, 0, options.direction},
                     roomy());

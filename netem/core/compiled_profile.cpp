@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "netem/core/trace.h"
 
 namespace telekerf::netem {
 namespace {
@@ -23,13 +26,14 @@ std::array<Probability, kMaxLossStates - 1> cumulative(
 
 }  // namespace
 
-CompiledProfile::Stage::Stage(const netem::Stage& stage)
+CompiledProfile::Stage::Stage(const netem::Stage& stage, std::shared_ptr<const DelayTable> table)
     : from_ns(to_ns(stage.from_s)),
-      delay(stage.conditions.delay),
+      delay(std::move(table)),
       constant(stage.conditions.delay.distribution == DelayDistribution::kConstant),
       constant_ns(to_ns(stage.conditions.delay.delay_s)),
-      correlation(stage.conditions.delay.correlation),
-      innovation(std::sqrt(1.0 - correlation * correlation)),
+      correlation_ns(stage.conditions.delay.correlation_s * 1e9),
+      mean_loss(stage.conditions.loss.loss),
+      burst_memory_ns(burst_memory_s(stage.conditions.loss) * 1e9),
       order(stage.conditions.order),
       reorder(stage.conditions.reorder),
       reorder_gap(static_cast<std::uint32_t>(stage.conditions.reorder_gap)),
@@ -37,24 +41,19 @@ CompiledProfile::Stage::Stage(const netem::Stage& stage)
       rto_ns(to_ns(stage.conditions.rto_s)),
       duplicate(stage.conditions.duplicate),
       corrupt(stage.conditions.corrupt),
-      ns_per_byte(0.0),
-      queue_ns(0),
+      queue_bytes(static_cast<double>(stage.conditions.queue_bytes)),
       slot_ns(to_ns(stage.conditions.slots.period_s)),
       slot_jitter_ns(to_ns(stage.conditions.slots.jitter_s)),
       slot_packets(stage.conditions.slots.packets),
       slot_bytes(stage.conditions.slots.bytes) {
   const Conditions& now = stage.conditions;
-  const LossChain chain = loss_chain(now.loss);
-  lossy = mean_loss(chain) > 0;
+  const LossChain chain = loss_chain(now.loss, 0.0);
+  lossy = netem::mean_loss(chain) > 0;
   has_states = chain.states > 1;
   loss_from_trace = now.loss.model == LossModel::kTrace;
-  retransmission_lost = Probability(mean_loss(chain));
+  retransmission_lost = Probability(netem::mean_loss(chain));
   first_state = cumulative(chain.stationary);
   for (int i = 0; i < kMaxLossStates; ++i) loss[i] = {cumulative(chain.to[i]), Probability(chain.lost[i])};
-  if (now.rate_bit_per_s > 0) {
-    ns_per_byte = 8e9 / now.rate_bit_per_s;
-    queue_ns = std::llround(static_cast<double>(now.queue_bytes) * ns_per_byte);
-  }
 }
 
 CompiledProfile::Event::Event(const netem::Event& event)
@@ -63,7 +62,9 @@ CompiledProfile::Event::Event(const netem::Event& event)
       duration_ns(to_ns(event.duration_s)),
       add_min_ns(to_ns(event.add_delay_min_s)),
       add_range_ns(to_ns(event.add_delay_max_s) - add_min_ns),
-      lost(event.loss) {}
+      lost(event.loss),
+      hold(event.hold),
+      coupling(event.coupling) {}
 
 CompiledProfile::Window CompiledProfile::Event::window(std::int64_t since_ns) const noexcept {
   constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
@@ -76,9 +77,20 @@ CompiledProfile::Window CompiledProfile::Event::window(std::int64_t since_ns) co
 }
 
 CompiledProfile::CompiledProfile(const DirectionProfile& profile)
-    : recording(profile.recording), loss_only(profile.loss_only) {
-  for (const auto& stage : profile.stages) stages.emplace_back(stage);
+    : bottleneck(profile),
+      recording(profile.recording),
+      loss_only(profile.loss_only),
+      repeats(profile.trace_end == TraceEnd::kRepeat) {
+  std::shared_ptr<const DelayTable> table;
+  const DelayParameters* law = nullptr;
+  for (const auto& stage : profile.stages) {
+    if (law == nullptr || stage.conditions.delay != *law)
+      table = std::make_shared<DelayTable>(stage.conditions.delay);
+    law = &stage.conditions.delay;
+    stages.emplace_back(stage, table);
+  }
   for (const auto& event : profile.events) events.emplace_back(event);
+  if (recording) recording_ns = recording_length_ns(*recording);
 }
 
 }  // namespace telekerf::netem

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "netem/core/bottleneck.h"
 #include "netem/core/delay_table.h"
 #include "netem/core/loss_chain.h"
 #include "netem/core/profile.h"
@@ -21,14 +22,15 @@ struct CompiledProfile {
     Probability lost;
   };
   struct Stage {
-    explicit Stage(const netem::Stage& stage);
+    Stage(const netem::Stage& stage, std::shared_ptr<const DelayTable> table);
     std::int64_t from_ns;
-    DelayTable delay;
-    bool constant;  ///< no draw needed
+    std::shared_ptr<const DelayTable> delay;  ///< stages of the same law share one
+    bool constant;                            ///< no draw needed
     std::int64_t constant_ns;
-    double correlation, innovation;
+    double correlation_ns;  ///< 0: none
     std::array<State, kMaxLossStates> loss;
     std::array<Probability, kMaxLossStates - 1> first_state;
+    double mean_loss, burst_memory_ns;  ///< of a loss law in time; memory 0: by packets
     bool lossy, has_states, loss_from_trace;
     Probability retransmission_lost;
     Order order;
@@ -37,8 +39,7 @@ struct CompiledProfile {
     bool tcp_like;
     std::int64_t rto_ns;
     Probability duplicate, corrupt;
-    double ns_per_byte;     ///< 0: no bottleneck
-    std::int64_t queue_ns;  ///< waiting time that fills the queue
+    double queue_bytes;
     std::int64_t slot_ns, slot_jitter_ns, slot_packets, slot_bytes;
   };
   /// Times since the profile began, [from, until), over which an event does not change: inside an occurrence,
@@ -51,6 +52,8 @@ struct CompiledProfile {
     explicit Event(const netem::Event& event);
     std::int64_t first_ns, every_ns, duration_ns, add_min_ns, add_range_ns;
     Probability lost;
+    bool hold;
+    std::uint64_t coupling;
     Window window(std::int64_t since_ns) const noexcept;
   };
 
@@ -58,8 +61,11 @@ struct CompiledProfile {
 
   std::vector<Stage> stages;
   std::vector<Event> events;
+  Bottleneck bottleneck;
   std::shared_ptr<const Recording> recording;
   bool loss_only = false;
+  bool repeats = false;           ///< the recording
+  std::int64_t recording_ns = 0;  ///< its length
 };
 
 }  // namespace telekerf::netem

@@ -12,7 +12,11 @@ DelayParameters read_delay(const Section& section) {
   law.delay_s = section.number("delay_ms", 0.0, kDelay_ms) * kMillisecond_s;
   law.jitter_s = section.number("jitter_ms", 0.0, kDelay_ms) * kMillisecond_s;
   law.distribution = section.choice("distribution", DelayDistribution::kConstant, kDelayDistributions);
-  law.correlation = section.number("correlation", 0.0, {0.0, 0.999});
+  if (section.has("correlation")) {
+    section.refuse("correlation",
+                   "is correlation_ms now, a time: over it the likeness of two delays falls to 1/e");
+  }
+  law.correlation_s = section.number("correlation_ms", 0.0, {0.0, 600'000.0}) * kMillisecond_s;
   law.shape = section.number("shape", 0.0, {0.0, 1000.0});
   for (const double p : section.numbers("table_p", kProbability)) law.table_p.push_back(p);
   for (const double ms : section.numbers("table_ms", kDelay_ms)) law.table_s.push_back(ms * kMillisecond_s);
@@ -31,10 +35,10 @@ DelayParameters read_delay(const Section& section) {
     section.refuse("jitter_ms", "this distribution needs a jitter above 0");
   }
   if (law.distribution == DelayDistribution::kConstant) {
-    if (law.correlation > 0) {
-      section.refuse_misplaced("correlation", "distribution", "a constant delay has nothing to correlate");
+    if (law.correlation_s > 0) {
+      section.refuse_misplaced("correlation_ms", "distribution", "a constant delay has nothing to correlate");
     }
-    law.correlation = 0.0;
+    law.correlation_s = 0.0;
   }
   switch (law.distribution) {
     case DelayDistribution::kGamma:
@@ -75,6 +79,7 @@ LossParameters read_loss(const Section& section) {
   law.model = section.choice("loss_model", LossModel::kBernoulli, kLossModels);
   law.loss = section.number("loss", 0.0, kProbability);
   const double burst = section.number("loss_burst_packets", 0.0, {1.0, 1e6});
+  const double burst_s = section.number("loss_burst_ms", 0.0, {0.01, 600'000.0}) * kMillisecond_s;
   law.ge_p = section.number("ge_p", 0.0, kProbability);
   law.ge_r = section.number("ge_r", 1.0, kProbability);
   law.ge_h = section.number("ge_h", 0.0, kProbability);
@@ -95,13 +100,15 @@ LossParameters read_loss(const Section& section) {
   const bool four = law.model == LossModel::kFourState;
   refuse_unless(gilbert || law.model == LossModel::kBernoulli, {"loss"},
                 "belongs to loss_model = \"bernoulli\" or \"gilbert-elliott\"");
-  refuse_unless(gilbert, {"loss_burst_packets", "ge_p", "ge_r", "ge_h", "ge_k"},
+  refuse_unless(gilbert, {"loss_burst_packets", "loss_burst_ms", "ge_p", "ge_r", "ge_h", "ge_k"},
                 "belongs to loss_model = \"gilbert-elliott\"");
   refuse_unless(four, {"p13", "p31", "p32", "p23", "p14"}, "belongs to loss_model = \"four-state\"");
   refuse_unless(law.model == LossModel::kTrace, {"loss_trace"}, "belongs to loss_model = \"trace\"");
 
-  // The mean form or the ge_ form, whichever stands in the more special table.
-  const std::size_t mean_rank = std::min(section.rank("loss"), section.rank("loss_burst_packets"));
+  // By time, by packets or in the ge_ form, whichever stands in the most special table.
+  const std::size_t time_rank = section.rank("loss_burst_ms");
+  const std::size_t packets_rank = section.rank("loss_burst_packets");
+  const std::size_t mean_rank = std::min({section.rank("loss"), time_rank, packets_rank});
   std::size_t ge_rank = section.rank("ge_p");
   const char* ge_key = "ge_p";
   for (const char* key : {"ge_r", "ge_h", "ge_k"}) {
@@ -109,13 +116,23 @@ LossParameters read_loss(const Section& section) {
     ge_rank = std::min(ge_rank, section.rank(key));
   }
   if (gilbert && mean_rank == ge_rank && section.has(ge_key)) {
-    section.refuse(ge_key, "either loss and loss_burst_packets, or the ge_ probabilities");
+    section.refuse(ge_key, "either loss and a mean burst, or the ge_ probabilities");
   }
+  if (gilbert && section.has("loss_burst_ms") && time_rank == packets_rank)
+    section.refuse("loss_burst_packets", "either loss_burst_ms or loss_burst_packets");
   if (gilbert && mean_rank < ge_rank) {
-    if (!section.has("loss") || !section.has("loss_burst_packets")) {
-      section.refuse(
-          section.has("loss") ? "loss" : "loss_burst_packets",
-          "gilbert-elliott needs both loss and loss_burst_packets, or the ge_ probabilities alone");
+    const bool in_time = time_rank < packets_rank;
+    if (!section.has("loss") || (!in_time && !section.has("loss_burst_packets"))) {
+      section.refuse(section.has("loss") ? "loss"
+                     : in_time           ? "loss_burst_ms"
+                                         : "loss_burst_packets",
+                     "gilbert-elliott needs both loss and loss_burst_ms (or loss_burst_packets), or the ge_ "
+                     "probabilities alone");
+    }
+    if (in_time) {
+      law.burst_s = burst_s;
+      if (law.loss == 1.0) section.refuse("loss", "a burst that never ends has no mean length");
+      return law;
     }
     // Bad state: everything lost, left after `burst` packets on average; good state: nothing lost.
     law.ge_r = 1.0 / burst;
@@ -126,7 +143,7 @@ LossParameters read_loss(const Section& section) {
   } else if (gilbert) {
     if (!section.has("ge_p") || !section.has("ge_r")) {
       section.refuse("ge_p",
-                     "gilbert-elliott needs loss and loss_burst_packets, or ge_p and ge_r (and ge_h, ge_k)");
+                     "gilbert-elliott needs loss and a mean burst, or ge_p and ge_r (and ge_h, ge_k)");
     }
     if (law.ge_p > 0 && law.ge_r == 0) section.refuse("ge_r", "must be above 0, or the bad state never ends");
   }
@@ -175,10 +192,13 @@ Conditions read_conditions(const Section& section) {
   } else {
     section.refuse_misplaced("rto_ms", "tcp_like", "belongs to tcp_like = true");
   }
-  if (now.rate_bit_per_s > 0 && now.queue_bytes == 0)
+  const bool recorded = section.has("rate_trace");
+  if (recorded && section.has("rate_kbit_per_s"))
+    section.refuse("rate_kbit_per_s", "rate_trace already says the rate");
+  if ((now.rate_bit_per_s > 0 || recorded) && now.queue_bytes == 0)
     section.refuse("queue_bytes", "a rate needs a queue limit");
-  if (now.rate_bit_per_s == 0) {
-    section.refuse_misplaced("queue_bytes", "rate_kbit_per_s", "needs rate_kbit_per_s");
+  if (now.rate_bit_per_s == 0 && !recorded) {
+    section.refuse_misplaced("queue_bytes", "rate_kbit_per_s", "needs rate_kbit_per_s or rate_trace");
     now.queue_bytes = 0;
   }
   if (now.slots.period_s == 0) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "netem/core/decay.h"
+
 namespace telekerf::netem {
 namespace {
 
@@ -128,6 +130,10 @@ double delay_quantile(const DelayParameters& law, double lower, double upper) {
 
 double delay_at_normal(const DelayParameters& law, double z) {
   return delay_quantile(law, normal_tail(-z), normal_tail(z));
+}
+
+double correlation_over(const DelayParameters& law, double interval_s) {
+  return law.correlation_s > 0 ? decay(interval_s, law.correlation_s) : 0.0;
 }
 
 Moments delay_moments(const DelayParameters& law, double z_limit) {

@@ -19,6 +19,9 @@ double delay_quantile(const DelayParameters& law, double lower, double upper);
 /// The same over the standard normal: delay_quantile(Phi(z), 1 - Phi(z)).
 double delay_at_normal(const DelayParameters& law, double z);
 
+/// Correlation of the normal scores behind two delays that are `interval_s` apart.
+double correlation_over(const DelayParameters& law, double interval_s);
+
 struct Moments {
   double mean_s = 0.0;
   double sd_s = 0.0;

@@ -2,8 +2,11 @@
 #include "netem/core/emulator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
+
+#include "netem/core/decay.h"
 
 namespace telekerf::netem {
 namespace {
@@ -33,10 +36,11 @@ Emulator::Emulator(const DirectionProfile& profile, const StreamKey& key, Capaci
       event_delay_(key, Impairment::kEventDelay),
       event_loss_(key, Impairment::kEventLoss),
       slot_(key, Impairment::kSlot),
+      coupled_delay_({key.seed, key.flow, Direction::kForward}, Impairment::kCoupledDelay),
       flight_(capacity),
       origin_ns_(origin_ns),
       now_ns_(kLongAgo),
-      bottleneck_free_ns_(kLongAgo),
+      backlog_ns_(kLongAgo),
       last_due_ns_(kLongAgo) {}
 
 PacketOutcome Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet,
@@ -50,11 +54,12 @@ PacketOutcome Emulator::push(std::int64_t now_ns, std::uint32_t size_bytes, std:
 
 PacketOutcome Emulator::push(std::int64_t now_ns, std::span<const std::byte> packet, std::uint32_t size,
                              std::uint64_t tag) noexcept {
+  const std::int64_t before_ns = now_ns_;
   now_ns = now_ns_ = std::max(now_ns, now_ns_);
   const std::uint64_t index = index_++;
   ++counters_.pushed;
   if (profile_.recording && !profile_.loss_only) {
-    PacketOutcome outcome = replay(index, now_ns);
+    PacketOutcome outcome = replay(now_ns);
     keep(outcome, now_ns, packet, size, tag, index);
     return outcome;
   }
@@ -62,26 +67,20 @@ PacketOutcome Emulator::push(std::int64_t now_ns, std::span<const std::byte> pac
   const CompiledProfile::Stage& stage = stage_at(now_ns - origin_ns_);
   PacketOutcome outcome;
   // The states of loss and delay advance with every packet, whatever else befalls it.
-  outcome.lost_by_model = lose(stage, index);
-  outcome.drawn_ns = law_delay(stage, index);
-  std::int64_t leaves_ns = now_ns;
-  if (stage.ns_per_byte > 0) {
-    const std::int64_t waits_ns = std::max<std::int64_t>(0, bottleneck_free_ns_ - now_ns);
-    const auto sends_ns = rounded(size * stage.ns_per_byte);
-    // The packet on the wire is not in the queue: an idle bottleneck takes any packet.
-    outcome.queue_full = waits_ns > 0 && waits_ns + sends_ns > stage.queue_ns;
-    if (!outcome.queue_full) {
-      outcome.queued_ns = waits_ns + sends_ns;
-      leaves_ns = bottleneck_free_ns_ = now_ns + outcome.queued_ns;
-    }
-  }
+  const RecordedOutcome* const of_trace = profile_.recording ? recorded(now_ns - origin_ns_) : nullptr;
+  outcome.after_trace = stage.loss_from_trace && of_trace == nullptr;
+  outcome.lost_by_model = lose(stage, index, now_ns - before_ns, of_trace);
+  outcome.drawn_ns = law_delay(stage, index, now_ns - before_ns);
+  const std::int64_t leaves_ns = pass_bottleneck(stage, now_ns, size, outcome);
   if (!profile_.events.empty()) meet_events(leaves_ns - origin_ns_, index, outcome);
 
   std::int64_t due_ns = leaves_ns + outcome.drawn_ns + outcome.event_ns;
-  if (stage.tcp_like && !outcome.queue_full)
+  if (stage.tcp_like && !outcome.queue_full && !outcome.after_trace)
     due_ns += retransmit(stage, leaves_ns - origin_ns_, index, outcome);
   if (outcome.lost()) {
-    outcome.queue_full ? ++counters_.queue_full : ++counters_.lost;
+    ++(outcome.queue_full    ? counters_.queue_full
+       : outcome.after_trace ? counters_.after_trace
+                             : counters_.lost);
     return outcome;
   }
 
@@ -106,12 +105,17 @@ const CompiledProfile::Stage& Emulator::stage_at(std::int64_t since_ns) noexcept
   return profile_.stages[stage_];
 }
 
-bool Emulator::lose(const CompiledProfile::Stage& stage, std::uint64_t index) noexcept {
-  if (stage.loss_from_trace) {
-    const auto& recording = *profile_.recording;
-    return recording[(index - first_index_) % recording.size()].lost;
-  }
+bool Emulator::lose(const CompiledProfile::Stage& stage, std::uint64_t index, std::int64_t pause_ns,
+                    const RecordedOutcome* recorded) noexcept {
+  if (stage.loss_from_trace) return recorded != nullptr && recorded->lost;
   if (!stage.lossy) return false;
+  if (stage.burst_memory_ns > 0) {
+    const double left = state_ < 0 ? 0.0 : decay(static_cast<double>(pause_ns), stage.burst_memory_ns);
+    const double share = stage.mean_loss;
+    const Probability bad(state_ == 1 ? share + (1.0 - share) * left : share * (1.0 - left));
+    state_ = bad.happens(loss_state_.draw(index)) ? 1 : 0;
+    return state_ == 1;
+  }
   int next = 0;
   if (stage.has_states) {
     const auto& up_to = state_ < 0 ? stage.first_state : stage.loss[state_].up_to;
@@ -122,13 +126,61 @@ bool Emulator::lose(const CompiledProfile::Stage& stage, std::uint64_t index) no
   return stage.loss[next].lost.happens(loss_.draw(index));
 }
 
-std::int64_t Emulator::law_delay(const CompiledProfile::Stage& stage, std::uint64_t index) noexcept {
+std::int64_t Emulator::law_delay(const CompiledProfile::Stage& stage, std::uint64_t index,
+                                 std::int64_t pause_ns) noexcept {
   if (stage.constant) return stage.constant_ns;
   const double fresh = normal_.at(delay_.draw(index));
-  score_ =
-      has_score_ && stage.correlation > 0 ? stage.correlation * score_ + stage.innovation * fresh : fresh;
+  const double left = has_score_ && stage.correlation_ns > 0
+                          ? decay(static_cast<double>(pause_ns), stage.correlation_ns)
+                          : 0.0;
+  score_ = left * score_ + std::sqrt(1.0 - left * left) * fresh;
   has_score_ = true;
-  return stage.delay.at(score_);
+  return stage.delay->at(score_);
+}
+
+void Emulator::serve_until(std::int64_t now_ns) noexcept {
+  constexpr double kRounding_bytes = 1e-6;
+  if (backlog_bytes_ > 0) {
+    backlog_bytes_ -= profile_.bottleneck.served_bytes(backlog_ns_ - origin_ns_, now_ns - origin_ns_);
+    if (backlog_bytes_ < kRounding_bytes) backlog_bytes_ = 0.0;
+  }
+  backlog_ns_ = now_ns;
+}
+
+std::int64_t Emulator::pass_bottleneck(const CompiledProfile::Stage& stage, std::int64_t now_ns,
+                                       std::uint32_t size, PacketOutcome& outcome) noexcept {
+  const Bottleneck& bottleneck = profile_.bottleneck;
+  const std::int64_t since_ns = now_ns - origin_ns_;
+  if (!bottleneck.limits_at(since_ns)) {
+    backlog_bytes_ = 0.0;
+    return now_ns;
+  }
+  serve_until(now_ns);
+  // The packet on the wire is not in the queue: an idle bottleneck takes any packet.
+  constexpr double kRounding_bytes = 1e-3;
+  outcome.queue_full = backlog_bytes_ > 0 && backlog_bytes_ + size > stage.queue_bytes + kRounding_bytes;
+  if (outcome.queue_full) return now_ns;
+  const std::int64_t leaves_ns = bottleneck.served_at(since_ns, backlog_bytes_ + size);
+  outcome.after_trace = outcome.after_trace || leaves_ns == Bottleneck::kNever;
+  if (leaves_ns == Bottleneck::kNever) return now_ns;
+  backlog_bytes_ += size;
+  entered_bytes_ += size;
+  outcome.queued_ns = leaves_ns - since_ns;
+  return origin_ns_ + leaves_ns;
+}
+
+void Emulator::retime_queue(const Bottleneck& fresh, std::int64_t now_ns) noexcept {
+  serve_until(now_ns);
+  if (backlog_bytes_ == 0) return;
+  const auto latest_ns = flight_.reschedule([&](std::int64_t due_ns, std::uint64_t place) {
+    const double waits_bytes = backlog_bytes_ - static_cast<double>(entered_bytes_ - place);
+    const std::int64_t after_ns = fresh.served_at(0, waits_bytes);
+    if (waits_bytes <= 0 || after_ns == Bottleneck::kNever) return due_ns;
+    const std::int64_t since_ns = now_ns - origin_ns_;
+    return due_ns + after_ns - (profile_.bottleneck.served_at(since_ns, waits_bytes) - since_ns);
+  });
+  last_due_ns_ = latest_ns.value_or(last_due_ns_);
+  in_order_ = 0;  // the due times of what can be overtaken are others now
 }
 
 void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, PacketOutcome& outcome) noexcept {
@@ -138,9 +190,13 @@ void Emulator::meet_events(std::int64_t since_ns, std::uint64_t index, PacketOut
     if (since_ns < window.from_ns || since_ns >= window.until_ns) window = event.window(since_ns);
     const std::int64_t occurrence = window.occurrence;
     if (occurrence < 0) continue;
-    const std::uint64_t word = event_delay_.draw(static_cast<std::uint64_t>(occurrence) * kMaxEvents + i);
+    const auto number = static_cast<std::uint64_t>(occurrence);
+    const std::uint64_t word = event.coupling != 0 ? coupled_delay_.draw(event.coupling + number)
+                                                   : event_delay_.draw(number * kMaxEvents + i);
     outcome.event_ns +=
-        event.add_min_ns + static_cast<std::int64_t>(uniform_below(word, event.add_range_ns + 1));
+        event.hold
+            ? window.until_ns - since_ns
+            : event.add_min_ns + static_cast<std::int64_t>(uniform_below(word, event.add_range_ns + 1));
     if (event.lost.possible() && event.lost.happens(event_loss_.draw(index * kMaxEvents + i))) {
       outcome.lost_by_event = true;
     }
@@ -208,29 +264,44 @@ std::int64_t Emulator::overtake(const CompiledProfile::Stage& stage, std::int64_
   return now_ns;
 }
 
-PacketOutcome Emulator::replay(std::uint64_t index, std::int64_t now_ns) const noexcept {
+const RecordedOutcome* Emulator::recorded(std::int64_t since_ns) noexcept {
   const Recording& recording = *profile_.recording;
-  const RecordedOutcome& recorded = recording[(index - first_index_) % recording.size()];
+  const std::int64_t round = std::max<std::int64_t>(0, since_ns) / profile_.recording_ns;
+  if (round > 0 && !profile_.repeats) return nullptr;
+  if (round != round_) next_recorded_ = 0;
+  round_ = round;
+  since_ns -= round * profile_.recording_ns;
+  while (next_recorded_ < recording.size() && recording[next_recorded_].in_ns < since_ns) ++next_recorded_;
+  // Of several that were recorded at the same time, one after the other.
+  if (next_recorded_ < recording.size() && recording[next_recorded_].in_ns == since_ns)
+    return &recording[next_recorded_++];
+  return &recording[next_recorded_ == 0 ? 0 : next_recorded_ - 1];
+}
+
+PacketOutcome Emulator::replay(std::int64_t now_ns) noexcept {
   PacketOutcome outcome;
-  outcome.drawn_ns = recorded.delay_ns;
-  outcome.due_ns = now_ns + recorded.delay_ns;
-  outcome.lost_by_model = recorded.lost;
-  outcome.duplicated = recorded.duplicated;
-  outcome.corrupted = recorded.corrupted;
+  const RecordedOutcome* const as = recorded(now_ns - origin_ns_);
+  outcome.after_trace = as == nullptr;
+  if (as == nullptr) return outcome;
+  outcome.drawn_ns = as->delay_ns;
+  outcome.due_ns = now_ns + as->delay_ns;
+  outcome.lost_by_model = as->lost;
+  outcome.duplicated = as->duplicated;
+  outcome.corrupted = as->corrupted;
   return outcome;
 }
 
 void Emulator::keep(PacketOutcome& outcome, std::int64_t now_ns, std::span<const std::byte> packet,
                     std::uint32_t size, std::uint64_t tag, std::uint64_t index) noexcept {
   if (outcome.lost()) {
-    ++counters_.lost;
+    ++(outcome.after_trace ? counters_.after_trace : counters_.lost);
     return;
   }
   const auto bit = [&](std::uint64_t copy) -> std::int64_t {
     if (packet.empty()) return -1;
     return static_cast<std::int64_t>(uniform_below(corrupted_bit_.draw(2 * index + copy), 8 * packet.size()));
   };
-  InFlight::Packet kept{now_ns, tag, size, outcome.corrupted, false};
+  InFlight::Packet kept{now_ns, tag, size, outcome.corrupted, false, entered_bytes_};
   if (!flight_.insert(outcome.due_ns, kept, packet, outcome.corrupted ? bit(0) : -1)) {
     outcome.overflowed = true;
     ++counters_.overflowed;
@@ -254,16 +325,15 @@ void Emulator::keep(PacketOutcome& outcome, std::int64_t now_ns, std::span<const
 }
 
 void Emulator::switch_to(CompiledProfile& profile, std::int64_t now_ns) noexcept {
+  retime_queue(profile.bottleneck, std::max(now_ns, now_ns_));
   std::swap(profile_, profile);
   origin_ns_ = now_ns;
-  first_index_ = index_;
   stage_ = 0;
   state_ = -1;
   slot_number_ = -1;
   windows_.fill({});
-  // A longer line of an old bottleneck does not hold up the new network; packets under way still keep their
-  // order.
-  bottleneck_free_ns_ = kLongAgo;
+  next_recorded_ = 0;
+  round_ = 0;
 }
 
 }  // namespace telekerf::netem

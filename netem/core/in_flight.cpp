@@ -29,6 +29,7 @@ bool InFlight::insert(std::int64_t due_ns, const Packet& packet, std::span<const
   Slot& kept = slots_[slot];
   kept.in_ns = packet.in_ns;
   kept.tag = packet.tag;
+  kept.queue_place = packet.queue_place;
   kept.first_chunk = store(bytes, flip_bit);
   kept.size = packet.size & 0x3FFFFFFF;
   kept.corrupted = packet.corrupted;
@@ -65,6 +66,19 @@ void InFlight::take(Delivery& delivery) noexcept {
   slot.first_chunk = free_slot_;
   free_slot_ = key.slot();
   ++free_slots_;
+}
+
+void InFlight::gather() noexcept {
+  for (; run_size_ > 0; --run_size_) {
+    heap_.push_back(run_[run_begin_]);  // reserved: never more keys than slots
+    if (++run_begin_ == run_.size()) run_begin_ = 0;
+  }
+  sort_heap();
+}
+
+/// What is sorted is a heap, whatever the number of children.
+void InFlight::sort_heap() noexcept {
+  std::sort(heap_.begin(), heap_.end(), [](const Key& a, const Key& b) { return a.before(b); });
 }
 
 void InFlight::push_heap(Key key) noexcept {

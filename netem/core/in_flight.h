@@ -3,8 +3,10 @@
 // don't.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -39,6 +41,7 @@ class InFlight {
     std::uint32_t size = 0;
     bool corrupted = false;
     bool duplicate = false;
+    std::uint64_t queue_place = 0;  ///< whatever reschedule() tells packets by
   };
 
   explicit InFlight(Capacity capacity);
@@ -55,6 +58,21 @@ class InFlight {
 
   /// Precondition: not empty. Bytes stay valid until the next insert or take.
   void take(Delivery& delivery) noexcept;
+
+  /// due = later(due, queue_place) for every packet, asked in the order of their due times; what it moves
+  /// stays behind what was due before it. The latest due time; none: nothing is under way.
+  template <typename Later>
+  std::optional<std::int64_t> reschedule(Later later) noexcept {
+    gather();
+    std::optional<std::int64_t> latest_ns;
+    for (Key& key : heap_) {
+      const std::int64_t due_ns = later(key.due_ns, slots_[key.slot()].queue_place);
+      if (due_ns != key.due_ns) key.due_ns = std::max(due_ns, latest_ns.value_or(due_ns));
+      latest_ns = std::max(key.due_ns, latest_ns.value_or(key.due_ns));
+    }
+    sort_heap();
+    return latest_ns;
+  }
 
   std::size_t memory_bytes() const noexcept;
 
@@ -74,6 +92,7 @@ class InFlight {
   struct Slot {
     std::int64_t in_ns;
     std::uint64_t tag;
+    std::uint64_t queue_place;
     std::uint32_t first_chunk;  // also links free slots
     std::uint32_t size : 30;
     std::uint32_t corrupted : 1;
@@ -89,6 +108,9 @@ class InFlight {
     const std::size_t choose_b = -static_cast<std::size_t>(heap_[b].before(heap_[a]));
     return a ^ ((a ^ b) & choose_b);
   }
+  /// All keys into the heap, by due time.
+  void gather() noexcept;
+  void sort_heap() noexcept;
   void push_heap(Key key) noexcept;
   void sift_up(std::size_t at, Key key) noexcept;
   Key pop_heap() noexcept;

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "netem/core/loss_chain.h"
 
+#include "netem/core/decay.h"
+
 namespace telekerf::netem {
 
-LossChain loss_chain(const LossParameters& law) {
+double burst_memory_s(const LossParameters& law) { return law.burst_s * (1.0 - law.loss); }
+
+LossChain loss_chain(const LossParameters& law, double interval_s) {
   LossChain chain;
   chain.to[0][0] = 1.0;
   chain.stationary[0] = 1.0;
@@ -16,6 +20,14 @@ LossChain loss_chain(const LossParameters& law) {
       break;
     case LossModel::kGilbertElliott: {
       chain.states = 2;  // good, bad
+      if (law.burst_s > 0) {
+        const double left = decay(interval_s, burst_memory_s(law));
+        chain.to[0] = {1.0 - law.loss * (1.0 - left), law.loss * (1.0 - left)};
+        chain.to[1] = {(1.0 - law.loss) * (1.0 - left), law.loss + (1.0 - law.loss) * left};
+        chain.lost = {0.0, 1.0};
+        chain.stationary = {1.0 - law.loss, law.loss};
+        break;
+      }
       chain.to[0] = {1.0 - law.ge_p, law.ge_p};
       chain.to[1] = {law.ge_r, 1.0 - law.ge_r};
       chain.lost = {1.0 - law.ge_k, 1.0 - law.ge_h};

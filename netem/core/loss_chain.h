@@ -18,8 +18,12 @@ struct LossChain {
   std::array<double, kMaxLossStates> stationary{};                      ///< stationary distribution
 };
 
-/// kNone and kTrace give a chain that loses nothing.
-LossChain loss_chain(const LossParameters& law);
+/// Of packets `interval_s` apart, which only laws in time ask for; kNone and kTrace give a chain that loses
+/// nothing.
+LossChain loss_chain(const LossParameters& law, double interval_s = 0.0);
+
+/// Gilbert-Elliott in time: what is left of the state decays with this time constant, s.
+double burst_memory_s(const LossParameters& law);
 
 double mean_loss(const LossChain& chain);
 

@@ -34,10 +34,12 @@ struct DelayParameters {
   double delay_s = 0.0;
   double jitter_s = 0.0;  ///< standard deviation of the law (of symmetric laws before the cut at zero)
   double shape = 0.0;     ///< gamma: k; lognormal: sigma of the logarithm; pareto: tail index > 2
-  double correlation =
-      0.0;  ///< between neighbouring packets, of the Gaussian behind the law (copula); [0, 1)
+  /// The Gaussian behind the law (copula) keeps exp(-dt / correlation_s) of itself over dt; 0: packets are
+  /// independent.
+  double correlation_s = 0.0;
   std::vector<double> table_p;  ///< table: ascending from 0 to 1
   std::vector<double> table_s;  ///< table: quantiles at `table_p`, not descending
+  bool operator==(const DelayParameters&) const = default;
 };
 
 enum class LossModel { kNone, kBernoulli, kGilbertElliott, kFourState, kTrace };
@@ -53,7 +55,11 @@ inline constexpr EnumTable<LossModel> kLossModels{kLossModelRows};
 
 struct LossParameters {
   LossModel model = LossModel::kNone;
-  double loss = 0.0;  ///< bernoulli: probability
+  double loss =
+      0.0;  ///< bernoulli: probability; gilbert-elliott with burst_s: share of time in the bad state
+  /// gilbert-elliott in time: mean length of a burst, in which everything is lost, and nothing outside;
+  /// 0: by packets.
+  double burst_s = 0.0;
   /// Gilbert-Elliott: good -> bad, bad -> good, and the shares *delivered* in the bad (h) and good (k) state.
   double ge_p = 0.0, ge_r = 1.0, ge_h = 0.0, ge_k = 1.0;
   /// 1 delivered, 2 delivered inside a burst, 3 lost in a burst, 4 lost alone (4 -> 1 always).
@@ -101,14 +107,18 @@ struct Stage {
 };
 
 /// Something that comes back: during [first + n every, + duration) packets wait longer (one uniform draw per
-/// occurrence) and are lost with probability `loss`; loss = 1 is an outage.
+/// occurrence) and are lost with probability `loss`; loss = 1 is an outage. With `hold` they wait for its
+/// end instead: a pause in which nothing is lost.
 struct Event {
-  double first_s = 0.0;
+  double first_s = 0.0;  ///< may lie before the profile's beginning
   double every_s = 0.0;  ///< 0: once
   double duration_s = 0.0;
   double add_delay_min_s = 0.0;
   double add_delay_max_s = 0.0;
   double loss = 0.0;
+  bool hold = false;
+  /// Events of the same number, in either direction, draw alike; 0: on its own.
+  std::uint64_t coupling = 0;
 };
 inline constexpr std::size_t kMaxEvents = 16;
 
@@ -122,12 +132,29 @@ struct RecordedOutcome {
 };
 using Recording = std::vector<RecordedOutcome>;
 
+/// A recorded rate, as mahimahi writes it: at each of these times up to kOpportunity_bytes may leave.
+struct RateTrace {
+  std::vector<std::int64_t> at_ns;  ///< ascending, from 0; the last is above 0
+};
+inline constexpr std::int64_t kOpportunity_bytes = 1500;
+
+/// What becomes of packets after the end of what was recorded.
+enum class TraceEnd { kLose, kRepeat };
+
+inline constexpr EnumRow<TraceEnd> kTraceEndRows[] = {
+    {"lose", TraceEnd::kLose, "nothing gets through any more"},
+    {"repeat", TraceEnd::kRepeat, "it begins anew"}};
+inline constexpr EnumTable<TraceEnd> kTraceEnds{kTraceEndRows};
+
 struct DirectionProfile {
   std::vector<Stage> stages{Stage{}};  ///< ascending; the first begins at 0
   std::vector<Event> events;           ///< at most kMaxEvents
-  /// Replayed packet by packet and from its start again at its end; with `loss_only` only its losses.
+  /// Replayed by time: a packet fares as the recorded one that was sent last; with `loss_only` only its
+  /// losses.
   std::shared_ptr<const Recording> recording;
   bool loss_only = false;
+  std::shared_ptr<const RateTrace> rate_trace;  ///< instead of the stages' rates; queue_bytes is the stages'
+  TraceEnd trace_end = TraceEnd::kLose;
 };
 
 struct Profile {
@@ -138,9 +165,13 @@ struct Profile {
   DirectionProfile backward;  ///< slave -> operator
 };
 
-/// A shipped name, a TOML file, or a recorded trace (*.csv, both directions). Throws StartupError: missing
-/// file, unknown or misplaced key, value out of bounds, contradictory models.
+/// A shipped name, a TOML file, a recorded trace (*.csv, both directions), or recorded rates (*.up or *.down
+/// of mahimahi: both stand side by side; forward is the downlink). Throws StartupError: missing file, unknown
+/// or misplaced key, value out of bounds, contradictory models.
 Profile load_profile(const std::string& name_or_path);
+
+/// How long the recordings of the profile last and what comes then, in a sentence; empty: it has none.
+std::string trace_note(const Profile& profile);
 
 /// The same from text; `name` stands in messages, relative trace files are sought in `folder`.
 Profile parse_profile(const std::string& text, const std::string& name, const std::string& folder = ".");

@@ -38,6 +38,7 @@ enum class Impairment : std::uint64_t {
   kEventDelay,
   kEventLoss,
   kSlot,
+  kCoupledDelay,
 };
 
 /// A 64-bit permutation with full avalanche (the finaliser known as "moremur"); neighbouring counters give

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace telekerf::netem {
 
 double Section::number(const std::string& key, double fallback, Bounds bounds) const {
@@ -47,14 +49,22 @@ std::string Section::word(const std::string& key, std::string fallback,
   return fallback;
 }
 
+const std::vector<std::size_t>& Section::holders(const std::string& key) const {
+  Holders& known = holders_[key];
+  for (; known.asked < tables_.size(); ++known.asked) {
+    if (file_.has(tables_[known.asked] + key)) known.tables.push_back(known.asked);
+  }
+  return known.tables;
+}
+
 std::size_t Section::rank(const std::string& key) const {
-  std::size_t i = 0;
-  while (i < tables_.size() && !file_.has(tables_[i] + key)) ++i;
-  return i;
+  const auto& tables = holders(key);
+  return tables.empty() ? tables_.size() : tables_.size() - 1 - tables.back();
 }
 
 void Section::refuse(const std::string& key, const std::string& complaint) const {
-  file_.refuse(tables_[has(key) ? rank(key) : tables_.size() - 1] + key, complaint);
+  const auto& tables = holders(key);
+  file_.refuse(tables_[tables.empty() ? 0 : tables.back()] + key, complaint);
 }
 
 void Section::refuse_misplaced(const std::string& key, const std::string& selector,
@@ -62,10 +72,14 @@ void Section::refuse_misplaced(const std::string& key, const std::string& select
   if (has(key) && rank(key) <= rank(selector)) refuse(key, complaint);
 }
 
-/// The key in every table, the most general one first.
+/// Where the key stands, the most general place first: the last two tables and the one that they override.
+/// What lies below was read when it was the last.
 std::vector<std::string> Section::names(const std::string& key) const {
+  const auto& tables = holders(key);
+  constexpr std::size_t kEnough = 3;
   std::vector<std::string> out;
-  for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) out.push_back(*table + key);
+  for (std::size_t i = tables.size() - std::min(tables.size(), kEnough); i < tables.size(); ++i)
+    out.push_back(tables_[tables[i]] + key);
   return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,9 +23,14 @@ inline constexpr Bounds kProbability{0.0, 1.0};
 /// StartupError.
 class Section {
  public:
-  /// The file must outlive the section. `tables`: their names with a dot, the most special one first.
-  Section(const ConfigFile& file, std::vector<std::string> tables)
-      : file_(file), tables_(std::move(tables)) {}
+  /// The file must outlive the section. The tables' names have a dot at their end.
+  Section(const ConfigFile& file, std::string common, std::string special)
+      : file_(file), tables_{std::move(common), std::move(special)} {}
+  /// Two more tables override what was there.
+  void override_by(std::string common, std::string special) {
+    tables_.push_back(std::move(common));
+    tables_.push_back(std::move(special));
+  }
 
   double number(const std::string& key, double fallback, Bounds bounds) const;
   /// 0 stands for none, so that a stage can take away what was there before it.
@@ -52,11 +58,20 @@ class Section {
                         const std::string& complaint) const;
 
  private:
+  /// Tables that hold the key, the most special one last. Each table is asked once: a file may have
+  /// thousands of stages.
+  const std::vector<std::size_t>& holders(const std::string& key) const;
   std::vector<std::string> names(const std::string& key) const;
   std::string word(const std::string& key, std::string fallback, const std::vector<std::string>& words) const;
 
+  struct Holders {
+    std::vector<std::size_t> tables;
+    std::size_t asked = 0;
+  };
+
   const ConfigFile& file_;
-  std::vector<std::string> tables_;
+  std::vector<std::string> tables_;  ///< the most special one last
+  mutable std::map<std::string, Holders> holders_;
 };
 
 }  // namespace telekerf::netem

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "netem/drivers/netem_flags.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "common/runtime/resources.h"
@@ -10,7 +12,8 @@ namespace telekerf::netem {
 void NetemFlags::add_parameters(Settings& settings) {
   TextForm profile_or_none = kProfile;
   profile_or_none.complaint = [](const std::string& name) {
-    return name == "none" ? std::string() : complaint_about_resource(kProfile.shipped, name, kProfile.extension);
+    return name == "none" ? std::string()
+                          : complaint_about_resource(kProfile.shipped, name, kProfile.extension);
   };
   settings.add("netem", profile, profile_or_none,
                "emulated network between the sites: a profile's name or file, none: the real one");
@@ -19,7 +22,10 @@ void NetemFlags::add_parameters(Settings& settings) {
 
 std::shared_ptr<ReceivePathEmulator> NetemFlags::emulator(Site own_site) const {
   if (profile == "none") return nullptr;
-  return std::make_shared<ReceivePathEmulator>(load_profile(profile), seed, own_site);
+  const Profile loaded = load_profile(profile);
+  if (const std::string note = trace_note(loaded); !note.empty())
+    fmt::print("network '{}': {}\n", name(), note);
+  return std::make_shared<ReceivePathEmulator>(loaded, seed, own_site);
 }
 
 std::string NetemFlags::name() const { return std::filesystem::path(profile).stem().string(); }

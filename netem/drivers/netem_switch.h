@@ -2,38 +2,39 @@
 // The event that puts another emulated network in place during a run, obeyed outside the control loop.
 #pragma once
 
-#include <chrono>
+#include <atomic>
 #include <memory>
 #include <string>
-#include <thread>
-#include <utility>
 
 #include "common/bus/endpoints.h"
+#include "common/bus/event_answers.h"
+#include "common/runtime/periodic.h"
 #include "netem/drivers/receive_path_emulator.h"
 
 namespace telekerf::netem {
 
 /// Listens for EventMessage::Kind::kSetNetem, whose text names a profile, and switches this process'
-/// receiving side. A name that cannot be loaded, or a process that runs without emulation, keeps what it has
-/// and says so.
+/// receiving side. A name that cannot be loaded, a process that runs without emulation, and a beam that is on
+/// keep what there is; who asked is told which it was.
 class NetemSwitch {
  public:
   /// `emulator`: what stands in the process' receive path; null: nothing does.
-  NetemSwitch(Bus& bus, std::shared_ptr<ReceivePathEmulator> emulator)
-      : role_(bus.settings().role),
-        emulator_(std::move(emulator)),
-        events_(bus),
-        thread_([this](const std::stop_token& stop) { run(stop); }) {}
+  NetemSwitch(Bus& bus, std::shared_ptr<ReceivePathEmulator> emulator);
+
+  /// For a control loop, every step, wait-free: as long as the beam is on the network stays as it is.
+  void beam(bool on) noexcept { beam_.store(on, std::memory_order_relaxed); }
 
  private:
-  void run(const std::stop_token& stop);
-  /// Throws StartupError.
-  void switch_to(const std::string& profile);
+  void hear();
+  /// What is to be said of the profile's recordings. Throws StartupError.
+  std::string switch_to(const std::string& profile);
 
   std::string role_;
   std::shared_ptr<ReceivePathEmulator> emulator_;
+  std::atomic<bool> beam_{false};
+  EventAnswers answers_;
   Reader<EventMessage> events_;
-  std::jthread thread_;  ///< last: starts when everything else is there, ends first
+  Periodic hearing_;  ///< last: starts when everything else is there, ends first
 };
 
 }  // namespace telekerf::netem

@@ -90,7 +90,7 @@ class ReceivePathEmulator::State {
     const Counters& emulator = emulator_.counters();
     return {.emulated = emulator.pushed,
             .delivered = delivered_,
-            .lost = emulator.lost + emulator.queue_full,
+            .lost = emulator.lost + emulator.queue_full + emulator.after_trace,
             .overflowed = emulator.overflowed,
             .corrupted = emulator.corrupted,
             .delivered_corrupted = delivered_corrupted_,

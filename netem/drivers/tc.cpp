@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -45,9 +46,9 @@ std::string delay_words(const DelayParameters& law, TcExport& out) {
           "delays below zero: tc sends them at once, a heap at zero instead of a cut law");
     }
   }
-  if (law.correlation > 0) {
+  if (law.correlation_s > 0) {
     out.shortcomings.push_back(
-        "correlation: tc's has next to no effect on jitter and bends the law; left out");
+        "correlation_ms: tc's has next to no effect on jitter and bends the law; left out");
   }
   return words;
 }
@@ -59,6 +60,12 @@ std::string loss_words(const LossParameters& law, TcExport& out) {
     case LossModel::kBernoulli:
       return " loss random " + per_cent(law.loss);
     case LossModel::kGilbertElliott:
+      if (law.burst_s > 0) {
+        out.shortcomings.push_back(fmt::format(
+            "loss_burst_ms: tc counts packets; written for one every {:g} ms", 1e3 * kTcPacketInterval_s));
+        const LossChain chain = loss_chain(law, kTcPacketInterval_s);
+        return fmt::format(" loss gemodel {} {} 100% 0%", per_cent(chain.to[0][1]), per_cent(chain.to[1][0]));
+      }
       return fmt::format(" loss gemodel {} {} {} {}", per_cent(law.ge_p), per_cent(law.ge_r),
                          per_cent(1 - law.ge_h), per_cent(1 - law.ge_k));
     case LossModel::kFourState:
@@ -71,9 +78,18 @@ std::string loss_words(const LossParameters& law, TcExport& out) {
   return "";
 }
 
+/// tc counts what waits in the queue and what merely waits for its delay.
+std::int64_t limit_packets(const Conditions& now, std::int64_t packet_bytes) {
+  constexpr std::int64_t kPlenty = 100'000;  // without a rate nothing waits; tc's own 1000 is too few
+  if (now.rate_bit_per_s == 0) return kPlenty;
+  const double under_way_bytes = now.rate_bit_per_s / 8.0 * delay_moments(now.delay).mean_s;
+  const double bytes = static_cast<double>(now.queue_bytes) + under_way_bytes;
+  return std::max<std::int64_t>(1, std::llround(bytes / static_cast<double>(packet_bytes)));
+}
+
 }  // namespace
 
-TcExport export_to_tc(const DirectionProfile& profile, const std::string& device) {
+TcExport export_to_tc(const DirectionProfile& profile, const std::string& device, std::int64_t packet_bytes) {
   TcExport out;
   if (profile.recording && !profile.loss_only) {
     out.shortcomings.push_back("trace: tc cannot replay a recording; nothing is left of this profile");
@@ -81,9 +97,8 @@ TcExport export_to_tc(const DirectionProfile& profile, const std::string& device
     return out;
   }
   const Conditions& now = profile.stages.front().conditions;
-  constexpr int kLimit_packets =
-      100'000;  // tc counts packets that merely wait for their delay; 1000 is too few
-  std::string words = fmt::format("tc qdisc replace dev {} root netem limit {}", device, kLimit_packets);
+  std::string words =
+      fmt::format("tc qdisc replace dev {} root netem limit {}", device, limit_packets(now, packet_bytes));
   words += delay_words(now.delay, out);
   if (now.order == Order::kReorder) {
     words += " reorder " + per_cent(now.reorder);
@@ -113,9 +128,12 @@ TcExport export_to_tc(const DirectionProfile& profile, const std::string& device
   if (now.corrupt > 0) words += " corrupt " + per_cent(now.corrupt);
   if (now.rate_bit_per_s > 0) {
     words += fmt::format(" rate {:.6g}kbit", now.rate_bit_per_s / 1e3);
-    out.shortcomings.push_back(
-        "queue_bytes: tc's limit counts packets, those waiting for their delay included");
+    out.shortcomings.push_back(fmt::format(
+        "queue_bytes: tc's limit counts packets, those under way included; written for packets of "
+        "{} bytes (--packet-bytes)",
+        packet_bytes));
   }
+  if (profile.rate_trace) out.shortcomings.push_back("rate_trace: tc cannot replay a rate; left out");
   if (now.slots.period_s > 0) {
     words += fmt::format(" slot {} {}", ms(now.slots.period_s), ms(now.slots.period_s + now.slots.jitter_s));
     if (now.slots.packets > 0) words += fmt::format(" packets {}", now.slots.packets);

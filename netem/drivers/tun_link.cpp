@@ -123,11 +123,12 @@ class OneWay {
 void report(const char* name, const OneWay& way) {
   const Counters& c = way.counters();
   fmt::print(
-      "{:<9} in {:>9}  out {:>9}  lost {:>7}  queue full {:>6}  duplicated {:>6}  corrupted {:>6}  "
+      "{:<9} in {:>9}  out {:>9}  lost {:>7}  queue full {:>6}  after the recording {:>6}  duplicated {:>6}  "
+      "corrupted {:>6}  "
       "overflowed {}  "
       "refused {}  latest {:.3f} ms after its due time\n",
-      name, c.pushed, c.delivered, c.lost, c.queue_full, c.duplicated, c.corrupted, c.overflowed,
-      way.refused(), static_cast<double>(way.latest_ns()) * 1e-6);
+      name, c.pushed, c.delivered, c.lost, c.queue_full, c.after_trace, c.duplicated, c.corrupted,
+      c.overflowed, way.refused(), static_cast<double>(way.latest_ns()) * 1e-6);
 }
 
 }  // namespace
@@ -183,6 +184,7 @@ int run_link(const LinkOptions& options) {
   fmt::print("link up: {} ({}) <-> {} ({}), profile {}, seed {}\n", options.operator_side.device,
              options.operator_side.address, options.slave_side.device, options.slave_side.address,
              profile.name, options.seed);
+  if (const std::string note = trace_note(profile); !note.empty()) fmt::print("{}\n", note);
   std::fflush(stdout);
   io.run();
 

@@ -99,7 +99,8 @@ double overtaking_probability(const DelayParameters& law, double interval_s) {
   std::vector<double> delay(steps + 1);
   const auto score = [&](int i) { return -kLimit + 2.0 * kLimit * i / steps; };
   for (int i = 0; i <= steps; ++i) delay[i] = delay_at_normal(law, score(i));
-  const double rest = std::sqrt(1.0 - law.correlation * law.correlation);
+  const double rho = correlation_over(law, interval_s);
+  const double rest = std::sqrt(1.0 - rho * rho);
   double probability = 0.0;
   for (int i = 0; i <= steps; ++i) {
     // The next packet, interval later, must be due before this one: its delay below delay[i] - interval.
@@ -109,7 +110,7 @@ double overtaking_probability(const DelayParameters& law, double interval_s) {
     const double width = delay[j] - delay[j - 1];
     const double part = width > 0 ? (delay[i] - interval_s - delay[j - 1]) / width : 1.0;
     const double limit = score(j - 1) + part * (score(j) - score(j - 1));
-    const double below = 0.5 * std::erfc(-(limit - law.correlation * score(i)) / rest / std::numbers::sqrt2);
+    const double below = 0.5 * std::erfc(-(limit - rho * score(i)) / rest / std::numbers::sqrt2);
     const double density = std::exp(-0.5 * score(i) * score(i)) / std::sqrt(2.0 * std::numbers::pi);
     probability += density * below * (2.0 * kLimit / steps);
   }

@@ -15,11 +15,12 @@ namespace {
 /// Means and deviations are taken within these normal scores of the nominal law.
 constexpr double kWinsorScore = 3.5;
 
-void check_quantiles(const DelayParameters& law, std::vector<std::int64_t> drawn_ns, Checks& checks) {
+void check_quantiles(const DelayParameters& law, double rho, std::vector<std::int64_t> drawn_ns,
+                     Checks& checks) {
   std::sort(drawn_ns.begin(), drawn_ns.end());
   const auto n = static_cast<double>(drawn_ns.size());
   for (const double p : {0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999}) {
-    const double half = bernstein(n, p * (1 - p), 1.0, law.correlation) + 1.0 / n;
+    const double half = bernstein(n, p * (1 - p), 1.0, rho) + 1.0 / n;
     const auto quantile_ms = [&](double probability) {
       probability = std::clamp(probability, 0.0, 1.0);
       constexpr double kEnd = 1e-19;  // the last number that can be drawn
@@ -32,8 +33,10 @@ void check_quantiles(const DelayParameters& law, std::vector<std::int64_t> drawn
   }
 }
 
-/// Means within inner normal scores: there every value is bounded, so the bounds hold for the heaviest tail.
-void check_moments(const DelayParameters& law, const std::vector<std::int64_t>& drawn_ns, Checks& checks) {
+/// `rho`: correlation of neighbours. Means within inner normal scores: there every value is bounded, so the
+/// bounds hold for the heaviest tail.
+void check_moments(const DelayParameters& law, double rho, const std::vector<std::int64_t>& drawn_ns,
+                   Checks& checks) {
   const auto n = static_cast<double>(drawn_ns.size());
   const Moments nominal = delay_moments(law, kWinsorScore);
   const double low_s = delay_at_normal(law, -kWinsorScore);
@@ -49,14 +52,14 @@ void check_moments(const DelayParameters& law, const std::vector<std::int64_t>& 
   const double reach = std::max(high_s - nominal.mean_s, nominal.mean_s - low_s);
   constexpr double kRounding_s = 1e-9;
   checks.near("delay mean", "ms", (nominal.mean_s + sum / n) * 1e3, nominal.mean_s * 1e3,
-              (bernstein(n, variance, reach, law.correlation) + kRounding_s) * 1e3);
+              (bernstein(n, variance, reach, rho) + kRounding_s) * 1e3);
   const double square_variance = nominal.fourth_s4 - variance * variance;
-  const double half = bernstein(n, square_variance, reach * reach, law.correlation) + 2 * reach * kRounding_s;
+  const double half = bernstein(n, square_variance, reach * reach, rho) + 2 * reach * kRounding_s;
   checks.within("delay sd", "ms", std::sqrt(squares / n) * 1e3, nominal.sd_s * 1e3,
                 std::sqrt(std::max(0.0, variance - half)) * 1e3, std::sqrt(variance + half) * 1e3);
 }
 
-void check_correlation(const DelayParameters& law, const std::vector<std::int64_t>& drawn_ns,
+void check_correlation(const DelayParameters& law, double rho, const std::vector<std::int64_t>& drawn_ns,
                        Checks& checks) {
   if (drawn_ns.size() < 100) return;
   const DelayTable table(law);
@@ -70,7 +73,6 @@ void check_correlation(const DelayParameters& law, const std::vector<std::int64_
     last = score;
   }
   const auto n = static_cast<double>(drawn_ns.size());
-  const double rho = law.correlation;
   checks.near("delay lag-1 correlation", "", products / squares, rho,
               std::sqrt(2 * kLogAlarm * (1 - rho * rho) / n) + 4 * kLogAlarm / n);
 }
@@ -96,6 +98,7 @@ bool is_invertible(const DelayParameters& law) {
 
 void check_delay(const Conditions& nominal, const Run& run, double rate_hz, Checks& checks) {
   const DelayParameters& law = nominal.delay;
+  const double rho = correlation_over(law, 1.0 / rate_hz);  // of neighbours
   if (law.distribution == DelayDistribution::kConstant) {
     const std::int64_t expected_ns = std::llround(law.delay_s * 1e9);
     std::uint64_t others = 0;
@@ -107,9 +110,9 @@ void check_delay(const Conditions& nominal, const Run& run, double rate_hz, Chec
     std::vector<std::int64_t> drawn_ns;
     drawn_ns.reserve(run.sent.size());
     for (const Sent& sent : run.sent) drawn_ns.push_back(sent.outcome.drawn_ns);
-    check_moments(law, drawn_ns, checks);
-    if (is_invertible(law)) check_correlation(law, drawn_ns, checks);
-    check_quantiles(law, std::move(drawn_ns), checks);
+    check_moments(law, rho, drawn_ns, checks);
+    if (is_invertible(law)) check_correlation(law, rho, drawn_ns, checks);
+    check_quantiles(law, rho, std::move(drawn_ns), checks);
   }
   if (nominal.order == Order::kFree && law.distribution != DelayDistribution::kConstant) {
     std::uint64_t overtaking = 0;
@@ -123,7 +126,7 @@ void check_delay(const Conditions& nominal, const Run& run, double rate_hz, Chec
     // variance grows by 1 + 2 / (1 - rho) at most; 1 / (2 - rho) is the memory that means the same to
     // bernstein().
     constexpr double kIntegration = 2e-4;
-    const double half = bernstein(n, p * (1 - p), 1.0, 1 / (2 - law.correlation)) + kIntegration;
+    const double half = bernstein(n, p * (1 - p), 1.0, 1 / (2 - rho)) + kIntegration;
     checks.near("overtakes predecessor", "", static_cast<double>(overtaking) / n, p, half);
   }
 }

@@ -36,35 +36,45 @@ void check_slots(const Slots& slots, const Run& run, Checks& checks) {
 void check_events(const std::vector<Event>& events, const Run& run, Checks& checks) {
   std::vector<CompiledProfile::Event> compiled(events.begin(), events.end());
   for (std::size_t e = 0; e < events.size(); ++e) {
-    std::uint64_t inside = 0;
+    std::uint64_t inside = 0;  // with no other event that loses packets
     std::uint64_t lost = 0;
     std::uint64_t outside_range = 0;
     std::int64_t last = -1;
     double added_s = 0.0;
-    double occurrences = 0.0;
+    double occurrences = 0.0;  // with no other event that delays them
     for (const Sent& sent : run.sent) {
       const std::int64_t occurrence = compiled[e].window(sent.in_ns).occurrence;
-      bool alone = occurrence >= 0;
-      for (std::size_t other = 0; other < compiled.size(); ++other) {
-        if (other != e && compiled[other].window(sent.in_ns).occurrence >= 0) alone = false;
+      if (occurrence < 0) continue;
+      bool loses_alone = true;
+      bool delays_alone = true;
+      double least_s = 0.0;
+      double most_s = 0.0;
+      for (std::size_t any = 0; any < compiled.size(); ++any) {
+        const CompiledProfile::Window window = compiled[any].window(sent.in_ns);
+        if (window.occurrence < 0) continue;
+        const double held_s =
+            events[any].hold ? static_cast<double>(window.until_ns - sent.in_ns) * kNs : 0.0;
+        least_s += held_s + events[any].add_delay_min_s;
+        most_s += held_s + events[any].add_delay_max_s;
+        if (any == e) continue;
+        loses_alone = loses_alone && events[any].loss == 0;
+        delays_alone = delays_alone && events[any].add_delay_max_s == 0 && !events[any].hold;
       }
-      if (!alone) continue;
-      ++inside;
-      lost += sent.outcome.lost_by_event;
+      inside += loses_alone;
+      lost += loses_alone && sent.outcome.lost_by_event;
       const double event_s = static_cast<double>(sent.outcome.event_ns) * kNs;
-      outside_range += event_s < events[e].add_delay_min_s - kNs || event_s > events[e].add_delay_max_s + kNs;
-      if (occurrence != last) {
+      outside_range += event_s < least_s - kNs || event_s > most_s + kNs;
+      if (delays_alone && occurrence != last) {
         added_s += event_s;
         occurrences += 1.0;
         last = occurrence;
       }
     }
-    if (inside == 0) continue;
     const std::string name = fmt::format("event {}", e);
     checks.fraction(name + " loss", lost, inside, events[e].loss);
     checks.none(name + " delay outside its range", outside_range);
     const double range_s = events[e].add_delay_max_s - events[e].add_delay_min_s;
-    if (range_s > 0) {
+    if (range_s > 0 && occurrences > 0) {
       const double half_s = range_s * std::sqrt(kLogAlarm / (2 * occurrences));  // Hoeffding
       checks.near(name + " added delay", "ms", added_s / occurrences * 1e3,
                   500 * (events[e].add_delay_min_s + events[e].add_delay_max_s), half_s * 1e3);
@@ -104,35 +114,6 @@ void check_impairments(const Conditions& nominal, const Run& run, Checks& checks
   if (nominal.slots.period_s > 0) check_slots(nominal.slots, run, checks);
 }
 
-void check_rate(const DirectionProfile& emulated, const Conditions& nominal, Direction direction,
-                Traffic traffic, Checks& checks) {
-  traffic.packet_bytes =
-      static_cast<std::uint32_t>(std::min<std::int64_t>(traffic.packet_bytes, nominal.queue_bytes / 2));
-  const double packet_bits = 8.0 * traffic.packet_bytes;
-  traffic.rate_hz = 2.0 * nominal.rate_bit_per_s / packet_bits;
-  const double queue_packets = 8.0 * static_cast<double>(nominal.queue_bytes) / packet_bits;
-  traffic.packets =
-      std::min<std::uint64_t>(traffic.packets, static_cast<std::uint64_t>(20'000 + 40 * queue_packets));
-  const Run overload = run(emulated, direction, traffic);
-  std::uint64_t passed = 0;
-  std::int64_t longest_ns = 0;
-  for (const Sent& sent : overload.sent) {
-    passed += !sent.outcome.queue_full;
-    longest_ns = std::max(longest_ns, sent.outcome.queued_ns);
-  }
-  const double duration_s = static_cast<double>(traffic.packets) / traffic.rate_hz;
-  const double slack = (queue_packets + 2) * packet_bits / duration_s + 0.001 * nominal.rate_bit_per_s;
-  checks.near("rate under overload", "kbit/s", static_cast<double>(passed) * packet_bits / duration_s / 1e3,
-              nominal.rate_bit_per_s / 1e3, slack / 1e3);
-  const double full_s = 8.0 * static_cast<double>(nominal.queue_bytes) / nominal.rate_bit_per_s;
-  const bool filled = passed < traffic.packets;
-  const double packet_s = packet_bits / nominal.rate_bit_per_s;
-  constexpr double kRounding_s = 1e-9;
-  const double least_s = filled ? std::max(0.0, full_s - 2 * packet_s - kRounding_s) : 0.0;
-  checks.within("longest stay in the queue", "ms", static_cast<double>(longest_ns) * 1e-6, full_s * 1e3,
-                least_s * 1e3, (full_s + kRounding_s) * 1e3);
-}
-
 void check_promises(bool fifo, const Run& run, Checks& checks) {
   const Counters& c = run.counters;
   checks.none("arrived early", run.early);
@@ -144,7 +125,7 @@ void check_promises(bool fifo, const Run& run, Checks& checks) {
                 static_cast<double>(run.out_of_order) / std::max(1.0, double(run.kept)));
   }
   checks.none("unaccounted for",
-              c.pushed + c.duplicated - c.delivered - c.lost - c.queue_full - c.overflowed);
+              c.pushed + c.duplicated - c.delivered - c.lost - c.queue_full - c.overflowed - c.after_trace);
   checks.none("beyond capacity", c.overflowed);
   checks.note("delivered delay mean", "ms", run.delivered_mean_s * 1e3);
 }

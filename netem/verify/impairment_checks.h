@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run of many packets must show of events, copies, damage, order, slots and the bottleneck, held
-// against what the profile says.
+// What a run of many packets must show of events, copies, damage, order and slots, held against what the
+// profile says.
 #pragma once
 
 #include <vector>
@@ -12,16 +12,11 @@
 
 namespace telekerf::netem {
 
-/// Delay and loss inside each event, as far as no other event reaches into it.
+/// Delay and loss inside each event, as far as no other event has a part in them.
 void check_events(const std::vector<Event>& events, const Run& run, Checks& checks);
 
 /// Copies, damage, overtaking and slots.
 void check_impairments(const Conditions& nominal, const Run& run, Checks& checks);
-
-/// Twice the bottleneck's rate is offered, in packets of which at least two fit into its queue; what leaves
-/// must be the rate, and nothing may stay longer than a full queue takes.
-void check_rate(const DirectionProfile& emulated, const Conditions& nominal, Direction direction,
-                Traffic traffic, Checks& checks);
 
 /// What every network keeps: nothing comes early or gets lost uncounted, and `fifo` nothing overtakes.
 void check_promises(bool fifo, const Run& run, Checks& checks);

@@ -12,8 +12,9 @@ void check_burst(const LossParameters& law, const LossChain& chain, std::uint64_
   const double nominal = mean_burst(chain);
   const auto count = static_cast<double>(bursts);
   const double measured = static_cast<double>(lost) / count;
-  const bool renewal = law.model == LossModel::kBernoulli ||
-                       (law.model == LossModel::kGilbertElliott && law.ge_h == 0 && law.ge_k == 1);
+  const bool renewal =
+      law.model == LossModel::kBernoulli ||
+      (law.model == LossModel::kGilbertElliott && (law.burst_s > 0 || (law.ge_h == 0 && law.ge_k == 1)));
   double half;
   if (renewal) {  // independent geometric lengths
     const double variance = nominal * std::max(0.0, nominal - 1);
@@ -29,8 +30,9 @@ void check_burst(const LossParameters& law, const LossChain& chain, std::uint64_
 
 }  // namespace
 
-void check_loss(const Conditions& nominal, const Run& run, bool event_losses, Checks& checks) {
-  const LossChain chain = loss_chain(nominal.loss);
+void check_loss(const Conditions& nominal, const Run& run, double rate_hz, bool event_losses,
+                Checks& checks) {
+  const LossChain chain = loss_chain(nominal.loss, 1.0 / rate_hz);
   const double p = mean_loss(chain);
   const auto n = static_cast<double>(run.sent.size());
   std::uint64_t lost = 0;
@@ -53,16 +55,6 @@ void check_loss(const Conditions& nominal, const Run& run, bool event_losses, Ch
   }
   checks.fraction("loss", lost, run.sent.size(), p, chain_memory(chain));
   if (bursts > 0 && p < 1) check_burst(nominal.loss, chain, lost, bursts, n, checks);
-}
-
-void check_loss_trace(const Recording& recording, const Run& run, Checks& checks) {
-  std::uint64_t differing = 0;
-  for (std::size_t i = 0; i < run.sent.size(); ++i) {
-    const PacketOutcome& outcome = run.sent[i].outcome;
-    const bool lost = outcome.lost_by_model || outcome.retransmissions > 0;
-    differing += lost != recording[i % recording.size()].lost;
-  }
-  checks.none("lost otherwise than recorded", differing);
 }
 
 }  // namespace telekerf::netem

@@ -10,9 +10,6 @@ namespace telekerf::netem {
 
 /// Fraction and bursts of what the loss model takes. With `event_losses` retransmissions have two causes and
 /// are not counted.
-void check_loss(const Conditions& nominal, const Run& run, bool event_losses, Checks& checks);
-
-/// Losses alone from a recording: packet by packet.
-void check_loss_trace(const Recording& recording, const Run& run, Checks& checks);
+void check_loss(const Conditions& nominal, const Run& run, double rate_hz, bool event_losses, Checks& checks);
 
 }  // namespace telekerf::netem

@@ -21,12 +21,18 @@ Triple cross(const Triple& a, const Triple& b) noexcept {
 
 }  // namespace
 
-CorridorRaster::CorridorRaster(std::span<const Vec2> points_m, bool closed, double half_m, double radius_m)
+CorridorRaster::CorridorRaster(std::span<const geometry::Polyline> lines, double half_m, double radius_m)
     : origin_m_(static_cast<float>(-radius_m - 2.0 * half_m)),
       side_(static_cast<int>(std::ceil(-2.0F * origin_m_ / kCell_m)) + 1),
       cells_(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), 0) {
+  for (const geometry::Polyline& line : lines) draw(line, half_m);
+}
+
+void CorridorRaster::draw(const geometry::Polyline& line, double half_m) {
+  const auto& points_m = line.points_m;
   for (std::size_t n = 0; n + 1 < points_m.size(); ++n) draw(points_m[n], points_m[n + 1], half_m);
-  if (points_m.size() == 1 || (closed && !points_m.empty())) draw(points_m.back(), points_m.front(), half_m);
+  if (points_m.size() == 1 || (line.closed && !points_m.empty()))
+    draw(points_m.back(), points_m.front(), half_m);
 }
 
 void CorridorRaster::draw(const Vec2& from_m, const Vec2& to_m, double half_m) {

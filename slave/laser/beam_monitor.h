@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/polyline.h"
 #include "common/robot/robot.h"
 #include "common/robot/robot_model.h"
 
@@ -19,11 +20,14 @@ class CorridorRaster {
   static constexpr float kCell_m = 0.05e-3F;
 
   /// `half_m`: of the corridor. What is drawn beyond `radius_m` of the workspace is left out.
-  CorridorRaster(std::span<const Vec2> points_m, bool closed, double half_m, double radius_m);
+  CorridorRaster(std::span<const geometry::Polyline> lines, double half_m, double radius_m);
+  CorridorRaster(const geometry::Polyline& line, double half_m, double radius_m)
+      : CorridorRaster(std::span(&line, 1), half_m, radius_m) {}
   /// False for what is no place.
   bool holds(float x_m, float y_m) const noexcept;
 
  private:
+  void draw(const geometry::Polyline& line, double half_m);
   void draw(const Vec2& from_m, const Vec2& to_m, double half_m);
   float origin_m_;
   int side_;

@@ -27,6 +27,7 @@ struct InterlockSettings {
   double max_height_m = 0.5e-3;  ///< tool above or below the workpiece's surface
   double max_arc_gap_m = 1e-3;   ///< along the contour, between where the tool is and is expected
   double beam_age_s = 0.35;      ///< of the command that is applied
+  double max_look_age_s = 0.0;   ///< since the contour was last seen; 0: nobody asks
   double min_cut_speed_m_per_s = 0.0;     ///< a slower tool burns nothing
   double max_dose_j = 2.0;                ///< within 0.1 mm of any place
   double max_area_dose_j_per_mm2 = 20.0;  ///< mean over a square millimetre
@@ -50,6 +51,7 @@ struct InterlockInputs {
   bool emission_agrees = false;  ///< the laser gives light only where it was told to
   bool monitor_agrees = false;   ///< the second judgement does not forbid
   double command_age_s = kAbsent;
+  double look_age_s = kAbsent;            ///< since the contour in force was last seen where it is
   double radius_m = kAbsent;              ///< tool to the workspace's axis
   double height_m = kAbsent;              ///< magnitude, tool to the workpiece's surface
   double contour_distance_m = kAbsent;    ///< measured tool to the contour, in plane
@@ -197,9 +199,15 @@ inline constexpr Guard kGuards[] = {
     {"monitor", Interlock::kMonitor,
      [](guards::In now, guards::Set) noexcept { return guards::is(now.monitor_agrees); }, guards::yes,
      "the second judgement forbids the beam"},
+    {"look", Interlock::kNoContour,
+     [](guards::In now, guards::Set s) noexcept { return s.max_look_age_s > 0.0 ? now.look_age_s : 0.0; },
+     [](guards::Set s) noexcept {
+       return Limits{0.0, s.max_look_age_s};
+     },
+     "the contour was not seen where it is for longer than --look-age-s"},
 };
 inline constexpr std::size_t kGuardCount = std::size(kGuards);
-static_assert(kGuardCount <= 32, "a bit each");
+static_assert(kGuardCount <= 31, "a bit each, and one is kRealLaser");
 
 /// Bit of the guard of this name; of a name that is none the program does not compile.
 consteval std::uint32_t guard_bit(std::string_view name) {

@@ -27,8 +27,8 @@ class Laser {
   /// Once every control step, and whenever the beam must be off. Neither allocates nor waits. False: the
   /// laser was not told, as far as can be known.
   virtual bool emit(const Emission& emission) noexcept = 0;
-  /// The newest measurement of the light: there is some, though the laser had been told to be off. A laser
-  /// that measures nothing never says so.
+  /// The newest measurement of the light: there is some, though the laser had been told to be off, or more
+  /// than half as much again as it had been told. A laser that measures nothing never says so.
   virtual bool stray() noexcept { return false; }
 };
 

@@ -21,12 +21,17 @@ constexpr double kEnough = 3.0;
 constexpr LaserKind kKinds[] = {
     kSimulatedLaser,
     kUdpLaser,
+    kPlantLaser,
 };
 constexpr LaserRegistry kLasers("laser", kKinds);
 
 }  // namespace
 
 std::string validate_laser(const std::string& laser) { return kLasers.validate(laser); }
+
+bool LaserOutputSettings::simulated() const {
+  return laser == kSimulatedLaser.name || laser.starts_with(std::string(kPlantLaser.name) + ":");
+}
 
 void LaserOutputSettings::add_parameters(Settings& settings) {
   settings.add("laser", laser, device_form(kLasers.forms(), validate_laser), "what makes the beam");
@@ -36,7 +41,7 @@ void LaserOutputSettings::add_parameters(Settings& settings) {
 }
 
 void LaserOutputSettings::validate(double laser_w) const {
-  if (laser != "simulated" && laser_max_w <= 0.0) {
+  if (!simulated() && laser_max_w <= 0.0) {
     throw configuration_error(fmt::format(
         "laser = {}: laser_max_w must be stated for a laser that is not simulated; give the power that "
         "it may never exceed",
@@ -96,9 +101,8 @@ double LaserOutput::tell(const Emission& emission) noexcept {
 std::string LaserOutput::failure() const {
   if (!emission_agrees()) {
     return fmt::format(
-        "laser = {}: it gives light though it was told to be off, so it is told nothing else any more; cut "
-        "its power, "
-        "and have it looked at",
+        "laser = {}: it gives light that it was not told to give, so it is told nothing but off any more; "
+        "cut its power, and have it looked at",
         name_);
   }
   return fmt::format(

@@ -22,6 +22,8 @@ struct LaserOutputSettings {
   double laser_max_w = 0.0;
   static constexpr double kUnstated_w = 1000.0;
   double max_w() const noexcept { return laser_max_w > 0.0 ? laser_max_w : kUnstated_w; }
+  /// Nobody can be hurt by it.
+  bool simulated() const;
   void add_parameters(Settings& settings);
   /// Throws StartupError if this laser is not to give `laser_w`.
   void validate(double laser_w) const;

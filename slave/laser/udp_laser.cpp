@@ -21,7 +21,8 @@ constexpr int kMostAnswers = 8;  ///< that are looked at in a step
 
 }  // namespace
 
-UdpLaser::UdpLaser(const UdpAddress& address, double control_hz) : socket_(context_) {
+UdpLaser::UdpLaser(const UdpAddress& address, double control_hz, std::int64_t (*clock)() noexcept)
+    : socket_(context_), clock_(clock), sent_ns_(clock()) {
   const auto endpoint = open_udp(socket_, address, "laser");
   outgoing_.period_ns = static_cast<std::uint32_t>(std::lround(1e9 / control_hz));
   boost::system::error_code error;
@@ -36,15 +37,17 @@ UdpLaser::UdpLaser(const UdpAddress& address, double control_hz) : socket_(conte
 
 boost::system::error_code UdpLaser::send() noexcept {
   ++outgoing_.sequence;
-  dark_[outgoing_.sequence % dark_.size()] = outgoing_.power_w == 0.0;
+  told_w_[outgoing_.sequence % told_w_.size()] = outgoing_.power_w;
   boost::system::error_code error;
   socket_.send(boost::asio::buffer(&outgoing_, sizeof(outgoing_)), 0, error);
   return error;
 }
 
 bool UdpLaser::emit(const Emission& emission) noexcept {
-  outgoing_.power_w = emission.power_w;
-  outgoing_.pilot = emission.pilot ? 1 : 0;
+  const std::int64_t now_ns = clock_();
+  const bool held_up = now_ns - std::exchange(sent_ns_, now_ns) > udp_silence_ns(outgoing_.period_ns);
+  outgoing_.power_w = held_up ? 0.0 : emission.power_w;
+  outgoing_.pilot = emission.pilot && !held_up ? 1 : 0;
   outgoing_.enable = emission.enable;
   outgoing_.lasts_ns = static_cast<std::uint32_t>(
       std::clamp<std::int64_t>(emission.lasts_ns, 0, 2 * std::int64_t{outgoing_.period_ns}));
@@ -68,11 +71,11 @@ bool UdpLaser::stray() noexcept {
     const bool known = size == sizeof(answer) && answer.magic == UdpEmission::kMagic &&
                        answer.version == UdpPower::kVersion && answer.sequence > answered_ &&
                        answer.sequence <= outgoing_.sequence &&
-                       outgoing_.sequence - answer.sequence < dark_.size();
+                       outgoing_.sequence - answer.sequence < told_w_.size();
     if (!known) continue;
     answered_ = answer.sequence;
     // Written so that what is not a number is light.
-    stray = dark_[answer.sequence % dark_.size()] && !(answer.emission_w <= kDark_w);
+    stray = !(answer.emission_w <= kDark_w + kTolerance * told_w_[answer.sequence % told_w_.size()]);
   }
   return stray;
 }

@@ -12,6 +12,7 @@
 #include <memory>
 #include <string_view>
 
+#include "common/runtime/clock.h"
 #include "common/runtime/udp.h"
 #include "slave/laser/laser.h"
 
@@ -51,12 +52,16 @@ class UdpLaser final : public Laser {
  public:
   /// Puts the beam out. Throws StartupError if the address cannot be resolved or reached, or if its host says
   /// that nobody listens there.
-  UdpLaser(const UdpAddress& address, double control_hz);
-  /// False also if the one before did not arrive.
+  /// `clock`: monotonic, ns.
+  UdpLaser(const UdpAddress& address, double control_hz, std::int64_t (*clock)() noexcept = monotonic_ns);
+  /// False also if the one before did not arrive. Later after the one before than the laser waits for it says
+  /// off, whatever it was given: a step that was held up was judged by what was.
   bool emit(const Emission& emission) noexcept override;
-  /// The newest answer says so of a datagram without power, and more than kDark_w.
+  /// The newest answer says so: more than kTolerance times what its datagram asked for, and more than
+  /// kDark_w.
   bool stray() noexcept override;
   static constexpr double kDark_w = 1e-3;
+  static constexpr double kTolerance = 1.5;
 
  private:
   boost::system::error_code send() noexcept;
@@ -64,12 +69,16 @@ class UdpLaser final : public Laser {
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
   UdpPower outgoing_;
-  bool refused_ = false;         ///< the datagram before, as was learned meanwhile
-  std::uint64_t answered_ = 0;   ///< newest datagram that was
-  std::array<bool, 64> dark_{};  ///< of the last datagrams, by their number: without power
+  std::int64_t (*clock_)() noexcept;
+  std::int64_t sent_ns_ = 0;         ///< the datagram before
+  bool refused_ = false;             ///< the datagram before, as was learned meanwhile
+  std::uint64_t answered_ = 0;       ///< newest datagram that was
+  std::array<double, 64> told_w_{};  ///< by the last datagrams, by their number
 };
 
 std::unique_ptr<Laser> open_udp_laser(std::string_view rest, double control_hz);
 inline constexpr LaserKind kUdpLaser{"udp", "udp:HOST:PORT", validate_udp, open_udp_laser};
+/// The one of telekerf-plant: the same datagrams, but no light.
+inline constexpr LaserKind kPlantLaser{"plant", "plant:HOST:PORT", validate_udp, open_udp_laser};
 
 }  // namespace telekerf::laser

@@ -20,6 +20,7 @@
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
+#include "netem/drivers/netem_switch.h"
 #include "slave/machining/station.h"
 
 namespace telekerf::machining {
@@ -33,7 +34,7 @@ struct Flags {
   std::string record;
   double wait_s = 20.0;  ///< for vision, then it gives up
   bool dry_run = false;
-  void validate() const { station.beam.validate(station.laser_w); }
+  void validate() const { station.validate(); }
 };
 
 const char* text_of(JobPhase phase) {
@@ -92,11 +93,13 @@ int run(const Flags& flags) {
   if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "result");
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "slave");  // of which a cell has one
   if (settings.name.empty()) settings.name = "machine";
-  settings.receive_filter = flags.netem.emulator(settings.site);
+  const auto emulator = flags.netem.emulator(settings.site);
+  settings.receive_filter = emulator;
   Station station(flags.station);
 
   Process process(settings, "machine");
   StatusReporter& status = process.status();
+  const netem::NetemSwitch netem_switch(process.bus(), emulator);
   StopLine emergency(process.bus(), flags.stop.path(settings));
   ContourSubscriber<Job> contour(process.bus(), [&](const ContourMessage& m) { return station.prepare(m); });
   if (station.machine().plant() == nullptr)
@@ -124,11 +127,11 @@ int run(const Flags& flags) {
 
   bool stop = false;
   // A signal stops the tool first; the work ends when it stands.
-  const LoopStatistics loop = run_loop(station.control_hz(), [&](std::int64_t) {
+  const LoopStatistics loop = run_loop(station.control_hz(), [&](std::int64_t now_ns) {
     const std::uint32_t number = emergency.order().number;
     stop = stop || number != 0 || stop_requested();
     emergency.obeyed(number);
-    const JobExecutorOutputs out = station.step(stop);
+    const JobExecutorOutputs out = station.step(now_ns, stop);
     status.state(text_of(out.phase));
     status.progress(out.progress, station.time_s());
     return !station.ended();
@@ -143,6 +146,12 @@ int run(const Flags& flags) {
   }
   if (station.machine().failed()) throw hardware_error(station.machine().failure());
   if (station.beam().failed()) throw hardware_error(station.beam().failure());
+  if (!station.monitor_agrees()) {
+    throw hardware_error(
+        "the beam was on where the second judgement, by the raw readings of the joints, allows none, so it "
+        "is off; "
+        "is the robot's file right, and do its sensors count?");
+  }
   status.say(!inside ? "bad: the laser left the corridor" : station.finished() ? "finished" : "stopped");
   return station.finished() && inside ? 0 : 1;
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
+#include "slave/laser/dose_limits.h"
 #include "slave/machining/tuning.h"
 
 namespace telekerf::machining {
@@ -41,6 +43,7 @@ JobExecutorSettings executor_settings(const StationSettings& settings, const Tim
                                  plan.corner == CornerPolicy::kSlow ? kRippleAtCorners : kRipple);
   out.controller = settings.controller;
   out.laser_w = settings.laser_w;
+  out.interlock = settings.interlock;
   return out;
 }
 
@@ -55,6 +58,7 @@ void StationSettings::add_parameters(Settings& settings) {
   machine.add_parameters(settings);
   beam.add_parameters(settings);
   settings.add("laser_w", laser_w, {.min = 0, .max = 1000, .unit = "W"}, "laser power");
+  laser::add_dose_parameters(interlock, settings);
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
                "how far the simulated robot is off its file, as a fraction");
   settings.add("seed", seed, kSeeds, "of the simulated robot");
@@ -70,6 +74,11 @@ void StationSettings::add_parameters(Settings& settings) {
   settings.add("machining_hz", machining_hz, {.min = 800, .max = 10000, .unit = "Hz"}, "control rate");
 }
 
+void StationSettings::validate() const {
+  beam.validate(laser_w);
+  laser::require_dose(interlock, laser_w, speed_mm_s, "speed_mm_s");
+}
+
 Station::Station(const StationSettings& settings)
     : settings_(settings),
       model_(robot::load_robot(settings.robot)),
@@ -80,12 +89,15 @@ Station::Station(const StationSettings& settings)
               settings.machine.drive,
               {model_, settings.machining_hz, {settings.mismatch, settings.seed + 1000, settings.sensor}})),
       beam_(settings.beam, settings.laser_w, settings.machining_hz),
+      monitor_(model_, settings.interlock.max_height_m),
+      punctuality_(std::llround(1e9 / settings.machining_hz)),
       work_{.controller = std::string(kControllers.word(settings.controller)),
             .corner = std::string(kCorners.word(settings.corner)),
             .sensor = std::string(robot::kSensorKinds.word(settings.sensor)),
             .material = settings.material,
             .speed_m_per_s = settings.speed_mm_s * 1e-3,
             .drive = {settings.machine.drive, machine_.plant() != nullptr}} {
+  settings.validate();
   control::require_short_delay(control::loop_conditions(model_, settings.machining_hz), "machining_hz");
 }
 
@@ -115,27 +127,33 @@ void Station::begin(const Job& job) {
   if (machine_.plant() != nullptr) read.sensor.kind = settings_.sensor;
   executor_.emplace(model_, *job_, executor_settings(settings_, jobs_.plan, read));
   executor_->reset(pose.joints_m);
+  corridor_.emplace(job_->lines, settings_.interlock.corridor_m, model_.workspace.radius_m);
   work_.rows.reserve(job_->trajectory.size() + hold_ticks(settings_));
 }
 
-JobExecutorOutputs Station::step(bool stop) noexcept {
+JobExecutorOutputs Station::step(std::int64_t now_ns, bool stop) noexcept {
   const auto true_tool_m = machine_.true_tool_m();
   const auto true_velocity = machine_.true_tool_velocity_m_per_s();
   const robot::JointReading reading = machine_.read();
-  JobExecutorOutputs out = executor_->step(reading, stop);
+  JobExecutorOutputs out = executor_->step(reading, stop,
+                                           {.fault = machine_.failed() || beam_.failed(),
+                                            .on_time = punctuality_.step(now_ns),
+                                            .emission_agrees = beam_.emission_agrees(),
+                                            .monitor_agrees = monitor_.agrees()});
   if (reading.valid) machine_.watch(out.tool_m);
   if (machine_.failed()) {
     out.laser_w = 0.0;
     out.pilot = false;
   }
   const double laser_w = beam_.emit(std::move(out.permit), out.time_ns, out.laser_w, out.pilot);
+  monitor_.step(reading, &*corridor_, stop, laser_w > 0.0);
   machine_.write(out.currents_a);
   machine_.advance();
   const Vec3 velocity = true_velocity.value_or(out.tool_velocity_m_per_s);
   work_.rows.push_back({out.tick, true_tool_m.value_or(out.tool_m), velocity, laser_w});
   if (out.saturated || velocity.norm() > model_.limits.velocity_m_per_s) ++work_.limit_violations;
   if (stop) ++held_;
-  const bool failed = machine_.failed() || beam_.failed();
+  const bool failed = machine_.failed() || beam_.failed() || !monitor_.agrees();
   ended_ = out.done || failed || held_ >= hold_ticks(settings_) || work_.rows.size() == work_.rows.capacity();
   work_.finished = out.done && !stop && !failed;
   return out;
@@ -153,6 +171,7 @@ nlohmann::ordered_json Station::report(const std::filesystem::path& folder,
              nlohmann::ordered_json{{"time_s", static_cast<double>(loop.steps) / loop.rate_hz},
                                     {"rate_hz", loop.rate_hz},
                                     {"overruns", loop.overruns},
+                                    {"late_steps", punctuality_.late_steps()},
                                     {"readings_missed", machine_.readings_missed()},
                                     {"laser_clipped", beam_.clipped()},
                                     {"laser_untold", beam_.write_failures()}});

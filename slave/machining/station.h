@@ -14,7 +14,9 @@
 #include "common/robot/supervisor.h"
 #include "common/runtime/loop.h"
 #include "common/workpiece/material.h"
+#include "slave/laser/beam_monitor.h"
 #include "slave/laser/laser_output.h"
+#include "slave/laser/punctuality.h"
 #include "slave/machining/job_executor.h"
 #include "slave/machining/work_report.h"
 
@@ -32,6 +34,7 @@ struct StationSettings {
   robot::Sensor::Kind sensor =
       robot::Sensor::Kind::kHall;  ///< of the simulated robot, whatever its file says
   double laser_w = 10.0;
+  laser::InterlockSettings interlock;  ///< what of it is the robot's is filled in
   laser::LaserOutputSettings beam;
   double speed_mm_s = 8.0;
   ControllerKind controller = ControllerKind::kAuto;
@@ -42,6 +45,8 @@ struct StationSettings {
   bool no_framing = false;
   double machining_hz = 2400.0;  ///< control rate
   void add_parameters(Settings& settings);
+  /// Throws StartupError if they do not go together.
+  void validate() const;
 };
 
 class Station {
@@ -56,10 +61,13 @@ class Station {
   /// From now on `job` is worked off, from wherever the tool stands; it must outlive the work. Waits for the
   /// robot. Throws StartupError if it does not tell where it stands.
   void begin(const Job& job);
-  /// One control step. `stop` latches: beam off, the tool is held; the work ends when it stands.
-  JobExecutorOutputs step(bool stop) noexcept;
+  /// One control step. `stop` latches: beam off, the tool is held; the work ends when it stands. After a step
+  /// that comes late the beam is off for a while.
+  JobExecutorOutputs step(std::int64_t now_ns, bool stop) noexcept;
   /// Nothing is left to do, or the robot or laser has failed.
   bool ended() const noexcept { return ended_; }
+  /// False for good: there was light where the second judgement allows none, see laser::BeamMonitor.
+  bool monitor_agrees() const noexcept { return monitor_.agrees(); }
   /// After the last step: beam off, then the robot without current.
   void release() noexcept;
 
@@ -82,6 +90,9 @@ class Station {
   std::optional<Job> from_here_;  ///< the job with a way to its start
   const Job* job_ = nullptr;
   std::optional<JobExecutor> executor_;
+  laser::BeamMonitor monitor_;
+  std::optional<laser::CorridorRaster> corridor_;  ///< of the job's lines, for the second judgement
+  laser::Punctuality punctuality_;
   WorkRecord work_;
   std::size_t held_ = 0;  ///< ticks since the stop
   bool ended_ = false;

@@ -18,8 +18,10 @@
 #include "common/runtime/loop.h"
 #include "common/runtime/program.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/say.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
+#include "netem/drivers/netem_switch.h"
 #include "slave/vision/cameras/cameras.h"
 #include "slave/vision/vision_node.h"
 
@@ -99,19 +101,25 @@ int run(const Flags& flags) {
   if (!live && node.state() == VisionNode::State::kNoContour) throw input_error(outcome.remark);
 
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "vision");
-  settings.receive_filter = flags.netem.emulator(settings.site);
+  const auto emulator = flags.netem.emulator(settings.site);
+  settings.receive_filter = emulator;
   Process process(settings, "vision");
+  const netem::NetemSwitch netem_switch(process.bus(), emulator);
   Writer<ContourMessage> writer(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());
   auto report_at = std::chrono::steady_clock::now();
+  auto looked = report_at;  // when it was last seen where it is
   while (!stop_requested()) {
-    if (!outcome.remark.empty()) fmt::print(stderr, "vision: {}\n", outcome.remark);
+    if (seen && *seen && node.confirms()) looked = std::chrono::steady_clock::now();
+    if (!outcome.remark.empty()) write_line(stderr, "vision: " + outcome.remark);
     if (outcome.publish) {
       writer.write(*outcome.publish);
       say(*outcome.publish, process.status());
     }
     if (const auto now = std::chrono::steady_clock::now(); now >= report_at) {
-      telemetry.write(node.record());
+      TelemetryMessage record = node.record();
+      record.values.emplace_back("look_age_s", std::chrono::duration<double>(now - looked).count());
+      telemetry.write(record);
       report_at = now + std::chrono::seconds(1);
     }
     // A live camera sets the pace; for files and for what is gone, now and then will do.

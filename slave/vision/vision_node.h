@@ -34,6 +34,8 @@ class VisionNode {
   Outcome step(const Camera::Result& result);
 
   State state() const noexcept { return state_; }
+  /// The newest frame shows the published contour where it was published.
+  bool confirms() const noexcept { return state_ == State::kSeeing && published_ && !candidate_; }
   int frames() const noexcept { return frames_; }
   int published() const noexcept { return published_count_; }
   int losses() const noexcept { return losses_; }  ///< times the camera was gone

@@ -134,7 +134,7 @@ bool compare(const char* name, const std::string& text, double needed) {
 
 int run() {
   const std::string all =
-      "jitter_ms = 30\ndistribution = \"gamma\"\nshape = 2\ncorrelation = 0.3\nloss_model = "
+      "jitter_ms = 30\ndistribution = \"gamma\"\nshape = 2\ncorrelation_ms = 0.830584\nloss_model = "
       "\"gilbert-elliott\"\n"
       "loss = 0.02\nloss_burst_packets = 4\nduplicate = 0.02\ncorrupt = 0.01\nrate_kbit_per_s = 10000\n"
       "queue_bytes = 100000\n";

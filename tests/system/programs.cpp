@@ -40,7 +40,12 @@ void Program::kill() { child_->terminate(); }
 bool Program::running() { return child_->running(); }
 
 int Program::wait(std::chrono::seconds timeout) {
-  if (!child_->wait_for(timeout)) return -1;
+  // Boost's own wait sleeps to its end where another child has ended before.
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  while (child_->running()) {
+    if (std::chrono::steady_clock::now() > end) return -1;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   return child_->exit_code();
 }
 

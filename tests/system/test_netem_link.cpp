@@ -155,15 +155,15 @@ TEST_F(NetemLink, AddsTheProfileAndNothingEarlier) {
 }
 
 TEST_F(NetemLink, GivesEveryPacketTheFateOfVirtualTime) {
-  // In free order a packet's fate depends on its number alone, so two drivers with one seed must agree to the
-  // nanosecond.
+  // In free order a packet's fate depends on its number and on the time since the one before alone, so two
+  // drivers with one seed must agree to the nanosecond.
   const std::string folder = testing::TempDir() + "netem-fates-" + std::to_string(::getpid());
   std::filesystem::create_directories(folder);
   const std::string file = folder + "/profile.toml";
-  std::ofstream(file)
-      << "[both]\ndelay_ms = 8\njitter_ms = 3\ndistribution = \"gamma\"\nshape = 2\ncorrelation = 0.5\n"
-         "order = \"free\"\nloss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_packets = 3\n"
-         "duplicate = 0.05\ncorrupt = 0.05\n";
+  std::ofstream(file) << "[both]\ndelay_ms = 8\njitter_ms = 3\ndistribution = \"gamma\"\nshape = "
+                         "2\ncorrelation_ms = 1.442695\n"
+                         "order = \"free\"\nloss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_ms = 3\n"
+                         "duplicate = 0.05\ncorrupt = 0.05\n";
   start_link(file, {"--seed", "11", "--record", folder});
   round_trips(kOverLink, 200, milliseconds(40));
   stop_link();
@@ -171,10 +171,10 @@ TEST_F(NetemLink, GivesEveryPacketTheFateOfVirtualTime) {
   ASSERT_GE(seen.size(), 200U);
   netem::Emulator expected(netem::load_profile(file).forward, {11}, {1U << 16, 0, 0});
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    const netem::PacketOutcome fate = expected.push(0, 100U, i);
+    const netem::PacketOutcome fate = expected.push(seen[i].in_ns, 100U, i);
     ASSERT_EQ(seen[i].lost, fate.lost()) << i;
     if (fate.lost()) continue;
-    EXPECT_EQ(seen[i].delay_ns, fate.due_ns) << i;
+    EXPECT_EQ(seen[i].delay_ns, fate.due_ns - seen[i].in_ns) << i;
     EXPECT_EQ(seen[i].duplicated, fate.duplicated) << i;
     EXPECT_EQ(seen[i].corrupted, fate.corrupted) << i;
   }

@@ -3,6 +3,8 @@
 // a refusal leaves nothing behind.
 #include <gtest/gtest.h>
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <nlohmann/json.hpp>
 
 #include "tests/system/robot_process.h"
@@ -47,10 +49,10 @@ class Script : public testing::Test {
 TEST_F(Script, CutsAPictureThatLiesWhereTheUserStands) {
   fs::copy_file(TELEKERF_BIN_DIR "/../share/telekerf/pictures/circle.png", here_ / "ein Bild.png");
   fs::copy_file(TELEKERF_BIN_DIR "/../share/telekerf/profiles/lan.toml", here_ / "mein netz.toml");
-  const Ended demo =
-      run("demo --image 'ein Bild.png' --out 'aus gabe/1' --duration-s=3 --netem './mein netz.toml' "
-          "--domain " +
-          own_domain());
+  const Ended demo = run(
+      "demo --no-console --image 'ein Bild.png' --out 'aus gabe/1' --duration-s=3 --netem './mein netz.toml' "
+      "--domain " +
+      own_domain());
   EXPECT_EQ(demo.code, 0) << demo.out << demo.err;
   EXPECT_EQ(demo.err, "");
   for (const std::string file : {"report.json", "cut.png", "trace.csv", "master.csv", "slave.csv"})
@@ -64,8 +66,26 @@ TEST_F(Script, CutsAPictureThatLiesWhereTheUserStands) {
     EXPECT_FALSE(entry.is_directory()) << entry.path();
 }
 
+TEST_F(Script, APlantOfItsOwnKeepsTheBookOfTheLight) {
+  const Ended demo =
+      run("demo --image circle --plant process --out plant --duration-s 2 --netem lan --domain " + own_domain());
+  EXPECT_EQ(demo.code, 0) << demo.out << demo.err;
+  EXPECT_NE(demo.out.find("plant: "), std::string::npos) << demo.out;
+  const auto book = nlohmann::json::parse(text_of("plant/plant.json"));
+  EXPECT_GT(book.at("energy_inside_j").get<double>(), 0.0) << demo.out;
+  EXPECT_EQ(book.at("energy_outside_corridor_j").get<double>(), 0.0);
+  const auto report = nlohmann::json::parse(text_of("plant/report.json"));
+  EXPECT_NEAR(book.at("energy_inside_j").get<double>(), report.at("cut").at("energy_inside_j").get<double>(),
+              0.1 * book.at("energy_inside_j").get<double>())
+      << "the slave's own idea of it";
+  EXPECT_FALSE(fs::exists(here_ / "plant/plant.txt"));
+  const Ended refused = run("demo --plant nowhere --out none --domain " + own_domain());
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("must be one of here, process"), std::string::npos) << refused.err;
+}
+
 TEST_F(Script, ARefusedDemoLeavesNothing) {
-  const Ended demo = run("demo --image nowhere.png --out new/run --domain " + own_domain());
+  const Ended demo = run("demo --no-console --image nowhere.png --out new/run --domain " + own_domain());
   EXPECT_EQ(demo.code, 2);
   EXPECT_EQ(std::count(demo.err.begin(), demo.err.end(), '\n'), 1) << demo.err;
   EXPECT_FALSE(fs::exists(here_ / "new"));
@@ -89,7 +109,8 @@ TEST_F(Script, AProgramThatIsKilledIsNamedAndNothingOfAnEarlierRunStaysBeside) {
     for (int n = 0; n < 600 && !ready(); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     EXPECT_EQ(std::system(("pkill -KILL -f 'telekerf-[s]lave.*" + cell + "'").c_str()), 0);
   });
-  const Ended demo = run("demo --out run --netem none --cell " + cell + " --domain " + own_domain());
+  const Ended demo =
+      run("demo --no-console --out run --netem none --cell " + cell + " --domain " + own_domain());
   EXPECT_EQ(demo.code, 2) << demo.out;
   EXPECT_EQ(demo.err, "telekerf: telekerf-slave was killed (signal 9): by somebody, or for want of memory\n");
   EXPECT_TRUE(fs::exists(here_ / "run/notes.txt"));
@@ -171,7 +192,7 @@ class ScriptFlags : public Script {
     fs::create_directories(here_ / "stubs/bin");
     for (const std::string picture : {"a b.png", "a.svg"}) std::ofstream(here_ / picture) << "is there";
     std::ofstream(here_ / "stubs/build.ninja");
-    for (const std::string name : {"vision", "slave", "machine", "master", "inspect"}) {
+    for (const std::string name : {"vision", "slave", "machine", "master", "console", "inspect"}) {
       const fs::path stub = here_ / "stubs/bin" / ("telekerf-" + name);
       std::ofstream(stub)
           << "#!/bin/sh\ncase \" $* \" in *' --describe-settings '* | *' --print-config '* | *' "
@@ -193,7 +214,8 @@ class ScriptFlags : public Script {
 
 TEST_F(ScriptFlags, OfADemoGoToTheProgramThatKnowsThem) {
   const Ended demo =
-      run("demo --image 'a b.png' --width-mm 30 --beta=0.25 --law local --block 8 --keep 2 --redundancy 0 "
+      run("demo --no-console --image 'a b.png' --width-mm 30 --beta=0.25 --law local --block 8 --keep 2 "
+          "--redundancy 0 "
           "--max-rms 1e-3 --codec raw --estimator none --force-keep 3 --force-max-rms 0 --stale-s 0.1 "
           "--hand-speed-mm-s 5 --seed 7 --cell blue --master-robot vertical --slave-robot asymmetric "
           "--master-seed 9 --domain 3 --vision-fit-all --beta 0.3 --out run");
@@ -228,6 +250,33 @@ TEST_F(ScriptFlags, OfAMachineGoToTheProgramThatKnowsThem) {
   EXPECT_NE(text_of("vision.txt").find("--cell=machine-"), std::string::npos);
 }
 
+TEST_F(ScriptFlags, ByHandTheMasterHearsThePageAndNobodyElseEngages) {
+  const Ended demo = run("demo --by-hand --port 48123 --token 12345678 --out cut");
+  ASSERT_EQ(demo.code, 0) << demo.err;
+  EXPECT_TRUE(has("master", "--hand browser:127.0.0.1:48123")) << text_of("master.txt");
+  EXPECT_TRUE(has("master", "--duration-s 0")) << "until it is stopped";
+  EXPECT_FALSE(has("master", "--engage"));
+  EXPECT_TRUE(has("console", "--port 48123")) << text_of("console.txt");
+  EXPECT_TRUE(has("console", "--token 12345678"));
+  EXPECT_TRUE(has("console", "--netem thesis-constant")) << "it sees the slave as the master does";
+}
+
+TEST_F(ScriptFlags, WithoutAConsoleNoPageIsServed) {
+  ASSERT_EQ(run("demo --no-console --out cut").code, 0);
+  EXPECT_TRUE(has("master", "--engage"));
+  EXPECT_FALSE(fs::exists(here_ / "console.txt"));
+}
+
+TEST_F(ScriptFlags, APortThatIsTakenIsSaid) {
+  boost::asio::io_context context;
+  const boost::asio::ip::tcp::acceptor somebody(context, {boost::asio::ip::address_v4::loopback(), 0});
+  const std::string port = std::to_string(somebody.local_endpoint().port());
+  const Ended demo = run("demo --port " + port + " --out cut");
+  EXPECT_EQ(demo.code, 2);
+  EXPECT_EQ(demo.err, "telekerf: demo: --port " + port +
+                          ": this port is taken by another program; end that, or give another port\n");
+}
+
 TEST_F(ScriptFlags, ThatNobodyKnowsAreRefusedBeforeAnythingStarts) {
   for (const std::string words : {"demo --speed 3",
                                   "demo --beta 99",
@@ -246,6 +295,9 @@ TEST_F(ScriptFlags, ThatNobodyKnowsAreRefusedBeforeAnythingStarts) {
                                   "machine heart --image gear",
                                   "machine heart --config c",
                                   "demo --netem mars",
+                                  "demo --by-hand --no-console",
+                                  "demo --port 0",
+                                  "demo --hand mouse",
                                   "demo --slave-laser-w 99 --slave-laser-max-w 5",
                                   "help nothing",
                                   "test_nothing",

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <chrono>
+#include <string>
+#include <vector>
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/send_event.h"
@@ -18,14 +20,15 @@ struct Options {
   BusFlags bus;
   netem::NetemFlags netem;
   EventMessage event;
+  std::vector<std::string> roles = {"master"};  ///< who has to take it up
 };
 
 int run(const Options& options) {
   BusSettings bus_settings = options.bus.bus_settings(Site::kOperator, "ctl");
   bus_settings.receive_filter = options.netem.emulator(bus_settings.site);
   Bus bus(bus_settings);
-  const std::size_t others = tell(bus, options.event);
-  fmt::print("told {} processes of cell '{}'\n", others, bus.settings().cell);
+  fmt::print("taken up by {} of cell '{}'\n", fmt::join(tell(bus, options.event, options.roles), ", "),
+             bus.settings().cell);
   return 0;
 }
 
@@ -97,6 +100,18 @@ int main(int argc, char** argv) {
       "beta", "Slave motion = beta x master motion from now on", saying(Kind::kSetBeta),
       [](Options& options, Settings& settings) {
         settings.add("value", options.event.value, {.min = 0.01, .max = 10}, "the new scale").as_argument();
+        add_parameters(options, settings);
+      },
+      run);
+  Options take = saying(Kind::kTakeContour);
+  take.roles = {"master", "slave"};
+  program.add(
+      "take-contour", "Works on the contour that waits, in place of the one in force", take,
+      [](Options& options, Settings& settings) {
+        settings
+            .add("id", options.event.value, {.min = 1, .max = 4294967295.0},
+                 "its number, as master and slave have said it")
+            .as_argument();
         add_parameters(options, settings);
       },
       run);

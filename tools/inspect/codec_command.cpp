@@ -95,6 +95,9 @@ void add_codec_parameters(CodecOptions& o, Settings& s) {
   s.add("burst", o.link.burst, {.min = 1, .max = 1e6}, "mean length of a burst of losses, packets");
   s.add("seed", o.link.seed, kSeeds, "of the losses");
   s.add("decoded", o.decoded, kFile, "CSV for what the receiver has in the end");
+  codec::refuse_unread(s, {""});
+  s.only_with({"threshold"}, "codec", {"deadband", "weber"});
+  s.not_with({"burst", "seed"}, "loss", {"0"});
 }
 
 }  // namespace

@@ -19,9 +19,10 @@
 namespace telekerf::reference {
 namespace {
 
-constexpr std::array kPrograms{"telekerf-master", "telekerf-slave",      "telekerf-machine",
-                               "telekerf-vision", "telekerf-ctl",        "telekerf-netem",
-                               "telekerf-robot",  "telekerf-experiment", "telekerf-inspect"};
+constexpr std::array kPrograms{"telekerf-master",     "telekerf-slave",   "telekerf-machine",
+                               "telekerf-vision",     "telekerf-console", "telekerf-ctl",
+                               "telekerf-netem",      "telekerf-robot",   "telekerf-plant",
+                               "telekerf-experiment", "telekerf-inspect"};
 
 struct Options {
   std::string programs;

@@ -14,17 +14,18 @@ _telekerf_commands() {
 
 _telekerf_flags() {
   case $1 in
-    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --button --mismatch --seed --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --machining-hz --stop-file --record --wait-s --dry-run --select --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-console ') echo '--port --bind --host-name --token --hand --as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl engage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl disengage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl beta') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-netem link') echo '--seed --operator-dev --slave-dev --operator-netns --slave-netns --operator-address --slave-address --operator-default-route --slave-default-route --record --seconds --config --print-config --help --version' ;;
-    'telekerf-netem tc') echo '--dev --direction --config --print-config --help --version' ;;
+    'telekerf-netem tc') echo '--dev --direction --packet-bytes --config --print-config --help --version' ;;
     'telekerf-netem verify') echo '--packets --seed --rate-hz --json --config --print-config --help --version' ;;
     'telekerf-netem trace') echo '--rate-hz --packets --seed --bytes --direction --config --print-config --help --version' ;;
     'telekerf-netem replay') echo '--link --seed --operator-dev --slave-dev --operator-netns --slave-netns --operator-address --slave-address --operator-default-route --slave-default-route --record --seconds --config --print-config --help --version' ;;
@@ -58,6 +59,7 @@ _telekerf_values() {
     'telekerf-master  --beta') echo "" ;;
     'telekerf-master  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-master  --drive-stale-s') echo "" ;;
+    'telekerf-master  --hand') echo "-W 'simulated browser browser: udp: recorded:'" ;;
     'telekerf-master  --button') echo "-W 'hand pressed udp:'" ;;
     'telekerf-master  --mismatch') echo "" ;;
     'telekerf-master  --seed') echo "" ;;
@@ -95,7 +97,7 @@ _telekerf_values() {
     'telekerf-master  --cell') echo "" ;;
     'telekerf-master  --name') echo "" ;;
     'telekerf-master  --peers') echo "" ;;
-    'telekerf-master  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-master  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-master  --netem-seed') echo "" ;;
     'telekerf-slave  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-slave  --drive') echo "-W 'simulated udp:'" ;;
@@ -128,7 +130,7 @@ _telekerf_values() {
     'telekerf-slave  --cell') echo "" ;;
     'telekerf-slave  --name') echo "" ;;
     'telekerf-slave  --peers') echo "" ;;
-    'telekerf-slave  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-slave  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-slave  --netem-seed') echo "" ;;
     'telekerf-machine  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-machine  --drive') echo "-W 'simulated udp:'" ;;
@@ -144,16 +146,16 @@ _telekerf_values() {
     'telekerf-machine  --corner') echo "-W 'exact rounded slow'" ;;
     'telekerf-machine  --material') echo "-W 'wood fibreglass'" ;;
     'telekerf-machine  --kerf-um') echo "" ;;
+    'telekerf-machine  --select') echo "" ;;
     'telekerf-machine  --machining-hz') echo "" ;;
     'telekerf-machine  --stop-file') echo "-W 'auto off'" ;;
     'telekerf-machine  --record') echo "-d" ;;
     'telekerf-machine  --wait-s') echo "" ;;
-    'telekerf-machine  --select') echo "" ;;
     'telekerf-machine  --domain') echo "" ;;
     'telekerf-machine  --cell') echo "" ;;
     'telekerf-machine  --name') echo "" ;;
     'telekerf-machine  --peers') echo "" ;;
-    'telekerf-machine  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-machine  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-machine  --netem-seed') echo "" ;;
     'telekerf-vision  --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;
     'telekerf-vision  --camera') echo "-W 'none v4l2: file: folder: video:'" ;;
@@ -178,43 +180,55 @@ _telekerf_values() {
     'telekerf-vision  --cell') echo "" ;;
     'telekerf-vision  --name') echo "" ;;
     'telekerf-vision  --peers') echo "" ;;
-    'telekerf-vision  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-vision  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-vision  --netem-seed') echo "" ;;
+    'telekerf-console  --port') echo "" ;;
+    'telekerf-console  --bind') echo "" ;;
+    'telekerf-console  --host-name') echo "" ;;
+    'telekerf-console  --token') echo "" ;;
+    'telekerf-console  --hand') echo "" ;;
+    'telekerf-console  --as') echo "" ;;
+    'telekerf-console  --domain') echo "" ;;
+    'telekerf-console  --cell') echo "" ;;
+    'telekerf-console  --name') echo "" ;;
+    'telekerf-console  --peers') echo "" ;;
+    'telekerf-console  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-console  --netem-seed') echo "" ;;
     'telekerf-ctl stop --reason') echo "" ;;
     'telekerf-ctl stop --as') echo "" ;;
     'telekerf-ctl stop --domain') echo "" ;;
     'telekerf-ctl stop --cell') echo "" ;;
     'telekerf-ctl stop --name') echo "" ;;
     'telekerf-ctl stop --peers') echo "" ;;
-    'telekerf-ctl stop --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl stop --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl stop --netem-seed') echo "" ;;
     'telekerf-ctl clear-stop --as') echo "" ;;
     'telekerf-ctl clear-stop --domain') echo "" ;;
     'telekerf-ctl clear-stop --cell') echo "" ;;
     'telekerf-ctl clear-stop --name') echo "" ;;
     'telekerf-ctl clear-stop --peers') echo "" ;;
-    'telekerf-ctl clear-stop --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl clear-stop --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl clear-stop --netem-seed') echo "" ;;
     'telekerf-ctl engage --domain') echo "" ;;
     'telekerf-ctl engage --cell') echo "" ;;
     'telekerf-ctl engage --name') echo "" ;;
     'telekerf-ctl engage --peers') echo "" ;;
-    'telekerf-ctl engage --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl engage --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl engage --netem-seed') echo "" ;;
     'telekerf-ctl disengage --domain') echo "" ;;
     'telekerf-ctl disengage --cell') echo "" ;;
     'telekerf-ctl disengage --name') echo "" ;;
     'telekerf-ctl disengage --peers') echo "" ;;
-    'telekerf-ctl disengage --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl disengage --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl disengage --netem-seed') echo "" ;;
     'telekerf-ctl beta ') echo "" ;;
     'telekerf-ctl beta --domain') echo "" ;;
     'telekerf-ctl beta --cell') echo "" ;;
     'telekerf-ctl beta --name') echo "" ;;
     'telekerf-ctl beta --peers') echo "" ;;
-    'telekerf-ctl beta --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl beta --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl beta --netem-seed') echo "" ;;
-    'telekerf-netem link ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem link ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem link --seed') echo "" ;;
     'telekerf-netem link --operator-dev') echo "" ;;
     'telekerf-netem link --slave-dev') echo "" ;;
@@ -224,14 +238,14 @@ _telekerf_values() {
     'telekerf-netem link --slave-address') echo "" ;;
     'telekerf-netem link --record') echo "-d" ;;
     'telekerf-netem link --seconds') echo "" ;;
-    'telekerf-netem tc ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem tc ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem tc --dev') echo "" ;;
     'telekerf-netem tc --direction') echo "-W 'forward backward'" ;;
-    'telekerf-netem verify ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem verify ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem verify --packets') echo "" ;;
     'telekerf-netem verify --seed') echo "" ;;
     'telekerf-netem verify --rate-hz') echo "" ;;
-    'telekerf-netem trace ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem trace ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem trace --rate-hz') echo "" ;;
     'telekerf-netem trace --packets') echo "" ;;
     'telekerf-netem trace --seed') echo "" ;;
@@ -247,12 +261,12 @@ _telekerf_values() {
     'telekerf-netem replay --slave-address') echo "" ;;
     'telekerf-netem replay --record') echo "-d" ;;
     'telekerf-netem replay --seconds') echo "" ;;
-    'telekerf-netem switch ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem switch ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem switch --domain') echo "" ;;
     'telekerf-netem switch --cell') echo "" ;;
     'telekerf-netem switch --name') echo "" ;;
     'telekerf-netem switch --peers') echo "" ;;
-    'telekerf-netem switch --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-netem switch --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem switch --netem-seed') echo "" ;;
     'telekerf-robot  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-robot  --mismatch') echo "" ;;
@@ -306,7 +320,7 @@ _telekerf_values() {
     'telekerf-experiment delay --max-rms') echo "" ;;
     'telekerf-experiment delay --redundancy') echo "" ;;
     'telekerf-experiment delay --max-redundancy') echo "" ;;
-    'telekerf-experiment delay --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-experiment delay --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-experiment delay --rtt-ms') echo "" ;;
     'telekerf-experiment delay --jitter-ms') echo "" ;;
     'telekerf-experiment delay --loss') echo "" ;;
@@ -337,7 +351,7 @@ _telekerf_values() {
     'telekerf-experiment lap --width-mm') echo "" ;;
     'telekerf-experiment lap --master-robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-experiment lap --slave-robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
-    'telekerf-experiment lap --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-experiment lap --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-experiment lap --seed') echo "" ;;
     'telekerf-experiment lap --beta') echo "" ;;
     'telekerf-experiment lap --mismatch') echo "" ;;
@@ -493,4 +507,4 @@ _telekerf() {
     eval "mapfile -t COMPREPLY < <(compgen $how -- \"\$word\")"
   fi
 }
-complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-ctl telekerf-netem telekerf-robot telekerf-experiment telekerf-inspect
+complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-console telekerf-ctl telekerf-netem telekerf-robot telekerf-experiment telekerf-inspect

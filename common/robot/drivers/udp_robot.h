@@ -82,6 +82,8 @@ class UdpDrive {
   UdpDrive(SimulatedRobot& plant, std::uint16_t port);
 
   std::uint16_t port() const { return socket_.local_endpoint().port(); }
+  /// What else is to be served in serve_for() may be put here.
+  boost::asio::io_context& context() noexcept { return context_; }
   /// Serves what arrives within `seconds`, at least what is there already; returns the number of steps.
   std::uint64_t serve_for(double seconds);
 

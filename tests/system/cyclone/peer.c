@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A foreign peer in Telekerf's cell: announces an event, waits for the latched contour and one state block, prints both.
-// Usage: cyclone_peer DOMAIN CELL
+// Usage: cyclone_peer DOMAIN CELL CONTRACT           the conversation above
+//        cyclone_peer DOMAIN CELL CONTRACT ROLE      says a hundred times what a master says, as this ROLE; "-": unnamed
 #include <dds/dds.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "telekerf.h"
 
@@ -56,9 +58,76 @@ static uint16_t print_state(const uint8_t* block, uint32_t length) {
   return (uint16_t)number_at(set, 2);
 }
 
+// Within 20 s.
+static void wait_for_reader(dds_entity_t writer) {
+  for (int i = 0; i < 2000; ++i) {
+    dds_publication_matched_status_t status;
+    dds_get_publication_matched_status(writer, &status);
+    if (status.current_count > 0) break;
+    dds_sleepfor(DDS_MSECS(10));
+  }
+}
+
+// Presence as the IDL has it: little-endian plain CDR in USER_DATA.
+struct bytes {
+  unsigned char data[512];
+  size_t size;
+};
+
+static void put(struct bytes* to, const void* value, size_t size, size_t align) {
+  while (to->size % align != 0) to->data[to->size++] = 0;
+  memcpy(to->data + to->size, value, size);
+  to->size += size;
+}
+
+static void put_text(struct bytes* to, const char* text) {
+  const uint32_t size = (uint32_t)strlen(text) + 1;
+  put(to, &size, sizeof size, 4);
+  put(to, text, size, 1);
+}
+
+static dds_qos_t* announced(const char* cell, uint16_t contract, const char* role, uint32_t epoch) {
+  struct bytes presence = {.size = 0};
+  const unsigned char joined = 1;
+  put(&presence, &contract, sizeof contract, 2);
+  put_text(&presence, cell);
+  put_text(&presence, role);
+  put_text(&presence, "cyclone");
+  put(&presence, &epoch, sizeof epoch, 4);
+  put(&presence, &joined, 1, 1);
+  put_text(&presence, "foreign");
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_userdata(qos, presence.data, presence.size);
+  return qos;
+}
+
+// Blocks that a reader takes for damaged, so that nobody follows them: that it counts them is all that is asked.
+static int command(dds_entity_t participant, const char* cell) {
+  const dds_entity_t topic =
+      dds_create_topic(participant, &telekerf_wire_CommandBlock_desc, "telekerf/command", NULL, NULL);
+  dds_qos_t* in_cell = qos_of(cell, 0, 0);
+  const dds_entity_t publisher = dds_create_publisher(participant, in_cell, NULL);
+  const dds_entity_t writer = dds_create_writer(publisher, topic, in_cell, NULL);
+  dds_delete_qos(in_cell);
+  telekerf_wire_CommandBlock block;
+  memset(&block, 0, sizeof block);
+  wait_for_reader(writer);
+  for (int i = 0; i < 100; ++i) {
+    dds_write(writer, &block);
+    dds_sleepfor(DDS_MSECS(10));
+  }
+  dds_delete(participant);
+  return 0;
+}
+
 int main(int argc, char** argv) {
-  if (argc != 3) return 2;
-  const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
+  if (argc != 4 && argc != 5) return 2;
+  const uint16_t own_contract = (uint16_t)atoi(argv[3]);
+  const char* role = argc == 5 ? argv[4] : "console";
+  dds_qos_t* presence = strcmp(role, "-") == 0 ? NULL : announced(argv[2], own_contract, role, 7);
+  const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), presence, NULL);
+  dds_delete_qos(presence);
+  if (argc == 5) return command(participant, argv[2]);
   const dds_entity_t contours =
       dds_create_topic(participant, &telekerf_wire_Contour_desc, "telekerf/contour", NULL, NULL);
   const dds_entity_t states =
@@ -96,12 +165,7 @@ int main(int argc, char** argv) {
   telekerf_wire_StateBlock_free(sample, DDS_FREE_ALL);
 
   telekerf_wire_Event event = {.contract = contract, .epoch = 7, .kind = 2, .value = 0.5, .text = "from elsewhere"};
-  for (int i = 0; i < 2000; ++i) {
-    dds_publication_matched_status_t status;
-    dds_get_publication_matched_status(event_writer, &status);
-    if (status.current_count > 0) break;
-    dds_sleepfor(DDS_MSECS(10));
-  }
+  wait_for_reader(event_writer);
   dds_write(event_writer, &event);
   dds_wait_for_acks(event_writer, DDS_SECS(10));
   dds_delete(participant);

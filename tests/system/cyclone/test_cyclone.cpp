@@ -15,8 +15,9 @@ namespace telekerf {
 namespace {
 
 /// What the peer prints, line by line.
-std::string run_peer(const BusSettings& settings) {
-  const std::string command = fmt::format("{} {} {}", TELEKERF_CYCLONE_PEER, settings.domain, settings.cell);
+std::string run_peer(const BusSettings& settings, const std::string& role = "") {
+  const std::string command = fmt::format("{} {} {} {} {}", TELEKERF_CYCLONE_PEER, settings.domain,
+                                          settings.cell, settings.contract, role);
   std::string printed;
   FILE* pipe = popen(command.c_str(), "r");
   std::array<char, 1024> line{};
@@ -41,7 +42,7 @@ TEST(Cyclone, AForeignPeerReadsAndWritesTheContract) {
   Reader<EventMessage> events(slave);
   ASSERT_TRUE(contours.write(contour));  // before the peer is there
 
-  auto printed = std::async(std::launch::async, run_peer, slave.settings());
+  auto printed = std::async(std::launch::async, [&] { return run_peer(slave.settings()); });
   while (printed.wait_for(10ms) != std::future_status::ready) ASSERT_TRUE(states.write(state));
   EXPECT_EQ(printed.get(),
             fmt::format("contour {} {} {} leaf.png outline 3000 {:.17g}\n", kContractVersion, contour.id,
@@ -55,6 +56,29 @@ TEST(Cyclone, AForeignPeerReadsAndWritesTheContract) {
   EXPECT_EQ(event->value.kind, EventMessage::Kind::kSetBeta);
   EXPECT_EQ(event->value.value, 0.5);
   EXPECT_EQ(event->value.text, "from elsewhere");
+}
+
+/// What a slave makes of what the peer says in this role while a master of ours is there.
+ReaderCounters heard_beside_a_master(const std::string& role) {
+  Bus master(settings("master"));
+  Bus slave(settings("slave", Site::kSlave));  // the second of its host
+  Reader<CommandBlock> commands(slave);
+  Writer<CommandBlock> own(master);
+  EXPECT_TRUE(own.wait_for_reader(kPatience));
+  EXPECT_TRUE(soon([&] { return commands.writers() == 1; }));
+  (void)run_peer(slave.settings(), role);
+  return commands.counters();
+}
+
+TEST(Cyclone, AForeignMasterThatComesLateIsHeardAndWhoIsNoneIsNot) {
+  const ReaderCounters master = heard_beside_a_master("master");
+  EXPECT_GT(master.damaged, 20u) << "of 100 blocks";
+  EXPECT_EQ(master.strangers, 0u);
+  for (const std::string other : {"vision", "-"}) {
+    const ReaderCounters stranger = heard_beside_a_master(other);
+    EXPECT_GT(stranger.strangers, 20u) << other;
+    EXPECT_EQ(stranger.damaged, 0u) << other;
+  }
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ TEST(Bus, StreamsCrossBothWays) {
 
   samples::Random random(1);
   for (std::size_t bytes = 0; bytes < 2000; bytes += 100) {
-    const CommandBlock command = samples::command(random, bytes);
+    CommandBlock command = samples::command(random, bytes);
+    command.epoch = master.settings().epoch;
     const std::int64_t before_ns = monotonic_ns();
     ASSERT_TRUE(commands.write(command));
     const auto command_back = take_soon(commands_read);
@@ -38,7 +39,8 @@ TEST(Bus, StreamsCrossBothWays) {
     EXPECT_GT(command_back->received_ns, before_ns);
     EXPECT_LE(command_back->received_ns, monotonic_ns());
 
-    const StateBlock state = samples::state(random, bytes);
+    StateBlock state = samples::state(random, bytes);
+    state.epoch = slave.settings().epoch;
     ASSERT_TRUE(states.write(state));
     const auto state_back = take_soon(states_read);
     ASSERT_TRUE(state_back);
@@ -46,6 +48,36 @@ TEST(Bus, StreamsCrossBothWays) {
   }
   EXPECT_EQ(commands_read.counters().received, 20u);
   EXPECT_EQ(commands_read.counters().damaged, 0u);
+}
+
+TEST(Bus, OnlyWhoHasAnnouncedItselfInTheRoleIsHeardAndOthersAreNamed) {
+  auto ours = settings("master");
+  ours.epoch = 5;
+  Bus master(ours);
+  Bus console(settings("console"));
+  Bus slave(settings("slave", Site::kSlave));
+  Writer<CommandBlock> commands(master);
+  Writer<CommandBlock> forged(console);
+  Reader<CommandBlock> reader(slave);
+  ASSERT_TRUE(commands.wait_for_reader(kPatience));
+  ASSERT_TRUE(forged.wait_for_reader(kPatience));
+  ASSERT_TRUE(soon([&] { return reader.writers() == 2; }));
+  samples::Random random(3);
+  CommandBlock block = samples::command(random, 60);
+  block.epoch = 5;
+  ASSERT_TRUE(forged.write(block));
+  EXPECT_TRUE(soon([&] { return reader.counters().strangers == 1; }));
+  block.epoch = 6;  // of another start than the one that announces itself
+  ASSERT_TRUE(commands.write(block));
+  EXPECT_TRUE(soon([&] { return reader.counters().strangers == 2; }));
+  block.epoch = 5;
+  ASSERT_TRUE(commands.write(block));
+  EXPECT_TRUE(take_soon(reader));
+  EXPECT_EQ(reader.counters().received, 1u);
+  EXPECT_EQ(slave.counters().strangers, 2u);
+  const auto named = slave.strangers();
+  EXPECT_THAT(named, testing::Contains(testing::AllOf(HasSubstr("console 'console' ("),
+                                                      HasSubstr("telekerf/command is not heard"))));
 }
 
 TEST(Bus, ALatecomerGetsALargeContour) {

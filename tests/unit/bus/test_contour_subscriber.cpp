@@ -29,6 +29,23 @@ class Contours : public testing::Test {
     EXPECT_TRUE(writer.write(contour));
     return contour.id;
   }
+  /// As telekerf-ctl says it.
+  void take(std::uint32_t id) {
+    EventMessage event;
+    event.kind = EventMessage::Kind::kTakeContour;
+    event.value = id;
+    EXPECT_TRUE(events.wait_for_reader(kPatience));
+    EXPECT_TRUE(events.write(event));
+  }
+  /// Said until it is taken: it may not have come yet.
+  bool takes(std::uint32_t id) {
+    return soon([&] {
+      take(id);
+      std::this_thread::sleep_for(20ms);
+      const Prepared* const now = subscriber.current();
+      return now != nullptr && now->id == id;
+    });
+  }
   bool sees(std::uint32_t id) {
     return soon([&] {
       const Prepared* const now = subscriber.current();
@@ -39,6 +56,7 @@ class Contours : public testing::Test {
   Bus vision{settings("vision", Site::kSlave)};
   Bus slave{settings("slave", Site::kSlave)};
   Writer<ContourMessage> writer{vision};
+  Writer<EventMessage> events{vision};
   std::atomic<double> scale{1.0};
   std::atomic<bool> too_large{false};
   ContourSubscriber<Prepared> subscriber{slave, [&](const ContourMessage& contour) {
@@ -49,9 +67,9 @@ class Contours : public testing::Test {
 
 TEST_F(Contours, ManyComeAndFewStay) {
   EXPECT_EQ(subscriber.current(), nullptr);
-  for (std::uint32_t number = 1; number <= 30; ++number) {
+  for (std::uint32_t number = 1; number <= 10; ++number) {
     const std::uint32_t id = publish(number);
-    ASSERT_TRUE(sees(id));
+    ASSERT_TRUE(number == 1 ? sees(id) : takes(id));
     EXPECT_EQ(subscriber.message().id, id);
   }
   EXPECT_TRUE(soon([&] {
@@ -87,13 +105,39 @@ TEST_F(Contours, InMidRunARefusedOneLeavesTheOneBeforeInForce) {
   const std::uint32_t id = publish(1);
   ASSERT_TRUE(sees(id));
   too_large = true;
-  publish(2);
-  EXPECT_TRUE(soon([&] { return subscriber.unfit() == 1; }));
+  const std::uint32_t large = publish(2);
+  EXPECT_TRUE(soon([&] {
+    take(large);
+    std::this_thread::sleep_for(20ms);
+    return subscriber.unfit() == 1;
+  }));
   too_large = false;
   publish(3, 1);  // another one's id
   EXPECT_TRUE(soon([&] { return subscriber.unfit() == 2; }));
   EXPECT_FALSE(subscriber.refused());
   EXPECT_EQ(subscriber.current()->id, id);
+}
+
+TEST_F(Contours, AnotherOneWaitsUntilItIsTaken) {
+  const std::uint32_t first = publish(1);
+  ASSERT_TRUE(sees(first));
+  const std::uint32_t second = publish(2);
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(subscriber.current()->id, first);
+  take(second + 1);  // nobody's
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(subscriber.current()->id, first);
+  EXPECT_TRUE(takes(second));
+  EXPECT_EQ(subscriber.message().id, second);
+  EXPECT_EQ(subscriber.unfit(), 0u);
+}
+
+TEST_F(Contours, OfManyASecondTheLastIsLookedAt) {
+  ASSERT_TRUE(sees(publish(1)));
+  std::uint32_t last = 0;
+  for (std::uint32_t number = 2; number < 40; ++number) last = publish(number, number < 39 ? 1 : 0);
+  EXPECT_TRUE(takes(last));
+  EXPECT_LT(subscriber.unfit(), 20u) << "38 had come";
 }
 
 TEST_F(Contours, TheSameOneAgainChangesNothing) {

@@ -85,5 +85,17 @@ TEST(Presence, OfTwoThatStartTogetherExactlyOneGivesWay) {
   }
 }
 
+TEST(Presence, OfTwoThatHaveBothJoinedExactlyOneComesSecond) {
+  Neighbour low = process("master", "a"), high = process("master", "b");
+  low.presence.epoch = 1;
+  high.presence.epoch = 2;
+  low.presence.joined = high.presence.joined = true;
+  EXPECT_FALSE(comes_second(low, high));
+  EXPECT_TRUE(comes_second(high, low));
+  high.presence.epoch = 1;
+  high.key[3] = 1;
+  EXPECT_TRUE(comes_second(high, low));
+}
+
 }  // namespace
 }  // namespace telekerf

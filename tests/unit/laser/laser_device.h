@@ -1,70 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A laser behind a UDP address that obeys docs/how-to/add-a-laser.md: datagrams and time in, beam out.
+// Where a laser's datagrams arrive: the device is slave/laser/udp_laser_device.h, the socket is here.
 #pragma once
 
-#include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <chrono>
-#include <cmath>
 #include <optional>
 #include <string>
 
-#include "slave/laser/udp_laser.h"
+#include "slave/laser/udp_laser_device.h"
 
 namespace telekerf::laser {
-
-class LaserDevice {
- public:
-  using Sender = boost::asio::ip::udp::endpoint;
-  explicit LaserDevice(double max_w) : max_w_(max_w) {}
-
-  /// True: obeyed.
-  bool hear(const UdpPower& told, std::size_t size, const Sender& from, std::int64_t now_ns) {
-    if (size != sizeof(told) || told.magic != UdpPower::kMagic || told.version != UdpPower::kVersion ||
-        !std::isfinite(told.power_w) || told.power_w < 0.0) {
-      return false;
-    }
-    const bool off = told.power_w == 0.0 && told.pilot == 0;
-    if (off && (newest_.sequence == 0 || now_ns - heard_ns_ >= kGone_ns)) {
-      sender_ = from;
-      newest_.sequence = 0;
-      enable_ = 0;
-    }
-    if (from != sender_ || told.sequence <= newest_.sequence) return false;
-    if (told.power_w > 0.0) {
-      if (told.enable <= enable_) return false;
-      enable_ = told.enable;
-    }
-    newest_ = told;
-    heard_ns_ = now_ns;
-    return true;
-  }
-  double power_w(std::int64_t now_ns) const {
-    return silent(now_ns) ? 0.0 : std::min(newest_.power_w, max_w_);
-  }
-  /// What it answers to the datagram that it obeyed last.
-  UdpEmission answer(std::int64_t now_ns) const {
-    UdpEmission answer;
-    answer.sequence = newest_.sequence;
-    answer.emission_w = power_w(now_ns);
-    return answer;
-  }
-  bool pilot(std::int64_t now_ns) const { return !silent(now_ns) && newest_.pilot == 1; }
-
- private:
-  static constexpr std::int64_t kGone_ns = 500'000'000;
-  bool silent(std::int64_t now_ns) const {
-    return now_ns - heard_ns_ >= std::min<std::int64_t>(udp_silence_ns(newest_.period_ns), newest_.lasts_ns);
-  }
-
-  double max_w_;
-  Sender sender_;
-  UdpPower newest_;
-  std::uint64_t enable_ = 0;
-  std::int64_t heard_ns_ = 0;
-};
 
 /// Where its datagrams arrive, on a port of the loopback interface; 0: any free one.
 class LaserSocket {
@@ -77,7 +23,7 @@ class LaserSocket {
   struct Arrival {
     UdpPower told;
     std::size_t size;
-    LaserDevice::Sender from;
+    UdpLaserDevice::Sender from;
   };
   std::optional<Arrival> take() {
     Arrival arrival;
@@ -87,7 +33,7 @@ class LaserSocket {
     if (error) return std::nullopt;
     return arrival;
   }
-  void answer(const UdpEmission& answer, const LaserDevice::Sender& to) {
+  void answer(const UdpEmission& answer, const UdpLaserDevice::Sender& to) {
     socket_.send_to(boost::asio::buffer(&answer, sizeof(answer)), to);
   }
   UdpAddress address() const { return {"127.0.0.1", socket_.local_endpoint().port()}; }

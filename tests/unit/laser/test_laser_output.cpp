@@ -190,7 +190,7 @@ TEST(LaserOutput, ALaserThatGivesLightThoughToldToBeOffIsGivenUpAtTheSecondStep)
   told.lights = false;
   EXPECT_EQ(beam.emit(5.0, true), 0.0) << "for good";
   EXPECT_EQ(steps.back(), (Told::Step{0.0, false}));
-  EXPECT_NE(beam.output.failure().find("gives light though it was told to be off"), std::string::npos);
+  EXPECT_NE(beam.output.failure().find("gives light that it was not told to give"), std::string::npos);
 }
 
 TEST(LaserOutput, CountsStepsInWhichTheLaserWasNotTold) {

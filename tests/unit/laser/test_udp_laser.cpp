@@ -18,6 +18,10 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+/// What a laser takes for the time.
+std::int64_t clock_ns = 0;
+std::int64_t test_clock() noexcept { return clock_ns; }
+
 TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
   EXPECT_EQ(UdpPower{}.magic, 0x4c554b54u);
   EXPECT_EQ(UdpPower{}.version, 2u);
@@ -26,7 +30,7 @@ TEST(UdpLaser, TellsEachStepAndAllocatesNothing) {
   EXPECT_EQ(UdpPower{}.period_ns, 0u);
   EXPECT_EQ(UdpPower{}.pilot, 0u);
   LaserSocket socket;
-  UdpLaser laser(socket.address(), 2400.0);
+  UdpLaser laser(socket.address(), 2400.0, test_clock);
   std::uint64_t sequence = 0;
   while (const auto arrival = socket.take()) {
     EXPECT_EQ(arrival->told.power_w, 0.0) << "off at first";
@@ -81,7 +85,7 @@ TEST(UdpLaser, ThatGoesAwayIsLost) {
 TEST(UdpLaser, IsToldAnewInTheSameStepWhenTheDatagramBeforeFailed) {
   auto socket = std::make_unique<LaserSocket>();
   const unsigned short port = socket->address().port;
-  UdpLaser laser(socket->address(), 1000.0);
+  UdpLaser laser(socket->address(), 1000.0, test_clock);
   socket.reset();
   EXPECT_TRUE(laser.emit({1.0, false, 0, 0})) << "nobody has answered yet";
   LaserSocket again(port);
@@ -91,6 +95,24 @@ TEST(UdpLaser, IsToldAnewInTheSameStepWhenTheDatagramBeforeFailed) {
   EXPECT_EQ(arrival->told.power_w, 2.0);
   EXPECT_EQ(arrival->told.pilot, 1u);
   EXPECT_TRUE(laser.emit({3.0, false, 0, 0}));
+}
+
+TEST(UdpLaser, SaysOffWhereAStepWasHeldUpLongerThanTheLaserWaits) {
+  LaserSocket socket;
+  UdpLaser laser(socket.address(), 1000.0, test_clock);
+  const auto told = [&](std::int64_t later_ns) {
+    while (socket.take()) {
+    }
+    clock_ns += later_ns;
+    EXPECT_TRUE(laser.emit({5.0, true, 2'000'000, 1}));
+    return socket.take().value_or(LaserSocket::Arrival{}).told;
+  };
+  EXPECT_EQ(told(1'000'000).power_w, 5.0);
+  EXPECT_EQ(told(3'000'000).power_w, 5.0);
+  const UdpPower late = told(3'000'001);
+  EXPECT_EQ(late.power_w, 0.0);
+  EXPECT_EQ(late.pilot, 0u);
+  EXPECT_EQ(told(1'000'000).power_w, 5.0) << "the next steps are the interlock's affair";
 }
 
 TEST(UdpLaser, MayBeSilentForThreeMillisecondsOrTwoPeriods) {
@@ -119,7 +141,7 @@ class Device : public ::testing::Test {
   }
   double power_w() const { return device.power_w(now_ns); }
 
-  LaserDevice device{20.0};
+  UdpLaserDevice device{20.0};
   std::uint32_t period_ns = kMs;
   std::uint32_t lasts_ns = 20 * kMs;
   std::uint64_t enable = 1;
@@ -188,6 +210,23 @@ TEST_F(Device, IsOffAtTheEndThatItWasTold) {
   EXPECT_EQ(power_w(), 0.0);
 }
 
+TEST_F(Device, ThatIsStuckIsPutOutByItsSupplyAndBySilenceAlone) {
+  tell(1, 0.0);
+  EXPECT_TRUE(tell(2, 8.0));
+  device.stick(20.0);
+  EXPECT_EQ(power_w(), 20.0);
+  EXPECT_TRUE(tell(3, 0.0));
+  EXPECT_EQ(power_w(), 20.0) << "off is not heard";
+  EXPECT_EQ(device.answer(now_ns).emission_w, 20.0) << "but measured";
+  now_ns += 3 * kMs;
+  EXPECT_EQ(power_w(), 0.0);
+  EXPECT_TRUE(tell(4, 0.0));
+  EXPECT_EQ(power_w(), 20.0);
+  enable = 0;
+  EXPECT_TRUE(tell(5, 0.0));
+  EXPECT_EQ(power_w(), 0.0);
+}
+
 TEST_F(Device, GivesNoPowerWithoutANewEnable) {
   tell(1, 0.0);
   EXPECT_TRUE(tell(2, 8.0));
@@ -216,7 +255,7 @@ class Measured : public ::testing::Test {
     return laser.stray();
   }
   LaserSocket socket;
-  UdpLaser laser{socket.address(), 1000.0};
+  UdpLaser laser{socket.address(), 1000.0, test_clock};
   std::uint64_t enable = 0;
 };
 
@@ -230,6 +269,13 @@ TEST_F(Measured, LightThatNobodyAskedForIsStray) {
   EXPECT_TRUE(step(0.0, kNan));
   EXPECT_FALSE(step(0.0, 5.0, 1)) << "no answer of this version";
   EXPECT_FALSE(step(8.0, 0.0)) << "too little is no danger";
+}
+
+TEST_F(Measured, MoreThanHalfAsMuchAgainAsWasAskedForIsStray) {
+  EXPECT_FALSE(step(8.0, 12.0));
+  EXPECT_TRUE(step(8.0, 12.002));
+  EXPECT_FALSE(step(8.0, 8.0));
+  EXPECT_TRUE(step(8.0, kNan));
 }
 
 TEST_F(Measured, AnAnswerCountsOnceAndOnlyToWhatWasSent) {

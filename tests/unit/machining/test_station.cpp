@@ -17,37 +17,10 @@
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 #include "slave/machining/station.h"
+#include "tests/unit/machining/work.h"
 
 namespace telekerf::machining {
 namespace {
-
-namespace fs = std::filesystem;
-
-template <class Action>
-std::string refusal_of(Action action) {
-  try {
-    action();
-  } catch (const StartupError& refusal) {
-    return refusal.what();
-  }
-  return "accepted";
-}
-
-ContourMessage square(double side_m) {
-  const double h = side_m / 2;
-  ContourMessage message;
-  message.id = 1;
-  message.closed = true;
-  message.points_m = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
-  return message;
-}
-
-StationSettings quick() {
-  StationSettings settings;
-  settings.no_framing = true;
-  settings.speed_mm_s = 20.0;
-  return settings;
-}
 
 TEST(MachiningSettings, HaveTheseDefaultsAndBounds) {
   StationSettings station;
@@ -58,9 +31,10 @@ TEST(MachiningSettings, HaveTheseDefaultsAndBounds) {
     double min;
     double max;
   };
-  constexpr Row kBounds[] = {{"laser_w", 0, 1000}, {"laser_max_w", 0, 1000},
-                             {"mismatch", 0, 0.5}, {"speed_mm_s", 0.1, 100},
-                             {"kerf_um", 0, 2000}, {"machining_hz", 800, 10000}};
+  constexpr Row kBounds[] = {{"laser_w", 0, 1000},       {"laser_max_w", 0, 1000},
+                             {"mismatch", 0, 0.5},       {"speed_mm_s", 0.1, 100},
+                             {"kerf_um", 0, 2000},       {"machining_hz", 800, 10000},
+                             {"dose_max_j", 0.01, 1000}, {"dose_max_j_per_mm2", 0.1, 1000}};
   const auto declared = settings.declared();
   const auto find = [&](const std::string& name) {
     return std::find_if(declared.begin(), declared.end(), [&](const Setting& s) { return s.name == name; });
@@ -148,45 +122,6 @@ int count_lines(const fs::path& file) {
   std::ifstream in(file);
   return static_cast<int>(std::count(std::istreambuf_iterator<char>(in), {}, '\n'));
 }
-
-class MachiningAtWork : public testing::Test {
- protected:
-  explicit MachiningAtWork(const StationSettings& settings = quick()) : station_(settings) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    job_ = station_.prepare(square(1.5e-3));
-  }
-  ~MachiningAtWork() override { fs::remove_all(folder_); }
-  MachiningAtWork(const MachiningAtWork&) = delete;
-  MachiningAtWork& operator=(const MachiningAtWork&) = delete;
-
-  /// Steps until it has ended; `stop_at` lit steps: from then on the stop is pressed.
-  void work(int stop_at = -1) {
-    station_.begin(*job_);
-    while (!station_.ended()) {
-      ASSERT_LT(steps_, 100'000);
-      const bool stop = stop_at >= 0 && lit_ >= stop_at;
-      const JobExecutorOutputs out = station_.step(stop);
-      ++steps_;
-      held_ += stop ? 1 : 0;
-      if (stop) {
-        ASSERT_EQ(out.laser_w, 0.0);
-      }
-      if (out.laser_w <= 0.0) continue;
-      ++lit_;
-      energy_j_ += out.laser_w * job_->period_s;
-    }
-  }
-
-  fs::path folder_ =
-      fs::path(testing::TempDir()) / ("telekerf_machining_station-" + std::to_string(::getpid()));
-  Station station_;
-  std::unique_ptr<Job> job_;
-  int steps_ = 0;
-  int lit_ = 0;
-  int held_ = 0;
-  double energy_j_ = 0.0;
-};
 
 TEST_F(MachiningAtWork, AJobIsWorkedOffToItsEndAndLeavesItsFigures) {
   EXPECT_FALSE(station_.ended());
@@ -303,7 +238,7 @@ TEST_F(MachiningAtWork, MotorsAtTheirLimitAreCountedAndTheBeamIsOffThen) {
   station_.machine().plant()->set_tool_force({0.0, 0.0, 200.0});
   station_.begin(*job_);
   for (int n = 0; n < 300; ++n) {
-    ASSERT_EQ(station_.step(false).laser_w, 0.0);
+    ASSERT_EQ(station_.step(now_ns(), false).laser_w, 0.0);
     station_.machine().plant()->set_tool_force(n < 150 ? Vec3(0.0, 0.0, 200.0) : Vec3(Vec3::Zero()));
   }
   const int violations = station_.report(folder_, {.rate_hz = 2400.0})["limit_violations"];

@@ -24,6 +24,7 @@ ContourMessage circle(double radius_m) {
 
 class MasterStation : public testing::Test {
  protected:
+  explicit MasterStation(const StationSettings& settings = {}) : station_(settings) {}
   void run(double seconds, bool engage, bool slave_alive, std::vector<EventMessage> events = {}) {
     for (int n = 0; n < static_cast<int>(seconds * 1000); ++n) {
       std::vector<Received<StateBlock>> states;
@@ -32,6 +33,7 @@ class MasterStation : public testing::Test {
         state.sequence = ++number_;
         state.contour_id = slave_contour_;
         state.interlock = Interlock::kReady;
+        state.guards = guards_;
         state.sample_period_ns = 1'000'000;
         state.first_tick = Tick{16} * number_;
         const std::vector<Vec3> resting(16, Vec3::Zero());
@@ -54,7 +56,8 @@ class MasterStation : public testing::Test {
 
   bool wish_ = true;  ///< the operator says anew at each run what is wanted
   StopOrder stop_;
-  Station station_{StationSettings{}};
+  Station station_;
+  std::uint32_t guards_ = 0;  ///< as the slave tells them
   std::unique_ptr<GuidedContour> task_;
   MasterOutputs out_;
   CommandBlock last_;
@@ -64,6 +67,64 @@ class MasterStation : public testing::Test {
   std::uint32_t slave_contour_ = 4;
   std::int64_t now_ns_ = 0;
 };
+
+/// Asked to engage by itself, or with a button that nobody holds.
+class Unattended : public MasterStation {
+ protected:
+  explicit Unattended(const StationSettings& settings =
+                          [] {
+                            StationSettings engaging;
+                            engaging.engage = true;
+                            return engaging;
+                          }())
+      : MasterStation(settings) {
+    wish_ = false;
+    task_ = station_.prepare(circle(0.01));
+  }
+};
+class UnattendedButton : public Unattended {
+ protected:
+  UnattendedButton()
+      : Unattended([] {
+          StationSettings pressing;
+          pressing.button = "pressed";
+          return pressing;
+        }()) {}
+};
+
+TEST_F(Unattended, WithASimulatedLaserItEngages) {
+  run(3.0, true, true);
+  EXPECT_EQ(station_.obstacle(), nullptr);
+  EXPECT_EQ(out_.mode, MasterMode::kEngaged);
+}
+
+TEST_F(Unattended, WithARealLaserItDoesNotAndSaysSo) {
+  guards_ = kRealLaser;
+  for (int n = 0; n < 300; ++n) {
+    run(0.01, true, true);
+    ASSERT_NE(out_.mode, MasterMode::kEngaged);
+    ASSERT_FALSE(last_.engaged);
+  }
+  ASSERT_NE(station_.obstacle(), nullptr);
+  EXPECT_NE(std::string(station_.obstacle()).find("leave --engage out"), std::string::npos);
+}
+
+TEST_F(UnattendedButton, WithARealLaserIsRefused) {
+  run(0.1, true, true);
+  EXPECT_EQ(station_.obstacle(), nullptr);
+  guards_ = kRealLaser;
+  run(0.1, true, true);
+  ASSERT_NE(station_.obstacle(), nullptr);
+  EXPECT_NE(std::string(station_.obstacle()).find("name a pedal"), std::string::npos);
+}
+
+TEST_F(MasterStation, WithARealLaserAPersonMayEngage) {
+  guards_ = kRealLaser;
+  task_ = station_.prepare(circle(0.01));
+  run(3.0, true, true);
+  EXPECT_EQ(station_.obstacle(), nullptr);
+  EXPECT_EQ(out_.mode, MasterMode::kEngaged);
+}
 
 TEST_F(MasterStation, WithoutContourItHoldsAndIsSilent) {
   run(1.0, true, true);

@@ -15,6 +15,8 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   MasterOutputs out;
   out.corridor_m = 0.5e-3;
   out.constraint_n = 2.5;
+  out.velocity_m_per_s = {0.0, 0.03, 0.0};
+  out.hand_n = {1.25, 0.0, 0.0};
   out.active.phi_m = 7e-6;
   out.active.piece.point_m = {0.01, 0.0};
   out.active.piece.shape = geometry::osculating({0.01, 0.0}, {0.0, 1.0}, 100.0);
@@ -25,7 +27,7 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   out.slave_force = {.force_n = {0.0, -1.5, 0.0}, .tick = 12, .known = true};
   Snapshot snapshot;
   EXPECT_FALSE(snapshot.load()) << "nothing stored yet";
-  snapshot.store(42, master_values(out, 0.25, {-3.5, 1e-5, 2e-4}));
+  snapshot.store(42, master_values(out, 0.25, {-3.5, 1e-5, 2e-4}, 0.1));
   const auto message = snapshot.load();
   ASSERT_TRUE(message);
   EXPECT_EQ(message->role, "master");
@@ -50,6 +52,9 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   EXPECT_EQ(value("delay_s"), 0.12);
   EXPECT_EQ(value("joined"), 1.0);
   EXPECT_EQ(value("clock_offset_s"), -3.5);
+  EXPECT_EQ(value("round_trip_s"), 0.1);
+  EXPECT_EQ(value("tool_y_m_per_s"), 0.03);
+  EXPECT_EQ(value("hand_x_n"), 1.25);
   EXPECT_EQ(value("force_known"), 1.0);
   EXPECT_EQ(value("force_y_n"), -1.5);
 }

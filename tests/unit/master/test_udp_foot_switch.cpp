@@ -82,7 +82,7 @@ TEST_F(Pedal, SilenceIsLettingGoAndItMustBePressedAnew) {
   tell(1, 0);
   tell(2, 1);
   EXPECT_TRUE(pressed());
-  now_ns += UdpFootSwitch::kSilence_ns - 1;
+  now_ns += OperatorLease::kSilence_ns - 1;
   EXPECT_TRUE(pressed());
   ++now_ns;
   EXPECT_FALSE(pressed());

@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "common/bus/send_event.h"
 #include "common/runtime/clock.h"
 #include "netem/drivers/netem_switch.h"
 #include "netem/drivers/receive_path_emulator.h"
@@ -89,13 +90,13 @@ TEST(Emulation, WithinASiteThereIsNone) {
   const auto profile = constant(0.2, 0.2);
   EmulatedBus vision(settings("vision", Site::kSlave), profile);
   EmulatedBus slave(settings("slave", Site::kSlave), profile);
-  Writer<StateBlock> writer(vision);
-  Reader<StateBlock> reader(slave);
+  Writer<StateBlock> writer(slave);
+  Reader<StateBlock> reader(vision);
   ASSERT_TRUE(matched(writer, reader));
   const auto times = one_way_ns(writer, reader, 10);
   ASSERT_EQ(times.size(), 10u);
   EXPECT_LT(*std::min_element(times.begin(), times.end()), 200 * kMillisecond);
-  EXPECT_EQ(slave.counters().emulated, 0u);
+  EXPECT_EQ(vision.counters().emulated, 0u);
 }
 
 TEST(Emulation, NothingComesBeforeItsDrawnDueTime) {
@@ -220,7 +221,8 @@ TEST(Emulation, DamagedBlocksAreRefusedAndCounted) {
   ASSERT_TRUE(matched(writer, reader));
   slave.emulator->set_profile(profile);
   samples::Random random(1);
-  const CommandBlock block = samples::command(random, 40);
+  CommandBlock block = samples::command(random, 40);
+  block.epoch = master.settings().epoch;
   for (int i = 0; i < 400; ++i) {
     ASSERT_TRUE(writer.write(block));
     std::this_thread::sleep_for(200us);
@@ -272,6 +274,29 @@ TEST(Emulation, AnEventSwitchesTheProcessesThatAreEmulated) {
     const auto times = one_way_ns(commands, commands_read, 1);
     return !times.empty() && times[0] >= 40 * kMillisecond;
   }));
+}
+
+TEST(Emulation, UnderTheBeamTheNetworkStaysAndWhoAsksIsToldWhy) {
+  EmulatedBus slave(settings("slave", Site::kSlave), constant(0.0, 0.0));
+  netem::NetemSwitch switch_of_slave(slave, slave.emulator);
+  auto asking = settings("netem-switch");
+  asking.epoch = 9;
+  Bus console(asking);
+  ASSERT_TRUE(soon([&] { return !console.others().empty(); }));
+  EventMessage geo;
+  geo.kind = EventMessage::Kind::kSetNetem;
+  geo.text = "geo";
+  switch_of_slave.beam(true);
+  try {
+    (void)tell(console, geo, {"slave"});
+    ADD_FAILURE();
+  } catch (const StartupError& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("slave: the network stays as it is: not while the beam is on"),
+              std::string::npos)
+        << refusal.what();
+  }
+  switch_of_slave.beam(false);
+  EXPECT_EQ(tell(console, geo, {"slave", "vision"}), std::vector<std::string>{"slave"});
 }
 
 }  // namespace

@@ -24,8 +24,8 @@ constexpr const char* kEvents =
 
 const Golden kGolden[] = {
     {"delay_ms = 20\njitter_ms = 6\ndistribution = \"uniform\"\norder = \"free\"", 11281802977701160110U},
-    {"delay_ms = 20\njitter_ms = 6\ndistribution = \"normal\"\ncorrelation = 0.7\norder = \"free\"",
-     4511742553441727713U},
+    {"delay_ms = 20\njitter_ms = 6\ndistribution = \"normal\"\ncorrelation_ms = 2.803673\norder = \"free\"",
+     422395841853196894U},
     {"delay_ms = 2\njitter_ms = 6\ndistribution = \"normal\"", 9827666044961649874U},
     {"delay_ms = 2\njitter_ms = 6\ndistribution = \"laplace\"\norder = \"free\"", 1128190086499333863U},
     {"delay_ms = 20\njitter_ms = 6\ndistribution = \"gamma\"\nshape = 0.4\norder = \"free\"",
@@ -35,8 +35,8 @@ const Golden kGolden[] = {
     {"delay_ms = 20\njitter_ms = 6\ndistribution = \"pareto\"\nshape = 2.5\norder = \"free\"",
      12395791597623779612U},
     {"delay_ms = 3\ndistribution = \"table\"\ntable_p = [0, 0.6, 0.61, 1]\ntable_ms = [1, 2, 40, "
-     "70]\ncorrelation = 0.2\norder = \"free\"",
-     10774317673831273163U},
+     "70]\ncorrelation_ms = 0.621335\norder = \"free\"",
+     14347547712813323158U},
     {"delay_ms = 9\nloss_model = \"gilbert-elliott\"\nloss = 0.2\nloss_burst_packets = 6",
      16012335781120417882U},
     {"loss_model = \"gilbert-elliott\"\nge_p = 0.05\nge_r = 0.2\nge_h = 0.3\nge_k = 0.9",
@@ -47,7 +47,7 @@ const Golden kGolden[] = {
      10277463851662800217U},
     {"delay_ms = 8\nloss = 0.02\ntcp_like = true\nrto_ms = 30EVENTS", 1708711174651583825U},
     {"delay_ms = 20\njitter_ms = 6\ndistribution = \"normal\"\nloss = 0.1EVENTS", 14329079775133237905U},
-    {"delay_ms = 4\nrate_kbit_per_s = 1500\nqueue_bytes = 3000\nloss = 0.1EVENTS", 9857647217877638308U},
+    {"delay_ms = 4\nrate_kbit_per_s = 1500\nqueue_bytes = 3000\nloss = 0.1EVENTS", 3654741733242580949U},
     {"delay_ms = 4.3\nslot_ms = 5\nslot_jitter_ms = 2\nslot_packets = 5", 14822814498691639844U},
     {"delay_ms = 4.3\nslot_ms = 3\nslot_bytes = 1500\nloss = 0.3", 16727326253458799791U},
     {"delay_ms = 5\n[[stage]]\nfrom_s = 2\n[stage.both]\ndelay_ms = 7\nloss = 0.5\n[[stage]]\nfrom_s = "
@@ -69,7 +69,8 @@ TEST(GoldenLaws, SameSeedSameOutcome) {
 TEST(GoldenLaws, CountersOfABusyLink) {
   const DirectionProfile profile =
       parse_profile(
-          "[both]\ndelay_ms = 10\njitter_ms = 4\ndistribution = \"gamma\"\nshape = 2\ncorrelation = 0.5\n"
+          "[both]\ndelay_ms = 10\njitter_ms = 4\ndistribution = \"gamma\"\nshape = 2\ncorrelation_ms = "
+          "1.442695\n"
           "loss = 0.05\nduplicate = 0.1\ncorrupt = 0.2\nrate_kbit_per_s = 4000\nqueue_bytes = 9000\n"
           "slot_ms = 5\nslot_jitter_ms = 1\nslot_packets = 7\nslot_bytes = 4000\n",
           "test")
@@ -94,8 +95,8 @@ TEST(GoldenLaws, CountersOfABusyLink) {
   const Counters& c = emulator.counters();
   EXPECT_EQ(fmt::format("{} {} {} {} {} {} {} {}", c.pushed, c.delivered, c.lost, c.queue_full, c.overflowed,
                         c.duplicated, c.corrupted, c.reordered),
-            "4000 1537 138 956 1480 110 324 0");
-  EXPECT_EQ(fingerprint(seen), 18256609668471859492U);
+            "4000 1546 138 956 1470 105 321 0");
+  EXPECT_EQ(fingerprint(seen), 2374964555946585593U);
 }
 
 }  // namespace

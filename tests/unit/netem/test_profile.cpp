@@ -54,7 +54,7 @@ TEST(Profile, AStageKeepsWhatItDoesNotName) {
 delay_ms = 10
 distribution = "normal"
 jitter_ms = 2
-correlation = 0.5
+correlation_ms = 5
 loss_model = "gilbert-elliott"
 loss = 0.1
 loss_burst_packets = 4
@@ -124,8 +124,26 @@ INSTANTIATE_TEST_SUITE_P(
         Nonsense{"[both]\ndistribution = \"gamma\"\njitter_ms = 1", "shape"},
         Nonsense{"[both]\ndistribution = \"pareto\"\njitter_ms = 1\nshape = 2", "shape"},
         Nonsense{"[both]\ndistribution = \"normal\"\njitter_ms = 1\nshape = 2", "shape"},
-        Nonsense{"[both]\ncorrelation = 0.5", "correlation"},
-        Nonsense{"[both]\ndistribution = \"normal\"\njitter_ms = 1\ncorrelation = 1", "correlation"},
+        Nonsense{"[both]\ncorrelation_ms = 1.442695", "correlation"},
+        Nonsense{"[both]\ndistribution = \"normal\"\njitter_ms = 1\ncorrelation = 0.5",
+                 "is correlation_ms now"},
+        Nonsense{
+            "[both]\nloss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_ms = 5\nloss_burst_packets = 2",
+            "either loss_burst_ms or loss_burst_packets"},
+        Nonsense{"[both]\nloss_model = \"gilbert-elliott\"\nloss_burst_ms = 5", "loss"},
+        Nonsense{"[both]\nloss_model = \"gilbert-elliott\"\nloss = 1\nloss_burst_ms = 5", "never ends"},
+        Nonsense{"[both]\nloss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_ms = 5\nge_p = 0.1",
+                 "ge_p"},
+        Nonsense{"[both]\nloss = 0.1\nloss_burst_ms = 5", "belongs to loss_model"},
+        Nonsense{"[both]\nrate_trace = \"nowhere.up\"\nqueue_bytes = 9000", "nowhere.up"},
+        Nonsense{"[both]\nrate_trace = \"nowhere.up\"", "queue_bytes"},
+        Nonsense{"[both]\nrate_trace = \"\"\nqueue_bytes = 9000", "both.rate_trace"},
+        Nonsense{"[both]\nrate_trace = \"nowhere.up\"\nqueue_bytes = 9000\nrate_kbit_per_s = 9",
+                 "already says the rate"},
+        Nonsense{"[both]\ntrace_end = \"repeat\"", "trace_end"},
+        Nonsense{"[both]\n[[event]]\nduration_ms = 20\nhold = true\nadd_delay_ms = [0, 5]", "add_delay_ms"},
+        Nonsense{"[both]\n[[event]]\nduration_ms = 20\nadd_delay_ms = [0, 5]\ncoupled = \"\"", "coupled"},
+        Nonsense{"[both]\n[[event]]\nduration_ms = 20\nloss = 1\ncoupled = \"sky\"", "coupled"},
         Nonsense{"[both]\ndistribution = \"table\"\ntable_p = [0, 1]\ntable_ms = [2, 1]", "descend"},
         Nonsense{"[both]\ndistribution = \"table\"\ntable_p = [0, 0.5]\ntable_ms = [1, 2]", "table_p"},
         Nonsense{"[both]\ntable_p = [0, 1]", "table_p"}, Nonsense{"[both]\norder = \"sorted\"", "order"},

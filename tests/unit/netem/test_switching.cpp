@@ -73,27 +73,29 @@ TEST(Switching, TheLossStateTheQueueAndTheRecordingBeginAnew) {
   EXPECT_EQ(emulator.push(now_ns, 500U, 0).queued_ns, 500 * kMs);
   EXPECT_EQ(emulator.push(now_ns, 500U, 0).queued_ns, 1000 * kMs);
   switch_to(emulator, of("rate_kbit_per_s = 80\nqueue_bytes = 2000"), now_ns);
-  EXPECT_EQ(emulator.push(now_ns, 500U, 0).queued_ns, 50 * kMs);
+  EXPECT_EQ(emulator.push(now_ns, 500U, 0).queued_ns, 150 * kMs) << "behind what waits, at the new rate";
 
   DirectionProfile recorded;
-  recorded.recording =
-      std::make_shared<Recording>(Recording{{0, 1 * kMs}, {0, 2 * kMs}, {0, 0, true}, {0, 3 * kMs}});
+  recorded.trace_end = TraceEnd::kRepeat;
+  recorded.recording = std::make_shared<Recording>(
+      Recording{{0, 1 * kMs}, {10 * kMs, 2 * kMs}, {20 * kMs, 0, true}, {30 * kMs, 3 * kMs}});
   for (int round = 0; round < 2; ++round) {
     now_ns += 5000 * kMs;
     switch_to(emulator, recorded, now_ns);
     for (int i = 0; i < 9; ++i) {
-      const PacketOutcome outcome = emulator.push(now_ns, 10U, 0);
+      const std::int64_t at_ns = now_ns + i * 10 * kMs;
+      const PacketOutcome outcome = emulator.push(at_ns, 10U, 0);
       EXPECT_EQ(outcome.lost(), i % 4 == 2);
       if (!outcome.lost()) {
-        EXPECT_EQ(outcome.due_ns - now_ns, (i % 4 == 3 ? 3 : i % 4 + 1) * kMs) << i;
+        EXPECT_EQ(outcome.due_ns - at_ns, (i % 4 == 3 ? 3 : i % 4 + 1) * kMs) << i;
       }
     }
-    (void)emulator.push(now_ns, 10U, 0);
+    now_ns += 85 * kMs;
   }
   recorded.loss_only = true;
   recorded.stages[0].conditions.loss.model = LossModel::kTrace;
   switch_to(emulator, recorded, now_ns);
-  for (int i = 0; i < 9; ++i) EXPECT_EQ(emulator.push(now_ns, 10U, 0).lost(), i % 4 == 2) << i;
+  for (int i = 0; i < 9; ++i) EXPECT_EQ(emulator.push(now_ns + i * 10 * kMs, 10U, 0).lost(), i % 4 == 2) << i;
 }
 
 TEST(Emulator, TimeDoesNotRunBackwards) {

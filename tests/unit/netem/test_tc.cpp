@@ -61,7 +61,7 @@ TEST(Tc, EveryConditionHasItsWords) {
            Row{"delay_ms = 9\nloss = 0.1\ntcp_like = true", " delay 9ms", 2},
            Row{"delay_ms = 9\ntcp_like = true", " delay 9ms", 0},
            Row{"duplicate = 0.5\ncorrupt = 0.25", " duplicate 50% corrupt 25%", 1},
-           Row{"rate_kbit_per_s = 128.5\nqueue_bytes = 999", " rate 128.5kbit", 1},
+
            Row{"slot_ms = 5", " slot 5ms 5ms", 0},
            Row{"slot_ms = 5\nslot_jitter_ms = 2\nslot_packets = 3\nslot_bytes = 1600",
                " slot 5ms 7ms packets 3 bytes 1600", 1},
@@ -71,6 +71,20 @@ TEST(Tc, EveryConditionHasItsWords) {
     EXPECT_EQ(out.command, head + row.words) << row.keys;
     EXPECT_EQ(out.shortcomings.size(), row.shortcomings) << row.keys;
   }
+  // 10,000 bytes of queue and 50 ms at 100,000 bytes/s: 15,000 bytes, in packets of 200 or 1500.
+  const DirectionProfile slow =
+      parse_profile("[both]\ndelay_ms = 50\nrate_kbit_per_s = 800\nqueue_bytes = 10000", "test").forward;
+  EXPECT_EQ(export_to_tc(slow, "eth0").command,
+            "tc qdisc replace dev eth0 root netem limit 75 delay 50ms rate 800kbit");
+  EXPECT_EQ(export_to_tc(slow, "eth0", 1500).command,
+            "tc qdisc replace dev eth0 root netem limit 10 delay 50ms rate 800kbit");
+  EXPECT_TRUE(names(export_to_tc(slow, "eth0", 1500), "1500 bytes"));
+  EXPECT_EQ(of("rate_kbit_per_s = 128.5\nqueue_bytes = 64").command,
+            "tc qdisc replace dev eth0 root netem limit 1 rate 128.5kbit");
+  // One packet in ten lost, in bursts of 32 ms: the chain of packets 16 ms apart.
+  const TcExport bursts = of("loss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_ms = 32");
+  EXPECT_EQ(bursts.command, head + " loss gemodel 4.26247% 38.3622% 100% 0%");
+  EXPECT_TRUE(names(bursts, "loss_burst_ms"));
   DirectionProfile recorded;
   recorded.recording = std::make_shared<Recording>(Recording{{0, 1}});
   EXPECT_EQ(export_to_tc(recorded, "lo").command, "tc qdisc replace dev lo root netem");
@@ -83,8 +97,8 @@ TEST(Tc, EveryConditionHasItsWords) {
 TEST(Tc, WhatItLeavesOutIsNamed) {
   EXPECT_TRUE(names(of("delay_ms = 20\njitter_ms = 5\ndistribution = \"normal\""), "order"));
   EXPECT_TRUE(names(of("delay_ms = 20\njitter_ms = 5\ndistribution = \"gamma\"\nshape = 2"), "distribution"));
-  EXPECT_TRUE(
-      names(of("delay_ms = 20\njitter_ms = 5\ndistribution = \"normal\"\ncorrelation = 0.5"), "correlation"));
+  EXPECT_TRUE(names(of("delay_ms = 20\njitter_ms = 5\ndistribution = \"normal\"\ncorrelation_ms = 1.442695"),
+                    "correlation"));
   EXPECT_TRUE(names(of("delay_ms = 1\njitter_ms = 5\ndistribution = \"normal\""), "below zero"));
   EXPECT_TRUE(names(of("loss = 0.1\ntcp_like = true"), "tcp_like"));
   EXPECT_TRUE(

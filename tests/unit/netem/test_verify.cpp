@@ -57,15 +57,16 @@ TEST_P(RightLaw, RaisesNoFalseAlarm) {
 INSTANTIATE_TEST_SUITE_P(
     Verify, RightLaw,
     testing::Values(
-        "delay_ms = 20\njitter_ms = 5\ndistribution = \"uniform\"\ncorrelation = 0.9",
-        "delay_ms = 2\njitter_ms = 5\ndistribution = \"laplace\"\ncorrelation = 0.5\norder = \"free\"",
+        "delay_ms = 20\njitter_ms = 5\ndistribution = \"uniform\"\ncorrelation_ms = 9.49122",
+        "delay_ms = 2\njitter_ms = 5\ndistribution = \"laplace\"\ncorrelation_ms = 1.442695\norder = "
+        "\"free\"",
         "delay_ms = 0\njitter_ms = 5\ndistribution = \"normal\"\norder = \"free\"",
-        "delay_ms = 20\njitter_ms = 5\ndistribution = \"gamma\"\nshape = 0.3\ncorrelation = 0.99",
+        "delay_ms = 20\njitter_ms = 5\ndistribution = \"gamma\"\nshape = 0.3\ncorrelation_ms = 99.4992",
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"lognormal\"\nshape = 2\norder = "
-        "\"free\"\ncorrelation = 0.9",
-        "delay_ms = 7\njitter_ms = 0.05\ndistribution = \"lognormal\"\nshape = 3\ncorrelation = 0.99",
+        "\"free\"\ncorrelation_ms = 9.49122",
+        "delay_ms = 7\njitter_ms = 0.05\ndistribution = \"lognormal\"\nshape = 3\ncorrelation_ms = 99.4992",
         "delay_ms = 20\njitter_ms = 5\ndistribution = \"pareto\"\nshape = 2.1\norder = \"free\"",
-        "delay_ms = 20\njitter_ms = 5\ndistribution = \"pareto\"\nshape = 3\ncorrelation = 0.7",
+        "delay_ms = 20\njitter_ms = 5\ndistribution = \"pareto\"\nshape = 3\ncorrelation_ms = 2.803673",
         "delay_ms = 20\ndistribution = \"table\"\ntable_p = [0, 0.5, 1]\ntable_ms = [0, 0, 10]",
         "delay_ms = 20\ndistribution = \"table\"\ntable_p = [0, 0.7, 0.7001, 1]\ntable_ms = [1, 2, 40, "
         "41]\norder = "
@@ -109,11 +110,12 @@ INSTANTIATE_TEST_SUITE_P(
               "delay sd"},
         Wrong{"delay_ms = 50\n" NORMAL, "delay_ms = 50\njitter_ms = 10\ndistribution = \"laplace\"",
               "delay p99"},
-        Wrong{"delay_ms = 50\n" NORMAL "correlation = 0.3", "delay_ms = 50\n" NORMAL "correlation = 0.25",
-              "lag-1 correlation"},
+        Wrong{"delay_ms = 50\n" NORMAL "correlation_ms = 0.830584",
+              "delay_ms = 50\n" NORMAL "correlation_ms = 0.721348", "lag-1 correlation"},
         Wrong{"delay_ms = 50\n" NORMAL, "delay_ms = 50\n" NORMAL "order = \"free\"", "out of order"},
         Wrong{"delay_ms = 50\n" NORMAL "order = \"free\"",
-              "delay_ms = 50\n" NORMAL "order = \"free\"\ncorrelation = 0.5", "overtakes predecessor"},
+              "delay_ms = 50\n" NORMAL "order = \"free\"\ncorrelation_ms = 1.442695",
+              "overtakes predecessor"},
         Wrong{"loss = 0.01", "loss = 0.012", "loss"},
         Wrong{"loss_model = \"gilbert-elliott\"\nloss = 0.1\nloss_burst_packets = 8", "loss = 0.1",
               "mean burst"},

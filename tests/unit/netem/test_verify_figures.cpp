@@ -43,7 +43,7 @@ TEST(Bounds, OvertakingHasItsClosedForms) {
   for (const double interval_s : {0.001, 0.01, 0.03}) {
     for (const double rho : {0.0, 0.5, 0.9}) {
       DelayParameters normal = law(DelayDistribution::kNormal, 0.2, 0.01);
-      normal.correlation = rho;
+      normal.correlation_s = rho > 0 ? -interval_s / std::log(rho) : 0.0;
       EXPECT_NEAR(overtaking_probability(normal, interval_s),
                   tail(interval_s / (0.01 * std::sqrt(2.0 * (1.0 - rho)))), 1e-6)
           << interval_s << " " << rho;
@@ -129,7 +129,8 @@ struct Golden {
 };
 
 const Golden kReports[] = {
-    {"delay_ms = 20\njitter_ms = 5\ndistribution = \"gamma\"\nshape = 2\ncorrelation = 0.5\norder = \"free\"",
+    {"delay_ms = 20\njitter_ms = 5\ndistribution = \"gamma\"\nshape = 2\ncorrelation_ms = 1.442695\norder = "
+     "\"free\"",
      17420145029621540287U},
     {"delay_ms = 20\njitter_ms = 5\ndistribution = \"laplace\"\nloss_model = \"gilbert-elliott\"\nloss = "
      "0.1\n"
@@ -140,7 +141,7 @@ const Golden kReports[] = {
      10865070020492669978U},
     {"delay_ms = 20\norder = \"reorder\"\nreorder = 0.2\nreorder_gap = 4\nduplicate = 0.1\ncorrupt = 0.2",
      14405910129931135173U},
-    {"delay_ms = 4\nrate_kbit_per_s = 900\nqueue_bytes = 3000\nloss = 0.1", 6979866685756634058U},
+    {"delay_ms = 4\nrate_kbit_per_s = 900\nqueue_bytes = 3000\nloss = 0.1", 18418663796648070897U},
     {"delay_ms = 3.3\nslot_ms = 5\nslot_jitter_ms = 1\nslot_packets = 6\nloss = 0.1\ntcp_like = true\nrto_ms "
      "= 50",
      14440974234150645338U},

@@ -32,6 +32,37 @@ TEST(RunRecord, AFolderThatHoldsAnotherRunOfTheSiteIsRefused) {
   fs::remove_all(folder);
 }
 
+TEST(RunRecord, ContoursThatWereInForceBeforeAreKept) {
+  const fs::path folder = fs::temp_directory_path() / ("telekerf-contours-" + std::to_string(::getpid()));
+  RunRecord record;
+  record.contour_m = {{0.0, 0.0}, {0.01, 0.0}};
+  record.earlier = {{70, false, {{0.001, 0.002}, {0.003, 0.004}, {0.005, 0.006}}}, {90, true, {{1.0, 2.0}}}};
+  write_contour(folder, record);
+  write_master(folder, record);
+  write_slave(folder, record);
+  const RunRecord back = read_run(folder);
+  ASSERT_EQ(back.earlier.size(), 2u);
+  EXPECT_EQ(back.earlier[0].until_tick, 70u);
+  EXPECT_FALSE(back.earlier[0].closed);
+  EXPECT_EQ(back.earlier[0].points_m, record.earlier[0].points_m);
+  EXPECT_TRUE(back.earlier[1].closed);
+  EXPECT_EQ(back.contour_m, record.contour_m);
+  fs::remove_all(folder);
+}
+
+TEST(RunRecord, ARecorderGoesOnWhereRoomIsMade) {
+  Recorder<SlaveRow> recorder(2);
+  SlaveRow row;
+  for (row.tick = 0; row.tick < 7; ++row.tick) {
+    if (row.tick < 2) recorder.make_room(3);  // twice is once
+    recorder.push(row);
+  }
+  const std::vector<SlaveRow> rows = recorder.rows();
+  ASSERT_EQ(rows.size(), 5u);
+  for (std::size_t n = 0; n < rows.size(); ++n) EXPECT_EQ(rows[n].tick, n);
+  EXPECT_EQ(recorder.dropped(), 2u);
+}
+
 TEST(RunRecord, ARecorderCountsWhatItHasNoRoomFor) {
   Recorder<SlaveRow> recorder(2);
   for (std::uint64_t tick = 0; tick < 5; ++tick) recorder.push({.tick = tick});

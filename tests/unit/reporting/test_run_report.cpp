@@ -147,6 +147,19 @@ TEST(RunReport, EnergyBeyondTheCorridorIsCountedAndReachesNothing) {
   EXPECT_FALSE(succeeded(make_report(dark))) << "a run that cuts nothing is no success";
 }
 
+TEST(RunReport, EachCutIsJudgedByTheContourThatWasInForce) {
+  RunRecord record = circle_run(0.0, 0.0);
+  record.earlier.push_back({750, true, record.contour_m});
+  for (Vec2& point : record.contour_m) point *= 1.5;  // from master tick 750 on
+  const auto report = make_report(record);
+  EXPECT_NEAR(report["cut"]["energy_inside_j"].get<double>(), 1.0, 1e-9);
+  EXPECT_NEAR(report["cut"]["energy_outside_corridor_j"].get<double>(), 1.0, 1e-9);
+  EXPECT_EQ(report["cut"]["coverage"].get<double>(), 0.0) << "of the last one";
+  EXPECT_EQ(report["contour"]["earlier"].get<int>(), 1);
+  record.earlier.front().until_tick = 1500;
+  EXPECT_EQ(make_report(record)["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
+}
+
 TEST(RunReport, TicksThatAreNotSettledOrNotAppliedAreNotTracking) {
   RunRecord record = circle_run(0.0, 20e-6);
   for (std::size_t i = 0; i < 500; ++i) {

@@ -145,6 +145,71 @@ TEST(Settings, RefusalsNameKeyValueAndBound) {
   EXPECT_NE(refusal_of_file("input = 'x'\n").first.find("unknown key 'input'"), std::string::npos);
 }
 
+TEST(Settings, NothingIsNoText) {
+  const auto refused = [](std::vector<std::string> words) {
+    return refusal([&] { (void)loaded(words); }).first;
+  };
+  EXPECT_EQ(refused({"--columns", ""}), "command line: columns = '': must not be empty");
+  EXPECT_EQ(refused({"--columns", "a,,b"}), "command line: columns = 'a,,b': must not be empty");
+  EXPECT_EQ(refused({""}), "command line: input = '': must not be empty");
+  EXPECT_EQ(refused({"--loss", ""}), "command line: loss = '': must be a number");
+  EXPECT_EQ(refusal_of("--seed 18446744073709551616"),
+            "command line: seed = 18446744073709551616: must lie within [0, 1e+15]");
+  EXPECT_EQ(refusal_of_file("columns = ['a', '']").first, "f.toml: columns = ['a', '']: must not be empty");
+}
+
+struct Coding {
+  std::string codec = "sdct";
+  double rms = 0.0;
+  int keep = 4;
+  std::optional<double> loss;
+  double burst = 1.0;
+};
+
+std::string refusal_of_effect(const std::vector<std::string>& words, const std::string& prefix = "",
+                              const std::string& file = "") {
+  Coding coding;
+  Settings settings;
+  if (!prefix.empty()) settings.add("codec", coding.codec, TextForm{.form = "CODEC"}, "another's");
+  settings.prefix(prefix);
+  settings.add("codec", coding.codec, TextForm{.form = "CODEC"}, "which");
+  settings.add("rms", coding.rms, {}, "an error");
+  settings.add("keep", coding.keep, {}, "how many");
+  settings.add("loss", coding.loss, {}, "share");
+  settings.add("burst", coding.burst, {}, "length");
+  settings.add("window", coding.burst, {}, "length");
+  settings.not_with({"rms"}, "codec", {"raw"});
+  settings.only_with({"keep"}, "codec", {"sdct", "truncated"});
+  settings.only_with({"keep"}, "rms", {"0"});
+  settings.not_with({"burst"}, "loss", {"0"});
+  settings.only_with({"window"}, "curve", {"circle"});
+  if (!file.empty()) settings.load(ConfigFile(file, "f.toml"));
+  settings.load(words);
+  return refusal([&] { settings.refuse_without_effect(); }).first;
+}
+
+TEST(Settings, WhatNothingReadsIsRefused) {
+  const std::string none = "no refusal";
+  EXPECT_EQ(refusal_of_effect({"--keep", "5"}), none);
+  EXPECT_EQ(refusal_of_effect({"--codec", "raw"}), none);
+  EXPECT_EQ(refusal_of_effect({"--codec", "raw", "--keep", "4"}), none) << "the default asks for nothing";
+  EXPECT_EQ(refusal_of_effect({"--codec", "raw", "--keep", "5"}),
+            "command line: keep has no effect with codec = raw; it needs sdct or truncated");
+  EXPECT_EQ(refusal_of_effect({"--keep", "5", "--rms", "0.5"}),
+            "command line: keep has no effect with rms = 0.5; it needs 0");
+  EXPECT_EQ(refusal_of_effect({"--codec", "raw", "--rms", "0.5"}),
+            "command line: rms has no effect with codec = raw; leave it out");
+  EXPECT_EQ(refusal_of_effect({"--burst", "5"}), none) << "loss is not set";
+  EXPECT_EQ(refusal_of_effect({"--burst", "5", "--loss", "0"}),
+            "command line: burst has no effect with loss = 0; leave it out");
+  EXPECT_EQ(refusal_of_effect({"--burst", "5", "--loss", "0.1"}), none);
+  EXPECT_EQ(refusal_of_effect({"--window", "5"}), none) << "the command has no curve";
+  EXPECT_EQ(refusal_of_effect({"--codec", "raw"}, "", "keep = 7"),
+            "f.toml: keep has no effect with codec = raw; it needs sdct or truncated");
+  EXPECT_EQ(refusal_of_effect({"--slave-codec", "raw", "--slave-keep", "5"}, "slave_"),
+            "command line: slave_keep has no effect with codec = raw; it needs sdct or truncated");
+}
+
 TEST(Settings, OldNamesAreRefusedWithTheNewOnes) {
   EXPECT_EQ(refusal_of("--rate-hz 5"), "command line: --rate-hz is stream_hz now");
   EXPECT_EQ(refusal_of("--automatic"),

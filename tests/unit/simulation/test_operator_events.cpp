@@ -128,5 +128,27 @@ TEST(OperatorEvents, ARunWithEventsIsRepeatedBitForBit) {
   for (std::size_t i = 0; i < once.slave.size(); ++i) ASSERT_EQ(once.slave[i].tool_m, again.slave[i].tool_m);
 }
 
+/// The button stays down; the hand is gone for two seconds.
+TEST(DeadManSwitch, AHandThatLetsGoTakesTheLightWithItUntilTheButtonIsPressedAnew) {
+  SimulationSettings settings;
+  settings.network = netem::simple_profile(kRtt_s, 0.0, 0.0);
+  settings.duration_s = 14.0;
+  settings.master.button = "pressed";
+  master::OperatorDisturbance let_go;
+  let_go.kind = master::OperatorDisturbance::Kind::kLetGo;
+  let_go.at_s = 5.0;
+  let_go.for_s = 2.0;
+  settings.master.hand.disturbances = {let_go};
+  const RunRecord record = simulate(settings);
+  const auto guided = std::find_if(record.master.begin(), record.master.end(),
+                                   [](const MasterRow& row) { return row.guided; });
+  ASSERT_NE(guided, record.master.end());
+  const double gone_s = guided->t_s + 5.0;
+  EXPECT_GT(share(record.slave, gone_s - 1.0, gone_s, kBeam), 0.9);
+  // What the observer still feels, the patience, a block, and the way.
+  const double dark_s = gone_s + 0.1 + 0.3 + kAnswer_s;
+  EXPECT_EQ(share(record.slave, dark_s, 14.0, kBeam), 0.0) << "though the hand is back";
+}
+
 }  // namespace
 }  // namespace telekerf::simulation

@@ -32,8 +32,8 @@ TEST(SingleKinematics, AgreesWithTheOtherToTwoMicrometresOnEveryShippedRobot) {
 
 TEST(CorridorRaster, IsTheCorridorButForACell) {
   std::vector<Vec2> points{{-3e-3, 0.0}, {2e-3, 1e-3}, {1e-3, -2e-3}};
-  const laser::CorridorRaster open(points, false, 0.5e-3, 10e-3);
-  const laser::CorridorRaster closed(points, true, 0.5e-3, 10e-3);
+  const laser::CorridorRaster open({points, false}, 0.5e-3, 10e-3);
+  const laser::CorridorRaster closed({points, true}, 0.5e-3, 10e-3);
   const geometry::NearestIndex open_line({points, false});
   const geometry::NearestIndex closed_line({points, true});
   for (double x = -5e-3; x < 5e-3; x += 0.07e-3) {
@@ -58,7 +58,7 @@ class Monitor : public testing::Test {
   }
   const robot::RobotModel model_ = robot::load_robot("slave-keops");
   const std::vector<Vec2> points_{{-3e-3, 0.0}, {3e-3, 0.0}};
-  const laser::CorridorRaster corridor_{points_, false, 0.5e-3, 10e-3};
+  const laser::CorridorRaster corridor_{{points_, false}, 0.5e-3, 10e-3};
   laser::BeamMonitor monitor_{model_, 0.5e-3};
 };
 
@@ -102,7 +102,8 @@ TEST_F(SlaveNodeTest, TheSecondJudgementNeverForbidsAGoodLap) {
 TEST_F(SlaveNodeTest, WhereTheJudgementsDisagreeTheBeamGoesOutForGood) {
   follow(3.0);
   ASSERT_GT(out_.laser_w, 0.0);
-  corridor_->raster.emplace(std::vector<Vec2>{{0.0, 0.0}, {1e-3, 0.0}}, false, 0.5e-3, 15e-3);
+  corridor_->raster.emplace(geometry::Polyline{std::vector<Vec2>{{0.0, 0.0}, {1e-3, 0.0}}, false}, 0.5e-3,
+                            15e-3);
   laser_ticks_ = 0;
   follow(1.0);
   EXPECT_EQ(laser_ticks_, 2);

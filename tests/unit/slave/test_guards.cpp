@@ -39,6 +39,7 @@ InterlockSettings settings() {
           .max_height_m = 0.75,
           .max_arc_gap_m = 2.0,
           .beam_age_s = 3.0,
+          .max_look_age_s = 9.0,
           .min_cut_speed_m_per_s = 0.125,
           .max_dose_j = 5.0,
           .max_area_dose_j_per_mm2 = 6.0,
@@ -79,7 +80,8 @@ const std::array kInputs{flag("stop", &In::stopped, false),
                          number("area-dose", &In::area_dose_j_per_mm2, 6.0),
                          flag("on-time", &In::on_time),
                          flag("emission", &In::emission_agrees),
-                         flag("monitor", &In::monitor_agrees)};
+                         flag("monitor", &In::monitor_agrees),
+                         number("look", &In::look_age_s, 9.0)};
 
 /// Classes of values: of a number eight, of a flag its two.
 constexpr std::size_t kClasses = 8;

@@ -32,6 +32,36 @@ TEST_F(Permit, AnotherContourPutsTheBeamOutUntilTheMasterWorksOnItToo) {
   EXPECT_GT(out_.laser_w, 0.0);
 }
 
+/// A stream whose count begins anew is taken after a second of silence, be it a tape; it is followed, but
+/// what was lit is not lit again.
+TEST_F(Permit, NoSampleIsLitTwice) {
+  burn();
+  const double newest_lit = out_.applied_tick;
+  for (int b = 0; b < 70; ++b) run(std::nullopt);
+  number_ = 0;
+  tick_ = 0;
+  engage_anew();
+  laser_ticks_ = 0;
+  follow(2.5);
+  EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
+  EXPECT_EQ(out_.forbidden, laser::guard_bit("unlit"));
+  EXPECT_LT(out_.applied_tick, newest_lit);
+  EXPECT_EQ(laser_ticks_, 0);
+  follow(1.0);
+  EXPECT_GT(out_.applied_tick, newest_lit);
+  EXPECT_GT(out_.laser_w, 0.0);
+}
+
+TEST_F(Permit, AFaultOfRobotOrLaserForbids) {
+  burn();
+  SlaveNode node(robot::load_robot("slave-keops"), {}, 1);
+  SlaveInputs inputs;
+  inputs.fault = true;
+  EXPECT_NE(node.step(0, inputs).forbidden & laser::guard_bit("fault"), 0u);
+  inputs.fault = false;
+  EXPECT_EQ(node.step(kMs, inputs).forbidden & laser::guard_bit("fault"), 0u);
+}
+
 /// Three periods are what a laser waits for; after four it is off for 20 ms.
 TEST_F(Permit, AStepThatComesLateKeepsTheBeamOffForAWhile) {
   burn();

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Of two masters that could not see each other when they joined (a process that was stopped for long, a
+// network that was divided) one gives way as soon as they do.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "common/bus/bus.h"
+#include "common/runtime/status_reporter.h"
+
+namespace telekerf {
+
+class RivalWatch {
+ public:
+  RivalWatch(const Bus& bus, StatusReporter& status) : bus_(bus), status_(status) {}
+
+  /// Whom the slave obeys, as far as its states tell.
+  enum class Obeyed : std::uint8_t { kNobody, kUs, kAnother };
+  /// For the loop, every step, wait-free. False: this process gives way, and ends.
+  [[nodiscard]] bool goes_on(Obeyed obeyed) noexcept {
+    obeyed_.store(obeyed, std::memory_order_relaxed);
+    return !gives_way_.load(std::memory_order_acquire);
+  }
+  /// Now and then, from a thread that may write.
+  void look();
+  /// Why it gives way; empty: it does not.
+  std::string sentence() const;
+
+ private:
+  const Bus& bus_;
+  StatusReporter& status_;
+  std::atomic<Obeyed> obeyed_{Obeyed::kNobody};
+  std::atomic<bool> gives_way_{false};
+  mutable std::mutex mutex_;
+  std::string sentence_;
+  std::optional<std::chrono::steady_clock::time_point> since_;  ///< the rival is seen
+  bool said_ = false;
+};
+
+}  // namespace telekerf

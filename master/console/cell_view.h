@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the bus tells of the cell, gathered for the page: the newest of everything, in the contour's frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/protocol/messages.h"
+#include "common/protocol/overhead.h"
+#include "common/streaming/state_receiver.h"
+#include "master/console/mark_trail.h"
+#include "master/console/page_protocol.h"
+#include "master/operator/udp_hand.h"
+
+namespace telekerf::master {
+
+/// Pure: time is what it is told, this machine's monotonic clock.
+class CellView {
+ public:
+  /// Numbers older than this are not the cell's state any more.
+  static constexpr double kStale_s = 0.5;
+
+  void hear(const Received<CommandBlock>& command);
+  void hear(const Received<StateBlock>& state);
+  void hear(const TelemetryMessage& telemetry, std::int64_t now_ns);
+  void hear(ContourMessage contour);
+  /// The master's own answer to the hand, between two of its telemetries.
+  void hear(const UdpHandAnswer& answer) noexcept;
+
+  /// All but what the console itself knows of the hand.
+  PageFields fields(std::int64_t now_ns);
+  /// One sentence: what holds, or what hinders. `stop`: why everything is stopped; empty: it is not.
+  std::string sentence(const std::string& stop, std::int64_t now_ns) const;
+  /// And of the beam. `armed`: the fire button counts.
+  std::string beam_sentence(bool armed, std::int64_t now_ns) const;
+
+  const std::optional<ContourMessage>& contour() const noexcept { return contour_; }
+  MarkTrail& mark() noexcept { return mark_; }
+  bool laser_on(std::int64_t now_ns) const noexcept { return slave_fresh(now_ns) && slave_.laser_on; }
+  bool engaged(std::int64_t now_ns) const;
+  double beta() const { return value("beta", 1.0); }
+  bool master_fresh(std::int64_t now_ns) const noexcept;
+  bool slave_fresh(std::int64_t now_ns) const noexcept;
+
+ private:
+  /// Bytes of one direction: of the last full second, and so far.
+  struct Rate {
+    void add(std::uint32_t bytes, std::int64_t now_ns) noexcept;
+    double per_s(std::int64_t now_ns) noexcept;
+    std::int64_t since_ns = 0;
+    double bytes = 0.0;
+    double last = 0.0;
+  };
+  /// What the master was at one of its ticks.
+  struct MasterMoment {
+    std::int64_t tick = -1;
+    Vec2 scaled_m = Vec2::Zero();
+    Vec2 predicted_m = Vec2::Zero();
+  };
+
+  double value(const char* name, double otherwise = 0.0) const;
+  void compare(const streaming::SlaveSample& sample) noexcept;
+
+  std::map<std::string, double, std::less<>> master_;  ///< telemetry
+  std::int64_t master_ns_ = 0;
+  bool master_heard_ = false;
+  std::array<MasterMoment, 256> moments_{};
+  int command_ticks_ = 1;  ///< control steps a sample of the command stream
+  std::unique_ptr<streaming::StateReceiver> states_;
+  std::uint32_t states_epoch_ = 0;  ///< of the master that states_ is of
+  StateHeader slave_;
+  std::int64_t slave_ns_ = 0;
+  bool slave_heard_ = false;
+  Vec2 slave_m_ = Vec2::Zero();
+  double slave_speed_m_per_s_ = 0.0;
+  double tracking_m_ = 0.0;
+  double prediction_m_ = 0.0;
+  double round_trip_s_ = 0.0;
+  Rate commands_, states_rate_;
+  WireCost<CommandBlock> command_cost_;
+  WireCost<StateBlock> state_cost_;
+  std::optional<ContourMessage> contour_;
+  std::optional<UdpHandAnswer> answer_;  ///< newer than the telemetry
+  MarkTrail mark_;
+};
+
+}  // namespace telekerf::master

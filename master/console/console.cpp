@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/console/console.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/runtime/version.h"
+#include "master/console/access.h"
+#include "master/operator_requests.h"
+
+namespace telekerf::master {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A page that draws and pulls says some 200 things a second, a fast pen 500.
+constexpr int kMostInASecond = 1500;
+constexpr std::size_t kMarksAtOnce = 1000;
+/// The master's answer may come before a state is due, but no sooner after the last one than this.
+constexpr std::int64_t kSoonest_ns = 7'000'000;
+/// A master that listens answers every frame at its next step.
+constexpr std::int64_t kUnanswered_ns = 500'000'000;
+/// A contour is prepared for another scale within this time.
+constexpr std::int64_t kPreparing_ns = 3'000'000'000;
+/// Between two looks at whether the words are others.
+constexpr std::int64_t kWords_ns = 40'000'000;
+
+}  // namespace
+
+Console::Console(ConsoleSettings settings)
+    : settings_(std::move(settings)),
+      stop_(settings_.source, settings_.epoch),
+      seat_(settings_.epoch),
+      last_stop_(settings_.epoch),
+      echo_ms_(std::numeric_limits<double>::quiet_NaN()) {}
+
+std::uint32_t Console::join(std::int64_t now_ns) {
+  pages_[++last_page_].second_ns = now_ns;
+  return last_page_;
+}
+
+void Console::leave(std::uint32_t page, std::int64_t now_ns) {
+  if (seat_.drives(page)) release(now_ns);
+  seat_.leave(page);
+  pages_.erase(page);
+}
+
+void Console::release(std::int64_t now_ns) {
+  if (last_hand_.flags == 0 || last_hand_.session != seat_.lease()) return;
+  last_hand_.flags = 0;
+  ++last_hand_.sequence;
+  last_hand_.sent_ns = now_ns;
+  outbox_.hand.push_back(last_hand_);
+}
+
+bool Console::floods(Page& page, std::int64_t now_ns) {
+  if (now_ns - page.second_ns >= 1'000'000'000) {
+    page.second_ns = now_ns;
+    page.heard = 0;
+  }
+  const bool too_much = ++page.heard > kMostInASecond;
+  if (too_much) ++counters_.flooded;
+  return too_much;
+}
+
+void Console::hear_frame(std::uint32_t id, std::span<const std::byte> bytes, std::int64_t now_ns) {
+  const auto page = pages_.find(id);
+  if (page == pages_.end() || floods(page->second, now_ns)) return;
+  const std::optional<PageFrame> frame = parse_frame(bytes);
+  if (!frame) {
+    ++counters_.malformed;
+    return;
+  }
+  const std::optional<UdpHandFrame> hand = seat_.hear(id, *frame, now_ns);
+  if (!hand || stop_.in_force()) return;
+  last_hand_ = *hand;
+  sent_ns_ = now_ns;
+  if (unheard_ns_ == 0) unheard_ns_ = now_ns;
+  outbox_.hand.push_back(*hand);
+}
+
+void Console::hear_command(std::uint32_t id, std::string_view json, std::int64_t now_ns) {
+  const auto page = pages_.find(id);
+  if (page == pages_.end()) return;
+  const std::optional<PageCommand> command = parse_command(json);
+  // A stop is heard whatever else the page sends.
+  const bool stops = command && command->kind == PageCommand::Kind::kStop;
+  if (floods(page->second, now_ns) && !stops) return;
+  if (!command) {
+    ++counters_.malformed;
+    return;
+  }
+  obey(id, page->second, *command, now_ns);
+}
+
+void Console::refuse(Page& page, const std::string& why) {
+  ++counters_.refused;
+  page.said = Json{{"type", "refused"}, {"why", why}}.dump();
+}
+
+void Console::tell(EventMessage::Kind kind, double value, const std::string& text) {
+  outbox_.events.push_back({settings_.epoch, kind, value, text});
+}
+
+void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std::int64_t now_ns) {
+  using Kind = PageCommand::Kind;
+  // What everyone may.
+  switch (command.kind) {
+    case Kind::kStop:
+      release(now_ns);
+      seat_.arm(false);
+      stop_.stop(++last_stop_ == 0 ? ++last_stop_ : last_stop_, "the console's stop button", now_ns);
+      return;
+    case Kind::kPing:
+      page.ping = command.value;
+      return;
+    case Kind::kRate:
+      page.period_ns = static_cast<std::int64_t>(1e9 / std::clamp(command.value, 1.0, 125.0));
+      return;
+    case Kind::kTake:
+      if (!token_matches(settings_.token, command.text))
+        return refuse(page, "This page may watch and stop; to drive it needs the console's token");
+      if (const auto lease = seat_.take(id, now_ns))
+        page.said = Json{{"type", "lease"}, {"lease", *lease}}.dump();
+      else
+        refuse(page, "Another page drives; it has to let go of the hand first");
+      return;
+    case Kind::kLeave:
+      if (seat_.drives(id)) release(now_ns);
+      seat_.leave(id);
+      return;
+    default:
+      break;
+  }
+  if (!seat_.drives(id)) return refuse(page, "You watch: take the hand first");
+  const bool beam_on = cell_.laser_on(now_ns);
+  switch (command.kind) {
+    case Kind::kEngage:
+      if (stop_.in_force()) return refuse(page, "Not engaged: clear the stop first");
+      return tell(EventMessage::Kind::kEngage);
+    case Kind::kDisengage:
+      seat_.arm(false);
+      return tell(EventMessage::Kind::kDisengage);
+    case Kind::kArm:
+      if (command.value != 0.0 && stop_.in_force()) return refuse(page, "Not armed: clear the stop first");
+      return seat_.arm(command.value != 0.0);
+    case Kind::kBeta:
+      if (!(command.value >= kSmallestBeta && command.value <= kLargestBeta))
+        return refuse(page, fmt::format("The scale must be within [{}, {}]", kSmallestBeta, kLargestBeta));
+      if (stop_.in_force()) return refuse(page, "No other scale while everything is stopped");
+      if (beam_on) return refuse(page, "No other scale while the beam is on; let go of the fire button");
+      asked_beta_ = command.value;
+      asked_ns_ = now_ns;
+      return tell(EventMessage::Kind::kSetBeta, command.value);
+    case Kind::kClearStop:
+      if (const std::string wrong = stop_.clear(now_ns); !wrong.empty()) refuse(page, wrong);
+      return;
+    case Kind::kNetem:
+      if (std::find(settings_.profiles.begin(), settings_.profiles.end(), command.text) ==
+          settings_.profiles.end())
+        return refuse(page, fmt::format("No network of the name {} is shipped", command.text));
+      profile_ = command.text;
+      return tell(EventMessage::Kind::kSetNetem, 0.0, command.text);
+    default:
+      return;
+  }
+}
+
+void Console::hear(const UdpHandAnswer& answer) noexcept {
+  const auto passed = seat_.passed(answer.session, answer.sequence);
+  if (passed) {
+    echo_ms_ = passed->page_ms;
+    step_s_ = static_cast<double>(answer.step_ns - passed->heard_ns) * 1e-9;
+  }
+  unheard_ns_ = 0;
+  answer_ = answer;
+  ++answers_;
+  cell_.hear(answer);
+}
+
+void Console::hear(const EventMessage& event) {
+  if (event.kind != EventMessage::Kind::kAnswer || event.epoch != settings_.epoch || event.value != 1.0)
+    return;
+  for (auto& [id, page] : pages_) {
+    if (seat_.drives(id)) refuse(page, event.text);
+  }
+}
+
+bool Console::deaf(std::int64_t now_ns) const noexcept {
+  return unheard_ns_ != 0 && now_ns - unheard_ns_ > kUnanswered_ns && now_ns - sent_ns_ < kUnanswered_ns;
+}
+
+void Console::follow_up(std::int64_t now_ns) {
+  constexpr double kSame = 1e-6;  // single precision on its way
+  if (asked_beta_ == 0.0 || now_ns - asked_ns_ < kPreparing_ns) return;
+  if (std::abs(cell_.beta() - asked_beta_) > kSame * asked_beta_) {
+    for (auto& [id, page] : pages_) {
+      if (seat_.drives(id))
+        refuse(page, fmt::format("The scale stays {:.2f}: the master cannot take the contour at {:.2f} now",
+                                 cell_.beta(), asked_beta_));
+    }
+  }
+  asked_beta_ = 0.0;
+}
+
+void Console::step(std::int64_t now_ns) {
+  seat_.step(now_ns);
+  follow_up(now_ns);
+  if (stop_.in_force()) seat_.arm(false);
+}
+
+Console::Outbox Console::take_outbox() { return std::exchange(outbox_, {}); }
+
+std::string Console::hello() const {
+  return Json{{"type", "hello"},
+              {"version", kVersion},
+              {"cell", settings_.cell},
+              {"fields", kPageFieldNames},
+              {"profiles", settings_.profiles},
+              {"beta", {kSmallestBeta, kLargestBeta}}}
+      .dump();
+}
+
+std::string Console::words(std::uint32_t id, std::int64_t now_ns) const {
+  const std::string stop = stop_.sentence();
+  return Json{{"type", "words"},
+              {"sentence", cell_.sentence(stop, now_ns)},
+              {"beam", cell_.beam_sentence(seat_.armed(), now_ns)},
+              {"stopped", stop_.in_force()},
+              {"driver", seat_.drives(id) ? "you"
+                         : seat_.taken()  ? "other"
+                                          : "nobody"},
+              {"lease", seat_.drives(id) ? seat_.lease() : 0U},
+              {"watchers", pages_.size() - (seat_.taken() ? 1U : 0U)},
+              {"armed", seat_.armed()},
+              {"engaged", cell_.engaged(now_ns)},
+              {"profile", profile_},
+              {"deaf", deaf(now_ns)},
+              {"contour", cell_.contour() ? cell_.contour()->id : 0U}}
+      .dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+PageMessage Console::state(std::int64_t now_ns) {
+  PageFields fields = cell_.fields(now_ns);
+  const std::uint32_t flags = answer_ ? answer_->flags : 0U;
+  fields[page_field("held")] = (flags & UdpHandAnswer::kHeld) != 0 ? 1.0F : 0.0F;
+  fields[page_field("trigger")] = (flags & UdpHandAnswer::kTrigger) != 0 ? 1.0F : 0.0F;
+  fields[page_field("step_s")] = static_cast<float>(step_s_);
+  fields[page_field("late_frames")] = static_cast<float>(seat_.late());
+  return {true, encode_state(fields, static_cast<double>(now_ns) * 1e-6, echo_ms_)};
+}
+
+std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) {
+  const auto found = pages_.find(id);
+  if (found == pages_.end()) return std::nullopt;
+  Page& page = found->second;
+  if (!page.greeted) {
+    page.greeted = true;
+    return PageMessage{false, hello()};
+  }
+  if (!page.said.empty()) return PageMessage{false, std::exchange(page.said, {})};
+  if (page.ping) {
+    const double at = *std::exchange(page.ping, std::nullopt);
+    return PageMessage{false, Json{{"type", "pong"}, {"at", at}}.dump()};
+  }
+  if (now_ns - page.words_ns >= kWords_ns) {
+    page.words_ns = now_ns;
+    if (std::string words = this->words(id, now_ns); words != page.words) {
+      page.words = words;
+      return PageMessage{false, std::move(words)};
+    }
+  }
+  const MarkTrail& mark = cell_.mark();
+  if (page.mark_generation != mark.generation()) {
+    page.mark_generation = mark.generation();
+    page.marks = 0;
+    if (mark.size() == 0) return PageMessage{true, encode_mark({}, 0)};
+  }
+  if (page.marks < mark.size()) {
+    const auto places = mark.from(page.marks, kMarksAtOnce);
+    PageMessage message{true, encode_mark(places, static_cast<std::uint32_t>(page.marks))};
+    page.marks += places.size();
+    return message;
+  }
+  const std::int64_t since_ns = now_ns - page.state_ns;
+  const bool news = page.answered != answers_ && seat_.drives(id) && since_ns >= kSoonest_ns;
+  if (since_ns < page.period_ns && !news) return std::nullopt;
+  page.state_ns = now_ns;
+  page.answered = answers_;
+  return state(now_ns);
+}
+
+std::string Console::contour_json() const {
+  if (!cell_.contour()) return R"({"id":0})";
+  const ContourMessage& contour = *cell_.contour();
+  const auto points = [](const std::vector<Vec2>& line_m) {
+    Json all = Json::array();
+    for (const Vec2& point : line_m) {  // um are enough for eyes
+      all.push_back(std::round(point.x() * 1e7) / 1e7);
+      all.push_back(std::round(point.y() * 1e7) / 1e7);
+    }
+    return all;
+  };
+  Json further = Json::array();
+  for (const ContourLine& line : contour.further)
+    further.push_back({{"closed", line.closed}, {"points", points(line.points_m)}});
+  return Json{{"id", contour.id},     {"closed", contour.closed},           {"source", contour.source},
+              {"mode", contour.mode}, {"points", points(contour.points_m)}, {"further", std::move(further)}}
+      .dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace telekerf::master

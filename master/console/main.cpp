@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-console: the operator's web page, and its way into the cell.
+#include <fmt/format.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus_flags.h"
+#include "common/bus/endpoints.h"
+#include "common/bus/process.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/program.h"
+#include "common/runtime/resources.h"
+#include "master/console/access.h"
+#include "master/console/console.h"
+#include "master/console/hand_line.h"
+#include "master/console/web_server.h"
+#include "netem/drivers/netem_flags.h"
+#include "netem/drivers/netem_switch.h"
+
+namespace telekerf::master {
+namespace {
+
+constexpr std::chrono::milliseconds kStep{4};
+
+struct Flags {
+  BusFlags bus;
+  netem::NetemFlags netem;
+  WebServerSettings web;
+  std::string hand;
+  std::string as = "operator";
+};
+
+/// Everything that has come from the bus.
+struct Ears {
+  explicit Ears(Bus& bus)
+      : commands(bus), states(bus), contours(bus), telemetry(bus), stops(bus), events(bus) {}
+  void hear(Console& console, std::int64_t now_ns) {
+    while (auto command = commands.take()) console.cell().hear(*command);
+    while (auto state = states.take()) console.cell().hear(*state);
+    while (auto contour = contours.take()) console.cell().hear(std::move(contour->value));
+    while (auto values = telemetry.take()) console.cell().hear(values->value, now_ns);
+    while (auto stop = stops.take()) console.stop().hear(stop->value);
+    while (auto event = events.take()) console.hear(event->value);
+  }
+  Reader<CommandBlock> commands;
+  Reader<StateBlock> states;
+  Reader<ContourMessage> contours;
+  Reader<TelemetryMessage> telemetry;
+  Reader<StopMessage> stops;
+  Reader<EventMessage> events;
+};
+
+int run(Flags& flags) {
+  if (flags.web.token.empty()) flags.web.token = new_token();
+  BusSettings settings = flags.bus.bus_settings(Site::kOperator, "console");
+  const auto emulator = flags.netem.emulator(settings.site);
+  settings.receive_filter = emulator;
+  Console console({.cell = settings.cell,
+                   .source = flags.as,
+                   .token = flags.web.token,
+                   .profiles = shipped_names("profiles", ".toml"),
+                   .epoch = settings.epoch});
+
+  boost::asio::io_context context(1);
+  std::function<void()> deliver = [] {};
+  // The port is asked for before the cell is: who cannot serve need not knock.
+  WebServer web(context, flags.web, console, [&deliver] { deliver(); });
+  const UdpAddress master =
+      flags.hand.empty() ? UdpAddress{"127.0.0.1", web.port()} : udp_address(flags.hand);
+  HandLine hand(context, master, [&](const UdpHandAnswer& answer) {
+    console.hear(answer);
+    web.pump();
+  });
+
+  Process process(settings, "console", nullptr);
+  Ears ears(process.bus());
+  Writer<EventMessage> events(process.bus());
+  Writer<StopMessage> stops(process.bus());
+  const netem::NetemSwitch netem_switch(process.bus(), emulator);
+  deliver = [&] {
+    const std::int64_t now_ns = monotonic_ns();
+    if (console.stop().due(now_ns)) {
+      if (const auto stop = console.stop().step(process.bus().others(), now_ns)) stops.write(*stop);
+    }
+    const Console::Outbox outbox = console.take_outbox();
+    for (const UdpHandFrame& frame : outbox.hand) hand.send(frame);
+    for (const EventMessage& event : outbox.events) events.write(event);
+  };
+
+  boost::asio::steady_timer timer(context);
+  std::function<void()> step = [&] {
+    if (stop_requested()) return context.stop();
+    const std::int64_t now_ns = monotonic_ns();
+    ears.hear(console, now_ns);
+    console.step(now_ns);
+    deliver();
+    web.pump();
+    timer.expires_after(kStep);
+    timer.async_wait([&step](const boost::system::error_code&) { step(); });
+  };
+  process.status().say(web.address());
+  step();
+  context.run();
+  deliver = [] {};
+  process.status().say("ended in order");
+  return 0;
+}
+
+std::string complaint_about_token(const std::string& token) {
+  return token.empty() || token.size() >= 8 ? "" : "must have 8 characters or more";
+}
+
+void add_parameters(Flags& flags, Settings& settings) {
+  settings.add("port", flags.web.port, {.min = 0, .max = 65535}, "where the page is served; 0: any free one");
+  settings.add("bind", flags.web.bind, kName, "address of this host at which it is served");
+  settings.add("host_name", flags.web.name, kName, "by which the page may be asked for, beside addresses");
+  settings.add(
+      "token", flags.web.token, TextForm{.form = "TEXT", .complaint = complaint_about_token},
+      "a page from another host drives with it, behind # in its address; without: a new one each time");
+  settings.add(
+      "hand", flags.hand,
+      TextForm{.form = "HOST:PORT",
+               .complaint =
+                   [](const std::string& text) { return text.empty() ? std::string() : validate_udp(text); }},
+      "where the master's --hand browser listens; without: 127.0.0.1 and the page's port");
+  settings.add("as", flags.as, kName, "who stops from the page: a stop is cleared by nobody else");
+  flags.bus.add_parameters(settings);
+  flags.netem.add_parameters(settings);
+}
+
+}  // namespace
+}  // namespace telekerf::master
+
+int main(int argc, char** argv) {
+  using namespace telekerf::master;
+  return telekerf::run_program(argc, argv, "telekerf-console",
+                               "The operator's console: a web page from which a person cuts", Flags{},
+                               add_parameters, run);
+}

@@ -1,0 +1,84 @@
+// Live line plots on a canvas of their own: ten seconds, a few lines, scaled to what is seen.
+const kSpan_s = 10, kPoints = 1024;
+
+export class Plot {
+  constructor(canvas, output, lines, format) {
+    this.canvas = canvas;
+    this.output = output;
+    this.lines = lines;      // colours, and dashes so that colour alone tells nothing
+    this.format = format;
+    this.t = new Float64Array(kPoints).fill(-Infinity);
+    this.values = lines.map(() => new Float32Array(kPoints));
+    this.next = 0;
+    this.drawn = 0;
+    this.top = 1;
+  }
+
+  push(t_s, numbers) {
+    const at = this.next++ % kPoints;
+    this.t[at] = t_s;
+    numbers.forEach((number, n) => { this.values[n][at] = Number.isFinite(number) ? number : 0; });
+    this.newest = numbers;
+  }
+
+  fit() {
+    const ratio = Math.min(2, window.devicePixelRatio || 1);
+    const width = Math.round(this.canvas.clientWidth * ratio), height = Math.round(this.canvas.clientHeight * ratio);
+    if (this.canvas.width !== width) this.canvas.width = width;
+    if (this.canvas.height !== height) this.canvas.height = height;
+    return ratio;
+  }
+
+  draw(now_s) {
+    const ratio = this.fit();
+    const { width, height } = this.canvas;
+    const context = this.canvas.getContext("2d");
+    context.clearRect(0, 0, width, height);
+    const from_s = now_s - kSpan_s;
+    const first = Math.max(0, this.next - kPoints);
+    let most = 0;
+    for (let n = first; n < this.next; ++n) {
+      const at = n % kPoints;
+      if (this.t[at] < from_s) continue;
+      for (const line of this.values) most = Math.max(most, line[at]);
+    }
+    // The scale follows upwards at once and downwards slowly, in steps of 1, 2 and 5.
+    const step = 10 ** Math.floor(Math.log10(Math.max(most, 1e-9)));
+    const wanted = [1, 2, 5, 10].map((k) => k * step).find((top) => top >= most) ?? 1;
+    this.top = wanted > this.top ? wanted : this.top > 2.5 * wanted ? wanted : this.top;
+    context.strokeStyle = "#39414a";
+    context.fillStyle = "#aab3bd";
+    context.font = `${11 * ratio}px system-ui, sans-serif`;
+    context.lineWidth = 1;
+    context.setLineDash([]);
+    for (const share of [0, 0.5, 1]) {
+      const y = Math.round((1 - share) * (height - 2)) + 0.5;
+      context.beginPath();
+      context.moveTo(0, y);
+      context.lineTo(width, y);
+      context.stroke();
+      if (share) context.fillText(String(+(share * this.top).toPrecision(2)), 2, y + 11 * ratio);
+    }
+    context.lineWidth = 1.6 * ratio;
+    this.values.forEach((line, n) => {
+      context.strokeStyle = this.lines[n].colour;
+      context.setLineDash((this.lines[n].dash ?? []).map((d) => d * ratio));
+      context.beginPath();
+      let begun = false, column = -1, last_s = -Infinity;
+      for (let i = first; i < this.next; ++i) {
+        const at = i % kPoints;
+        if (this.t[at] < from_s) continue;
+        const x = ((this.t[at] - from_s) / kSpan_s) * width;
+        if (Math.floor(x) === column) continue;
+        column = Math.floor(x);
+        const y = (1 - Math.min(1, line[at] / this.top)) * (height - 2) + 1;
+        if (begun && this.t[at] - last_s < 0.5) context.lineTo(x, y);
+        else context.moveTo(x, y);
+        begun = true;
+        last_s = this.t[at];
+      }
+      context.stroke();
+    });
+    if (this.newest && ++this.drawn % 10 === 0) this.output.value = this.format(this.newest);
+  }
+}

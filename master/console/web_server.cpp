@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/console/web_server.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <set>
+#include <utility>
+
+#include "common/runtime/clock.h"
+#include "common/runtime/startup_error.h"
+#include "master/console/access.h"
+#include "master/console/page_files.h"
+
+namespace telekerf::master {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using boost::asio::ip::tcp;
+using Request = http::request<http::empty_body>;
+using Response = http::response<http::string_body>;
+using Error = beast::error_code;
+
+constexpr std::chrono::seconds kHttpPatience{5};
+/// A page that answers no ping for this long is gone.
+constexpr std::chrono::seconds kSilence{3};
+constexpr std::size_t kMostHeaderBytes = 8192;
+constexpr std::size_t kMostMessageBytes = 4096;
+constexpr int kMostConnections = 64;
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+}  // namespace
+
+struct WebServer::Impl : std::enable_shared_from_this<Impl> {
+  class Http;
+  class Page;
+
+  Impl(boost::asio::io_context& io, const WebServerSettings& chosen, Console& target,
+       std::function<void()> on_heard)
+      : context(io), settings(chosen), console(target), heard(std::move(on_heard)), acceptor(io) {}
+
+  void open();
+  void accept();
+  Response answer(const Request& request, const tcp::endpoint& from) const;
+  std::string index(const std::string& text, const tcp::endpoint& from) const;
+
+  boost::asio::io_context& context;
+  WebServerSettings settings;
+  Console& console;
+  std::function<void()> heard;
+  tcp::acceptor acceptor;
+  std::uint16_t port = 0;
+  std::set<Page*> pages;
+  int connections = 0;
+};
+
+/// A page's WebSocket: reads all the time, and has one write on its way at most.
+class WebServer::Impl::Page : public std::enable_shared_from_this<Page> {
+ public:
+  Page(std::shared_ptr<Impl> server, tcp::socket socket)
+      : server_(std::move(server)), socket_(std::move(socket)) {
+    ++server_->connections;
+  }
+  Page(const Page&) = delete;
+  Page& operator=(const Page&) = delete;
+  ~Page() {
+    leave();
+    --server_->connections;
+  }
+
+  void accept(Request request) {
+    Error ignored;
+    beast::get_lowest_layer(socket_).socket().set_option(tcp::no_delay(true), ignored);
+    socket_.read_message_max(kMostMessageBytes);
+    socket_.set_option(websocket::stream_base::timeout{kHttpPatience, kSilence, true});
+    request_ = std::move(request);
+    socket_.async_accept(request_, [self = shared_from_this()](Error error) {
+      if (error) return;
+      self->id_ = self->server_->console.join(monotonic_ns());
+      self->server_->pages.insert(self.get());
+      self->read();
+      self->pump();
+    });
+  }
+
+  void pump() {
+    if (writing_ || id_ == 0) return;
+    const std::optional<PageMessage> message = server_->console.next(id_, monotonic_ns());
+    if (!message) return;
+    writing_ = true;
+    out_ = message->bytes;
+    socket_.binary(message->binary);
+    socket_.async_write(boost::asio::buffer(out_), [self = shared_from_this()](Error error, std::size_t) {
+      self->writing_ = false;
+      if (error) return self->leave();
+      self->pump();
+    });
+  }
+
+  void close() {
+    leave();
+    beast::get_lowest_layer(socket_).close();
+  }
+
+ private:
+  void read() {
+    socket_.async_read(in_, [self = shared_from_this()](Error error, std::size_t) {
+      if (error) return self->leave();
+      self->take();
+      self->read();
+    });
+  }
+  void take() {
+    const auto bytes = in_.cdata();
+    const std::int64_t now_ns = monotonic_ns();
+    if (socket_.got_binary())
+      server_->console.hear_frame(id_, {static_cast<const std::byte*>(bytes.data()), bytes.size()}, now_ns);
+    else
+      server_->console.hear_command(id_, {static_cast<const char*>(bytes.data()), bytes.size()}, now_ns);
+    in_.consume(in_.size());
+    server_->heard();
+    pump();
+  }
+  void leave() {
+    if (id_ == 0) return;
+    server_->pages.erase(this);
+    server_->console.leave(std::exchange(id_, 0), monotonic_ns());
+    server_->heard();
+  }
+
+  std::shared_ptr<Impl> server_;
+  websocket::stream<beast::tcp_stream> socket_;
+  Request request_;
+  beast::flat_buffer in_;
+  std::string out_;
+  bool writing_ = false;
+  std::uint32_t id_ = 0;  ///< to the console; 0: not there (any more)
+};
+
+/// A connection that asks for files, one after the other, and may become a page's.
+class WebServer::Impl::Http : public std::enable_shared_from_this<Http> {
+ public:
+  Http(std::shared_ptr<Impl> server, tcp::socket socket)
+      : server_(std::move(server)), socket_(std::move(socket)) {
+    ++server_->connections;
+  }
+  Http(const Http&) = delete;
+  Http& operator=(const Http&) = delete;
+  ~Http() { --server_->connections; }
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kMostHeaderBytes);
+    socket_.expires_after(kHttpPatience);
+    http::async_read(socket_, buffer_, *parser_, [self = shared_from_this()](Error error, std::size_t) {
+      if (!error) self->take();
+    });
+  }
+
+ private:
+  void take() {
+    Request request = parser_->release();
+    Error error;
+    const tcp::endpoint from = socket_.socket().remote_endpoint(error);
+    if (error) return;
+    response_ = server_->answer(request, from);
+    if (response_.result() == http::status::switching_protocols) {
+      socket_.expires_never();
+      std::make_shared<Page>(server_, socket_.release_socket())->accept(std::move(request));
+      return;
+    }
+    http::async_write(socket_, response_, [self = shared_from_this()](Error failed, std::size_t) {
+      if (failed) return;
+      if (self->response_.keep_alive()) return self->read();
+      Error ignored;
+      self->socket_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    });
+  }
+
+  std::shared_ptr<Impl> server_;
+  beast::tcp_stream socket_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  Response response_;
+};
+
+void WebServer::Impl::open() {
+  const auto refuse = [this](const std::string& why, const std::string& remedy) {
+    throw environment_error(
+        fmt::format("port = {}, bind = {}: {}; {}", settings.port, settings.bind, why, remedy));
+  };
+  Error error;
+  const auto address = boost::asio::ip::make_address(settings.bind, error);
+  if (error) refuse("no address of this host", "give one, such as 127.0.0.1");
+  acceptor.open(address.is_v4() ? tcp::v4() : tcp::v6(), error);
+  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor.bind({address, settings.port}, error);
+  if (!error) acceptor.listen(boost::asio::socket_base::max_listen_connections, error);
+  if (error == boost::asio::error::address_in_use)
+    refuse("this port is taken by another program", "end that, or give another one: --port N");
+  if (error) refuse(error.message(), "give an address of this host and a free port");
+  port = acceptor.local_endpoint().port();
+}
+
+void WebServer::Impl::accept() {
+  acceptor.async_accept([self = shared_from_this()](Error error, tcp::socket socket) {
+    if (error == boost::asio::error::operation_aborted) return;
+    if (!error && self->connections < kMostConnections)
+      std::make_shared<Http>(self, std::move(socket))->read();
+    self->accept();
+  });
+}
+
+std::string WebServer::Impl::index(const std::string& text, const tcp::endpoint& from) const {
+  // The token is for who sits at this very host; all others have to be told it.
+  constexpr std::string_view kPlace = "TELEKERF_TOKEN";
+  std::string page = text;
+  if (const std::size_t place = page.find(kPlace); place != page.npos)
+    page.replace(place, kPlace.size(), from.address().is_loopback() ? settings.token : "");
+  return page;
+}
+
+Response WebServer::Impl::answer(const Request& request, const tcp::endpoint& from) const {
+  Response response{http::status::ok, request.version()};
+  response.keep_alive(request.keep_alive());
+  response.set(http::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
+  const auto say = [&response](http::status status, std::string_view type, std::string_view text) {
+    response.result(status);
+    response.set(http::field::content_type, beast::string_view(type.data(), type.size()));
+    response.body() = text;
+    response.prepare_payload();
+    return response;
+  };
+  constexpr std::string_view kPlain = "text/plain; charset=utf-8";
+  const std::string_view host = view(request[http::field::host]);
+  if (!host_allowed(host, settings.name, port))
+    return say(http::status::misdirected_request, kPlain,
+               "Ask by this host's address, or start telekerf-console with --host-name\n");
+  // Not every browser takes a WebSocket of this host for 'self'.
+  response.set("Content-Security-Policy",
+               fmt::format("default-src 'self'; connect-src 'self' ws://{}; img-src "
+                           "'self' blob:; frame-ancestors 'none'; base-uri 'none'",
+                           host));
+  if (!origin_allowed(view(request[http::field::origin]), host))
+    return say(http::status::forbidden, kPlain, "Another page than this server's own\n");
+  if (request.method() != http::verb::get && request.method() != http::verb::head)
+    return say(http::status::method_not_allowed, kPlain, "Only GET\n");
+  std::string_view target = view(request.target());
+  target = target.substr(0, target.find('?'));
+  if (target == "/ws") {
+    if (!websocket::is_upgrade(request))
+      return say(http::status::upgrade_required, kPlain, "A WebSocket is spoken here\n");
+    response.result(http::status::switching_protocols);
+    return response;
+  }
+  if (target == "/contour") return say(http::status::ok, "application/json", console.contour_json());
+  const std::string_view name = target == "/" ? "index.html" : target.substr(target.starts_with('/') ? 1 : 0);
+  for (const PageFile& file : kPageFiles) {
+    if (file.name != name) continue;
+    if (name == "index.html")
+      return say(http::status::ok, type_of(name), index(std::string(file.text), from));
+    return say(http::status::ok, type_of(name), file.text);
+  }
+  return say(http::status::not_found, kPlain, "Nothing is here\n");
+}
+
+WebServer::WebServer(boost::asio::io_context& context, const WebServerSettings& settings, Console& console,
+                     std::function<void()> heard)
+    : impl_(std::make_shared<Impl>(context, settings, console, std::move(heard))) {
+  impl_->open();
+  impl_->accept();
+}
+
+WebServer::~WebServer() {
+  Error ignored;
+  impl_->acceptor.close(ignored);
+  impl_->heard = [] {};
+  for (Impl::Page* page : std::set(impl_->pages)) page->close();
+}
+
+std::uint16_t WebServer::port() const { return impl_->port; }
+
+std::string WebServer::address() const {
+  const auto address = impl_->acceptor.local_endpoint().address();
+  const std::string host = address.to_string();
+  return fmt::format("http://{}:{}", address.is_v6() ? fmt::format("[{}]", host) : host, impl_->port);
+}
+
+void WebServer::pump() {
+  for (Impl::Page* page : std::set(impl_->pages)) page->pump();
+}
+
+}  // namespace telekerf::master

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// HTTP and WebSocket around the console: the page's files, /contour, and /ws. All in one thread, the
+// io_context's.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "master/console/console.h"
+
+namespace telekerf::master {
+
+struct WebServerSettings {
+  std::string bind = "127.0.0.1";  ///< address of this host
+  std::uint16_t port = 8080;       ///< 0: any free one
+  std::string name;                ///< host name by which the page may be asked for, beside addresses
+  std::string token;               ///< stands in the page that is served to this host itself
+};
+
+class WebServer {
+ public:
+  /// `heard`: called whenever a page has said something. Throws StartupError: the address is not of this
+  /// host, or the port is taken.
+  WebServer(boost::asio::io_context& context, const WebServerSettings& settings, Console& console,
+            std::function<void()> heard);
+  ~WebServer();
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+
+  std::uint16_t port() const;
+  /// "http://127.0.0.1:8080"
+  std::string address() const;
+  /// Gives each page what it is to get next, as far as it can take it.
+  void pump();
+
+  struct Impl;
+
+ private:
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace telekerf::master

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A person cuts from the console's page, in a real browser, and the page lets go whenever it should.
+
+test_page.py PROGRAMS FOLDER DOMAIN: figures on standard output, screenshots in FOLDER."""
+import os
+import sys
+import time
+
+from cell import Cell, Page
+
+programs, folder, domain = sys.argv[1:4]
+begun = time.monotonic()
+
+
+def said(text):
+    print(f"{time.monotonic() - begun:5.1f} s  {text}", flush=True)
+
+
+def shot(page, name):
+    page.driver.save_screenshot(os.path.join(folder, f"{name}.png"))
+
+
+def targets_are_large(page, width):
+    small = page.js("""
+        return [...document.querySelectorAll("button, select, input[type=range], label.switch")].filter((e) => {
+          const box = e.getBoundingClientRect();
+          return box.width && (box.height < (e.id === "stop" ? 88 : 44) || box.width < 44);
+        }).map((e) => e.id || e.textContent)""")
+    assert not small, f"too small to be hit at {width} px: {small}"
+    wide = page.js("return document.documentElement.scrollWidth - document.documentElement.clientWidth")
+    assert wide <= 0, f"{wide} px stick out at {width} px"
+
+
+def hold(page, place):
+    """Presses until the master is held: a page that gets no time for a tenth of a second has let go."""
+    for _ in range(10):
+        page.press(place)
+        if cell.line.becomes(held=True, timeout_s=2):
+            return
+        page.let_go(place)
+    raise AssertionError("the master's hand is never held")
+
+
+def cut(page):
+    page.until("telekerf.words.sentence?.startsWith('You may move')")
+    shot(page, "watching")
+    targets_are_large(page, 1280)
+    page.click("engage")
+    page.until("document.getElementById('refusal').textContent.includes('take the hand first')", 10)
+    said("who watches is told why nothing comes of a press")
+    page.click("take")
+    page.until("telekerf.hand.lease")
+    page.click("engage")
+    page.until("telekerf.words.sentence.includes('the slave follows')")
+    page.click("arm")
+    page.until("telekerf.words.armed")
+    page.click("burn")
+    page.watch_the_line()
+    time.sleep(1)  # the slave comes to the master
+    marks = page.js("return telekerf.stage.mark.length / 2")
+    for _ in range(6):  # on a machine that is short of time the beam is off where a step came late
+        places = page.along(70)
+        hold(page, page.tool())
+        for place in places:
+            page.move(place)
+            time.sleep(0.03)
+        grown = page.js("return telekerf.stage.mark.length / 2") - marks
+        if grown > 100:
+            break
+        page.let_go(places[-1])
+    shot(page, "cutting")
+    assert grown > 100, f"the mark has grown by {grown} places"
+    said(f"the mark has grown by {grown:.0f} places of 40 um")
+
+    for _ in range(6):
+        off = page.beside(5e-3)
+        if not cell.line.held:
+            page.let_go(off)
+            hold(page, page.tool())
+        page.move(off)
+        for _ in range(15):  # a hand never rests
+            page.move((off[0] + 1, off[1]))
+            page.move(off)
+            time.sleep(0.04)
+        text = page.js("return document.getElementById('pull').textContent")
+        if cell.line.held:
+            break
+    assert "off the line: it holds" in text, text
+    shot(page, "held")
+    farthest_um = 1e6 * page.js("return telekerf.farthest")
+    assert farthest_um < 300, f"{farthest_um} um off the line"
+    said(f"{text}; never more than {farthest_um:.0f} um off the line")
+    page.let_go(off)
+    cell.line.wait(held=False)
+    said(f"let go: the master's step {cell.line.release_ms:.1f} ms after the console heard it")
+
+
+def another_network(page):
+    for profile, sign, bound in (("lan", "<", 0.02), ("thesis-constant", ">", 0.09)):
+        page.js("const e = document.getElementById('profile'); e.value = arguments[0]; "
+                "e.dispatchEvent(new Event('change'))", profile)
+        page.until(f"telekerf.state.round_trip_s {sign} {bound}", 10)
+    said("another network, and back: the round trip followed")
+
+
+def lets_go(page):
+    place = page.tool()
+    hold(page, place)
+    page.driver.switch_to.new_window("tab")
+    cell.line.wait(held=False)
+    said(f"another tab in front: released, {cell.line.release_ms:.1f} ms after the page let go")
+    page.driver.close()
+    page.driver.switch_to.window(page.driver.window_handles[0])
+    page.until("!document.hidden")
+    page.let_go(place)
+    hold(page, page.tool())
+    page.js("window.dispatchEvent(new Event('blur'))")
+    cell.line.wait(held=False)
+    said("focus lost: released")
+    page.let_go(page.tool())
+    for what, freeze in (("page frozen", lambda: page.js(
+            "const until = performance.now() + 600; while (performance.now() < until);")),
+                         ("line pulled", lambda: cell.stall("console", 0.6))):
+        hold(page, page.tool())
+        cell.line.release_ms = None
+        freeze()
+        after = cell.line.held_frames + 5
+        until = time.monotonic() + 5
+        while cell.line.held_frames < after and time.monotonic() < until:
+            time.sleep(0.02)
+        assert cell.line.held_frames >= after, "the page still holds"
+        assert not cell.line.held, "who still holds is not heard before he lets go"
+        assert cell.line.release_ms >= 99, cell.line.release_ms
+        said(f"{what}: released {cell.line.release_ms:.0f} ms after the last frame, and not held again by itself")
+        page.let_go(page.tool())
+
+
+def stops(page):
+    page.until("telekerf.hand.lease")
+    page.driver.execute_cdp_cmd("Input.dispatchKeyEvent", {"type": "keyDown", "code": "Escape", "key": "Escape"})
+    page.until("telekerf.words.stopped && telekerf.words.sentence.startsWith('Stopped by operator')", 10)
+    page.until("telekerf.state.mode === 4", 10)
+    shot(page, "stopped")
+    said("Esc stopped the cell")
+    page.click("engage")
+    page.until("document.getElementById('refusal').textContent.includes('clear the stop first')", 10)
+    page.until("telekerf.words.sentence.startsWith('Stopped by')", 10)
+    time.sleep(0.7)  # every station is asked for at least so long
+    page.click("clear-stop")
+    page.until("!telekerf.words.stopped", 10)
+
+
+def comes_back(page):
+    cell.end("console")
+    page.until("document.body.classList.contains('stale')", 10)
+    text = page.js("return document.getElementById('age').textContent")
+    assert "old" in text, text
+    shot(page, "stale")
+    cell.start_console()
+    page.until("document.body.classList.contains('live')", 10)
+    said("the console ended and came back, and the page with it")
+    time.sleep(0.3)
+    page.click("take")
+    page.until("telekerf.hand.lease", 10)
+
+
+def on_a_phone(page):
+    page.size(360, 640, mobile=True)
+    page.driver.get(f"http://127.0.0.1:{cell.port}/")
+    page.until("telekerf.words.sentence?.startsWith('You may move')")
+    targets_are_large(page, 360)
+    assert page.js("const b = document.getElementById('stop').getBoundingClientRect(); "
+                   "return b.top >= 0 && b.right <= innerWidth && b.bottom <= innerHeight")
+    time.sleep(0.3)
+    shot(page, "phone")
+    said("360 x 640: targets are large enough, the stop is in sight")
+
+
+def killed(page):
+    page.click("take")
+    page.until("telekerf.hand.lease")
+    hold(page, page.tool())
+    time.sleep(0.2)
+    os.kill(page.pid, 9)
+    cell.line.wait(held=False)
+    said(f"browser killed: released {cell.line.release_ms:.0f} ms after its last frame")
+
+
+cell = Cell(programs, folder, domain)
+page = None
+try:
+    page = Page(cell.port)
+    cut(page)
+    another_network(page)
+    lets_go(page)
+    stops(page)
+    assert not page.errors(), page.errors()
+    comes_back(page)
+    on_a_phone(page)
+    killed(page)
+    said("good")
+finally:
+    if page:
+        page.close()
+    cell.close()

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What goes wrong in the field while the beam is on, on real processes: what is said then, and what goes on.
+#include "tests/system/field_cell.h"
+
+namespace telekerf::integration {
+namespace {
+
+using std::chrono::seconds;
+
+TEST_F(Field, WhoIsStoppedIsNotScaledEngagedOrTiredOfWaitingAndASwitchThatNobodyMakesIsNoSuccess) {
+  const auto vision = start("telekerf-vision", {"--image", "circle"});
+  const auto slave = start("telekerf-slave");
+  const auto master = start("telekerf-master", {"--engage", "--duration-s", "60", "--wait-s", "8"});
+  ASSERT_TRUE(slave->says("beam on", seconds(30))) << slave->output();
+  const auto [switched, switch_said] = say({"switch", "geo"}, "telekerf-netem");
+  EXPECT_EQ(switched, 2);
+  for (const char* role : {"master: ", "slave: ", "vision: "})
+    EXPECT_NE(switch_said.find(std::string(role) + "the network stays as it is"), std::string::npos)
+        << switch_said;
+  EXPECT_EQ(say({"stop"}).first, 0);
+  for (const std::vector<std::string>& what : {std::vector<std::string>{"engage"}, {"beta", "0.4"}}) {
+    const auto [code, said] = say(what);
+    EXPECT_EQ(code, 2) << said;
+    EXPECT_NE(said.find("refused while stopped"), std::string::npos) << said;
+  }
+  std::this_thread::sleep_for(seconds(5));  // with what has passed: longer than it would wait
+  EXPECT_TRUE(master->running()) << master->output();
+}
+
+TEST_F(Field, TheSamePictureAgainChangesNothingAndAnotherOneWaitsForTheOperator) {
+  auto vision = start("telekerf-vision", {"--image", "circle"});
+  const auto slave = start("telekerf-slave");
+  const auto master = start("telekerf-master", {"--engage"});
+  ASSERT_TRUE(slave->says("beam on", seconds(30))) << slave->output();
+  const std::string before = master->output();
+  vision->kill();
+  vision = start("telekerf-vision", {"--image", "circle"});
+  ASSERT_TRUE(vision->says("circle.png", seconds(20)));
+  std::this_thread::sleep_for(seconds(1));
+  EXPECT_EQ(master->output(), before) << "not even a word";
+  vision->kill();
+  vision = start("telekerf-vision", {"--image", "gear"});
+  ASSERT_TRUE(master->says("take-contour", seconds(20))) << master->output();
+  ASSERT_TRUE(slave->says("take-contour", seconds(20))) << slave->output();
+  const std::string said = master->output();
+  EXPECT_NE(said.find("(gear.png, "), std::string::npos) << said;
+  EXPECT_NE(said.find("(circle.png, "), std::string::npos) << said;
+  EXPECT_EQ(said.find("moving to the contour", before.size()), std::string::npos)
+      << "the old one stays: " << said;
+  const std::string id =
+      said.substr(said.find("take-contour ") + 13,
+                  said.find('\n', said.find("take-contour ")) - said.find("take-contour ") - 13);
+  EXPECT_EQ(say({"take-contour", "1"}).first, 2) << "nobody has seen that one";
+  const auto [code, taken] = say({"take-contour", id});
+  EXPECT_EQ(code, 0) << taken;
+  EXPECT_TRUE(slave->says("is in force now", seconds(5))) << slave->output();
+  EXPECT_EQ(master->output().find("engaged", master->output().find("is in force now")), std::string::npos)
+      << "not engaged by itself";
+}
+
+TEST_F(Field, OfTwoMastersThatCouldNotSeeEachOtherOneGivesWay) {
+  const auto vision = start("telekerf-vision", {"--image", "circle"});
+  const auto slave = start("telekerf-slave");
+  const std::string out = (Program::scratch() / "first").string();
+  const auto first = start("telekerf-master", {"--engage", "--record", out});
+  ASSERT_TRUE(slave->says("beam on", seconds(30))) << slave->output();
+  first->interrupt(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(6500));  // longer than it is believed to be there
+  const auto rival = start("telekerf-master", {"--engage"});
+  EXPECT_TRUE(rival->says("engaged: the slave follows", seconds(20))) << rival->output();
+  first->interrupt(SIGCONT);
+  EXPECT_EQ(first->wait(seconds(20)), 2) << first->output();
+  EXPECT_TRUE(first->says("this one gives way", seconds(1))) << first->output();
+  EXPECT_TRUE(std::filesystem::exists(out + "/master.json")) << "with its record";
+  EXPECT_TRUE(rival->says("this one stays", seconds(10))) << rival->output();
+}
+
+}  // namespace
+}  // namespace telekerf::integration

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page shows of the cell, and the one sentence of what holds or hinders.
+#include <gtest/gtest.h>
+
+#include "master/console/cell_view.h"
+#include "master/modes.h"
+
+namespace telekerf::master {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+ContourMessage contour(std::uint32_t id) {
+  ContourMessage message;
+  message.id = id;
+  return message;
+}
+
+class CellViewTest : public ::testing::Test {
+ protected:
+  void tell(MasterMode mode) {
+    view.hear(
+        TelemetryMessage{
+            "master", 10, {{"mode", static_cast<double>(mode)}, {"beta", 0.5}, {"tool_x_m", 0.02}}},
+        now_ns);
+  }
+  std::string sentence() const { return view.sentence("", now_ns); }
+
+  CellView view;
+  std::int64_t now_ns = 1000 * kMs;
+};
+
+TEST_F(CellViewTest, SaysWhatIsMissingOneAfterTheOther) {
+  EXPECT_EQ(sentence(), "The master is not heard: is telekerf-master running in this cell?");
+  tell(MasterMode::kIdle);
+  EXPECT_EQ(sentence(), "No contour has come: is telekerf-vision running in this cell?");
+  view.hear(contour(4));
+  EXPECT_NE(sentence().find("cannot take this contour"), std::string::npos);
+  tell(MasterMode::kApproach);
+  EXPECT_EQ(sentence(), "Your tool moves to the contour");
+  tell(MasterMode::kGuiding);
+  EXPECT_NE(sentence().find("is telekerf-slave running?"), std::string::npos);
+  tell(MasterMode::kEngaged);
+  EXPECT_EQ(sentence(), "Engaged, but the slave has fallen silent");
+  EXPECT_EQ(view.sentence("Stopped by operator", now_ns), "Stopped by operator");
+  now_ns += 600 * kMs;
+  EXPECT_EQ(sentence(), "The master has fallen silent: what you see is old");
+  EXPECT_FALSE(view.engaged(now_ns));
+}
+
+TEST_F(CellViewTest, ShowsTheToolOnTheContourAsItWasPublished) {
+  EXPECT_EQ(view.fields(now_ns)[page_field("master_age_s")], -1.0F);
+  tell(MasterMode::kGuiding);
+  now_ns += 30 * kMs;
+  PageFields fields = view.fields(now_ns);
+  EXPECT_FLOAT_EQ(fields[page_field("tool_x_m")], 0.01F);
+  EXPECT_NEAR(fields[page_field("master_age_s")], 0.03, 1e-6);
+  UdpHandAnswer answer;
+  answer.x_m = 0.012;
+  view.hear(answer);
+  EXPECT_FLOAT_EQ(view.fields(now_ns)[page_field("tool_x_m")], 0.012F) << "newer than the telemetry";
+  tell(MasterMode::kGuiding);
+  EXPECT_FLOAT_EQ(view.fields(now_ns)[page_field("tool_x_m")], 0.01F);
+}
+
+TEST_F(CellViewTest, TheTelemetryOfOthersIsNotTheMasters) {
+  view.hear(TelemetryMessage{"vision", 1, {{"mode", 3.0}}}, now_ns);
+  EXPECT_EQ(view.fields(now_ns)[page_field("master_age_s")], -1.0F);
+}
+
+TEST_F(CellViewTest, AnotherContourIsAnotherPieceOfWork) {
+  view.hear(contour(4));
+  view.mark().add({0.01, 0.0});
+  view.hear(contour(4));
+  EXPECT_EQ(view.mark().size(), 1u) << "the same, published again";
+  view.hear(contour(5));
+  EXPECT_EQ(view.mark().size(), 0u);
+}
+
+TEST_F(CellViewTest, NoBeamIsClaimedThatIsNotSeen) {
+  EXPECT_EQ(view.beam_sentence(true, now_ns), "Beam: unknown, the slave is not heard");
+  EXPECT_FALSE(view.laser_on(now_ns));
+}
+
+}  // namespace
+}  // namespace telekerf::master

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who drives, who watches, and what comes of what pages say; in virtual time, without a socket.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "master/console/console.h"
+#include "master/console/driver_seat.h"
+#include "tests/unit/console/frames.h"
+
+namespace telekerf::master {
+namespace {
+
+using testing::bytes_of;
+using testing::field_of;
+constexpr std::int64_t kMs = 1'000'000;
+
+class ConsoleTest : public ::testing::Test {
+ protected:
+  void say(std::uint32_t page, const std::string& json) { console.hear_command(page, json, now_ns); }
+  void take(std::uint32_t page) { say(page, R"({"do":"take","text":"secret-token"})"); }
+  /// The frame's page clock is the test's.
+  void move(std::uint32_t page, std::uint16_t flags, std::int64_t age_ms = 0) {
+    PageFrame frame;
+    frame.flags = flags;
+    frame.sequence = ++sequence;
+    frame.page_ms = static_cast<double>(now_ns / kMs - age_ms);
+    frame.x_m = 0.001F;
+    frame.lease = lease;
+    console.hear_frame(page, bytes_of(frame), now_ns);
+  }
+  void pass(std::int64_t ms) {
+    now_ns += ms * kMs;
+    console.step(now_ns);
+  }
+  /// Everything that a page gets, the states but the last left out; learns the lease.
+  std::vector<nlohmann::json> read(std::uint32_t page) {
+    std::vector<nlohmann::json> texts;
+    for (int n = 0; n < 20; ++n) {
+      const auto message = console.next(page, now_ns);
+      if (!message) break;
+      if (message->binary) {
+        if (message->bytes[0] == 1) state = message->bytes;
+        continue;
+      }
+      texts.push_back(nlohmann::json::parse(message->bytes));
+      if (texts.back()["type"] == "lease") lease = texts.back()["lease"];
+    }
+    return texts;
+  }
+  std::string refusal(std::uint32_t page) {
+    for (const auto& text : read(page))
+      if (text["type"] == "refused") return text["why"];
+    return "";
+  }
+  std::vector<UdpHandFrame> hand() { return console.take_outbox().hand; }
+  std::vector<EventMessage> events() { return console.take_outbox().events; }
+
+  Console console{
+      {.cell = "c", .source = "operator", .token = "secret-token", .profiles = {"lan"}, .epoch = 5}};
+  std::int64_t now_ns = 1'000'000 * kMs;
+  std::uint32_t lease = 0;
+  std::uint32_t sequence = 0;
+  std::string state;
+  std::uint32_t first = console.join(now_ns);
+  std::uint32_t second = console.join(now_ns);
+};
+
+TEST_F(ConsoleTest, OneDrivesAndTheOthersWatch) {
+  take(first);
+  read(first);
+  EXPECT_NE(lease, 0u);
+  take(second);
+  EXPECT_EQ(refusal(second), "Another page drives; it has to let go of the hand first");
+  say(second, R"({"do":"engage"})");
+  EXPECT_EQ(refusal(second), "You watch: take the hand first");
+  EXPECT_TRUE(events().empty());
+  say(first, R"({"do":"engage"})");
+  ASSERT_EQ(events().size(), 1u);
+  say(first, R"({"do":"leave"})");
+  take(second);
+  say(second, R"({"do":"disengage"})");
+  EXPECT_EQ(events().size(), 1u);
+}
+
+TEST_F(ConsoleTest, WithoutTheTokenNobodyDrives) {
+  say(first, R"({"do":"take","text":"guessed-token"})");
+  EXPECT_NE(refusal(first).find("needs the console's token"), std::string::npos);
+  say(first, R"({"do":"engage"})");
+  EXPECT_TRUE(events().empty());
+}
+
+TEST_F(ConsoleTest, TheDriversFramesAloneReachTheHand) {
+  take(first);
+  read(first);
+  move(first, PageFrame::kHeld);
+  move(second, PageFrame::kHeld);
+  const auto sent = hand();
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].session, lease);
+  EXPECT_EQ(sent[0].flags, UdpHandFrame::kHeld);
+  EXPECT_FLOAT_EQ(static_cast<float>(sent[0].x_m), 0.001F);
+  --lease;
+  move(first, PageFrame::kHeld);
+  EXPECT_TRUE(hand().empty()) << "of another lease";
+}
+
+TEST_F(ConsoleTest, WhatAStalledLineLetsGoOfAtOnceIsDroppedAndCounted) {
+  take(first);
+  read(first);
+  for (int n = 0; n < 20; ++n, pass(20)) move(first, PageFrame::kHeld);
+  hand();
+  pass(1900);
+  for (std::int64_t age_ms = 1900; age_ms >= 0; age_ms -= 20) move(first, PageFrame::kHeld, age_ms);
+  EXPECT_EQ(hand().size(), 8u) << "no older than 150 ms";
+  now_ns += 20 * kMs;
+  read(first);
+  EXPECT_EQ(field_of(state, page_field("late_frames")), 88.0F);
+}
+
+TEST_F(ConsoleTest, APageOfWhichNothingIsHeardLosesTheHand) {
+  take(first);
+  read(first);
+  say(first, R"({"do":"arm","value":1})");
+  pass(2000);
+  move(first, PageFrame::kHeld);
+  EXPECT_TRUE(hand().empty());
+  take(second);
+  EXPECT_EQ(refusal(second), "");
+}
+
+TEST_F(ConsoleTest, TheFireButtonCountsOnlyWhileTheLaserIsArmed) {
+  take(first);
+  read(first);
+  const auto fire = [&] {
+    move(first, PageFrame::kHeld | PageFrame::kTrigger);
+    const auto sent = hand();
+    return !sent.empty() && (sent.back().flags & UdpHandFrame::kTrigger) != 0;
+  };
+  EXPECT_FALSE(fire());
+  say(first, R"({"do":"arm","value":1})");
+  EXPECT_TRUE(fire());
+  say(first, R"({"do":"disengage"})");
+  EXPECT_FALSE(fire());
+  say(first, R"({"do":"arm","value":1})");
+  take(first);  // anew
+  read(first);
+  EXPECT_FALSE(fire());
+}
+
+TEST_F(ConsoleTest, AnyoneStopsAndAStopTakesTheHandAway) {
+  take(first);
+  read(first);
+  say(first, R"({"do":"arm","value":1})");
+  move(first, PageFrame::kHeld);
+  hand();
+  say(second, R"({"do":"stop"})");
+  const auto sent = hand();
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].flags, 0u) << "released, without waiting for the lease";
+  ASSERT_TRUE(console.stop().step({}, now_ns));
+  move(first, PageFrame::kHeld | PageFrame::kTrigger);
+  EXPECT_TRUE(hand().empty());
+  say(first, R"({"do":"engage"})");
+  EXPECT_EQ(refusal(first), "Not engaged: clear the stop first");
+  say(first, R"({"do":"arm","value":1})");
+  EXPECT_EQ(refusal(first), "Not armed: clear the stop first");
+}
+
+TEST_F(ConsoleTest, AClosedPageLetsGo) {
+  take(first);
+  read(first);
+  move(first, PageFrame::kHeld);
+  hand();
+  console.leave(first, now_ns);
+  const auto sent = hand();
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].flags, 0u);
+  take(second);
+  EXPECT_EQ(refusal(second), "");
+}
+
+TEST_F(ConsoleTest, WhatIsMalformedOrTooMuchIsCountedAndAStopIsHeardAllTheSame) {
+  console.hear_frame(first, {}, now_ns);
+  say(first, "no json");
+  EXPECT_EQ(console.counters().malformed, 2u);
+  take(first);
+  read(first);
+  for (int n = 0; n < 5000; ++n) move(first, PageFrame::kHeld);
+  EXPECT_LE(hand().size(), 1500u);
+  EXPECT_GE(console.counters().flooded, 3500u);
+  say(first, R"({"do":"stop"})");
+  EXPECT_TRUE(console.stop().in_force());
+}
+
+TEST_F(ConsoleTest, WhatMayNotBeIsRefusedWithItsReason) {
+  take(first);
+  read(first);
+  say(first, R"({"do":"beta","value":99})");
+  EXPECT_NE(refusal(first).find("within [0.01, 10]"), std::string::npos);
+  say(first, R"({"do":"netem","text":"/etc/passwd"})");
+  EXPECT_NE(refusal(first).find("No network of the name"), std::string::npos);
+  say(first, R"({"do":"clear-stop"})");
+  EXPECT_EQ(refusal(first), "No stop is in force");
+  EXPECT_TRUE(events().empty());
+  say(first, R"({"do":"netem","text":"lan"})");
+  const auto sent = events();
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].text, "lan");
+}
+
+TEST_F(ConsoleTest, ASlowPageGetsTheNewestStateAndNoQueue) {
+  read(first);
+  int states = 0;
+  for (int n = 0; n < 250; ++n, pass(4)) {
+    const auto message = console.next(first, now_ns);
+    if (message && message->binary && message->bytes[0] == 1) ++states;
+  }
+  EXPECT_NEAR(states, 60, 4) << "of one second";
+  pass(10'000);
+  states = 0;
+  for (int n = 0; n < 100; ++n) {
+    const auto message = console.next(first, now_ns);
+    if (message && message->binary && message->bytes[0] == 1) ++states;
+  }
+  EXPECT_EQ(states, 1);
+  say(first, R"({"do":"rate","value":1})");
+  states = 0;
+  for (int n = 0; n < 250; ++n, pass(4)) {
+    const auto message = console.next(first, now_ns);
+    if (message && message->binary && message->bytes[0] == 1) ++states;
+  }
+  EXPECT_LE(states, 1) << "a hidden page";
+}
+
+TEST_F(ConsoleTest, TheMastersAnswerSaysWhichFrameItActedOnAndHowFast) {
+  take(first);
+  read(first);
+  move(first, 0);
+  move(first, PageFrame::kHeld);
+  const auto sent = hand();
+  ASSERT_EQ(sent.size(), 2u);
+  UdpHandAnswer answer;
+  answer.session = lease;
+  answer.sequence = sent[1].sequence;
+  answer.flags = UdpHandAnswer::kHeld;
+  answer.step_ns = now_ns + 2 * kMs;
+  answer.x_m = 0.25;
+  pass(8);
+  console.hear(answer);
+  read(first);
+  EXPECT_EQ(field_of(state, page_field("held")), 1.0F);
+  EXPECT_EQ(field_of(state, page_field("tool_x_m")), 0.25F);
+  EXPECT_NEAR(field_of(state, page_field("step_s")), 2e-3, 1e-6);
+}
+
+TEST_F(ConsoleTest, AMasterThatDoesNotListenIsSaid) {
+  take(first);
+  const auto deaf = [&] {
+    bool said = false;
+    for (const auto& text : read(first))
+      if (text["type"] == "words") said = text["deaf"];
+    return said;
+  };
+  EXPECT_FALSE(deaf());
+  for (int n = 0; n < 30; ++n, pass(20)) move(first, PageFrame::kHeld);
+  EXPECT_TRUE(deaf());
+  console.hear(UdpHandAnswer{});
+  pass(100);
+  EXPECT_FALSE(deaf());
+}
+
+TEST_F(ConsoleTest, WhatTheCellRefusesIsSaidToWhoDrives) {
+  take(first);
+  read(first);
+  console.hear(EventMessage{6, EventMessage::Kind::kAnswer, 1.0, "master: of somebody else"});
+  console.hear(EventMessage{5, EventMessage::Kind::kAnswer, 0.0, "master: done"});
+  EXPECT_EQ(refusal(first), "");
+  console.hear(EventMessage{5, EventMessage::Kind::kAnswer, 1.0, "master: refused, for a reason"});
+  EXPECT_EQ(refusal(first), "master: refused, for a reason");
+}
+
+TEST_F(ConsoleTest, AScaleThatTheMasterDoesNotTakeIsSaid) {
+  take(first);
+  read(first);
+  say(first, R"({"do":"beta","value":0.05})");
+  EXPECT_EQ(refusal(first), "");
+  for (int n = 0; n < 3; ++n, pass(1000)) move(first, 0);
+  EXPECT_EQ(refusal(first), "The scale stays 1.00: the master cannot take the contour at 0.05 now");
+}
+
+}  // namespace
+}  // namespace telekerf::master
