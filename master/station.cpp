@@ -186,11 +186,7 @@ void Station::report(RunRecord& record) const {
   f["copies_max"] = link.max_copies();
   f["block_ms"] = (command.block - 1) * 1e-6 * command.sample_period_ns;
   f["packets_per_s"] = run_s > 0.0 ? packets / run_s : 0.0;
-  f["wire_bytes_per_s"] =
-      run_s > 0.0
-          ? (static_cast<double>(link.payload_bytes()) + packets * (kDatagramBytes + kCommandFieldBytes)) /
-                run_s
-          : 0.0;
+  f["wire_bytes_per_s"] = run_s > 0.0 ? static_cast<double>(link.wire_bytes()) / run_s : 0.0;
   f["payload_bytes_per_s"] = run_s > 0.0 ? static_cast<double>(link.payload_bytes()) / run_s : 0.0;
   // All coded bytes, redundant copies and block heads included, over the axis samples they newly carry.
   f["bits_per_sample"] =

@@ -37,7 +37,7 @@ struct SlaveSettings {
   BareAccelerations bare_accelerations = BareAccelerations::kObeyed;
   codec::StreamSettings feedback;  ///< of the positions in the state stream, m
   /// Of the force beside them, N. Codec, block, redundancy and period are the positions'.
-  codec::StreamSettings force{.max_rms = 0.01, .quantum = 0.01, .anchored = false};
+  codec::StreamSettings force{.max_rms = 0.025, .quantum = 0.01, .anchored = false};
   streaming::PlayoutSettings playout;
   control::BumplessTransferSettings transfer{.rate_rad_per_s = 200.0, .max_acceleration_m_per_s2 = 5.0};
   bool touched = false;       ///< something may push the tool: what the currents do not explain is no doubt

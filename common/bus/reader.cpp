@@ -76,10 +76,9 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
   /// Whether what is in `wire` may come from this writer. Who announces itself as another start than the
   /// stream's own is not the one who sends it. A stop is heard from everyone: it can only make things safer,
   /// and who says it may not be known yet. What speaks another contract is judged by that.
-  bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer) {
-    if (wire.contract() != participant->settings().contract) return true;
-    std::optional<std::uint32_t> epoch;
-    if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) epoch = wire.epoch();
+  bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer, std::optional<std::uint32_t> epoch) {
+    if (bus::contract_of(wire).value_or(participant->settings().contract) != participant->settings().contract)
+      return true;
     if constexpr (std::is_same_v<T, StopMessage>) {
       if (wire.in_force() != 0) return true;
     }
@@ -87,14 +86,22 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
   }
 
   void accept(std::int64_t now_ns, const eprosima::fastrtps::rtps::GUID_t& writer) {
-    if (!may_say(writer)) {
+    if (!may_say(writer, std::nullopt)) {
       strangers.fetch_add(1, std::memory_order_relaxed);
       return;
     }
+    SenderKey sender;
+    std::copy_n(writer.guidPrefix.value, sender.size(), sender.begin());
     Received<T> sample;
     sample.received_ns = now_ns;
-    switch (bus::from_wire(wire, participant->settings().contract, sample.value)) {
-      case bus::Verdict::kGood:
+    switch (from_wire(wire, sender, participant->settings().contract, sample.value)) {
+      case Verdict::kGood:
+        if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) {
+          if (!may_say(writer, sample.value.epoch)) {
+            strangers.fetch_add(1, std::memory_order_relaxed);
+            return;
+          }
+        }
         received.fetch_add(1, std::memory_order_relaxed);
         if (tap) {
           tap(sample.value);
@@ -102,11 +109,14 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
           ring.push(std::move(sample));
         }
         return;
-      case bus::Verdict::kDamaged:
+      case Verdict::kDamaged:
         damaged.fetch_add(1, std::memory_order_relaxed);
         return;
-      case bus::Verdict::kForeignContract:
+      case Verdict::kForeignContract:
         foreign.fetch_add(1, std::memory_order_relaxed);
+        return;
+      case Verdict::kUnknownSet:
+        unknown.fetch_add(1, std::memory_order_relaxed);
         return;
     }
   }
@@ -114,6 +124,7 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
   std::shared_ptr<Bus::Participant> participant;
   dds::DataReader* reader = nullptr;
   std::atomic<unsigned> calls{0};
+  bus::FromWire<T> from_wire;
   typename bus::Topic<T>::Type::type wire;
   Ring<Received<T>> ring;
   std::function<void(const T&)> tap;
@@ -121,6 +132,7 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
   std::atomic<std::uint64_t> received{0};
   std::atomic<std::uint64_t> damaged{0};
   std::atomic<std::uint64_t> foreign{0};
+  std::atomic<std::uint64_t> unknown{0};
   std::atomic<std::uint64_t> strangers{0};
 };
 
@@ -146,6 +158,7 @@ ReaderCounters Reader<T>::counters() const noexcept {
   return {.received = impl_->received.load(std::memory_order_relaxed),
           .damaged = impl_->damaged.load(std::memory_order_relaxed),
           .foreign_contract = impl_->foreign.load(std::memory_order_relaxed),
+          .unknown_set = impl_->unknown.load(std::memory_order_relaxed),
           .strangers = impl_->strangers.load(std::memory_order_relaxed),
           .dropped = impl_->ring.dropped()};
 }

@@ -20,6 +20,7 @@ struct ReaderCounters {
   std::uint64_t received = 0;          ///< good ones
   std::uint64_t damaged = 0;           ///< checksum, broken encoding or bound
   std::uint64_t foreign_contract = 0;  ///< written under another version of the contract
+  std::uint64_t unknown_set = 0;       ///< refer to what an earlier block said, which has not come
   std::uint64_t strangers = 0;         ///< of nobody who may say it, see Bus::strangers(); not looked at
   std::uint64_t dropped = 0;           ///< good, but nobody took them and the ring was full
 };

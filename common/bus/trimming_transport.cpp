@@ -17,6 +17,7 @@
 
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -97,7 +98,8 @@ class UnicastSocket {
     message.msg_namelen = sizeof address;
     message.msg_iov = parts.data();
     message.msg_iovlen = parts.size();
-    return ::sendmsg(fd_, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
+    // A full buffer drops the datagram, as the middleware's own sockets do.
+    return ::sendmsg(fd_, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || errno == EAGAIN || errno == ENOBUFS;
   }
 
  private:

@@ -1,27 +1,83 @@
 // SPDX-License-Identifier: Apache-2.0
-// The streams' blocks <-> their wire types (generated from idl/telekerf.idl). Inside the bus only.
+// Domain types <-> what the middleware carries, with what a stream's ends remember of earlier blocks. Inside
+// the bus only.
 #pragma once
 
 #include <telekerf.h>
 
+#include <array>
 #include <cstdint>
+#include <optional>
 
-#include "common/bus/verdict.h"
-#include "common/protocol/blocks.h"
+#include "common/bus/wire_messages.h"
+#include "common/protocol/header_compression.h"
 
 namespace telekerf::bus {
 
-/// Fill `wire`, checksum included; its vectors are reused, so a stream's block allocates nothing once they
-/// have their size. False: the value breaks a bound of the contract (too many points, a text too long).
-[[nodiscard]] bool to_wire(const CommandBlock& value, std::uint16_t contract, wire::CommandBlock& wire);
-[[nodiscard]] bool to_wire(const StateBlock& value, std::uint16_t contract, wire::StateBlock& wire);
+/// The contract under which it was written, where that can be seen.
+template <class Wire>
+std::optional<std::uint16_t> contract_of(const Wire& wire) {
+  if constexpr (requires { wire.contract(); }) {
+    return wire.contract();
+  } else {
+    return contract_of_block(wire.octets());
+  }
+}
 
-/// Judge `wire` and fill `value`, which is unspecified unless the verdict is good.
-[[nodiscard]] Verdict from_wire(const wire::CommandBlock& wire, std::uint16_t contract, CommandBlock& value);
-[[nodiscard]] Verdict from_wire(const wire::StateBlock& wire, std::uint16_t contract, StateBlock& value);
+/// The sending end. False: the value breaks a bound of the contract (too many points, a text too long).
+template <class T>
+class ToWire {
+ public:
+  template <class Wire>
+  bool operator()(const T& value, std::uint16_t contract, Wire& wire) {
+    return to_wire(value, contract, wire);
+  }
+};
+/// The receiving end: judges `wire` and fills `value`, which is unspecified unless the verdict is good.
+template <class T>
+class FromWire {
+ public:
+  template <class Wire>
+  Verdict operator()(const Wire& wire, const SenderKey& /*sender*/, std::uint16_t contract, T& value) {
+    return from_wire(wire, contract, value);
+  }
+};
 
-/// CRC-32 (IEEE 802.3) over the sample's little-endian plain CDR after the checksum field.
-std::uint32_t checksum_of(const wire::CommandBlock& wire);
-std::uint32_t checksum_of(const wire::StateBlock& wire);
+/// `wire`'s vector is reused, so a stream's block allocates nothing once that has its size.
+template <class Block, std::size_t kMost>
+class BlockToWire {
+ public:
+  template <class Wire>
+  bool operator()(const Block& block, std::uint16_t contract, Wire& wire) {
+    const auto bytes = compressor_.compress(block, contract, room_);
+    wire.octets().reserve(kMost);
+    wire.octets().assign(bytes.begin(), bytes.end());
+    return !bytes.empty();
+  }
+
+ private:
+  HeaderCompressor<Block> compressor_;
+  std::array<std::uint8_t, kMost> room_;
+};
+template <class Block>
+class BlockFromWire {
+ public:
+  template <class Wire>
+  Verdict operator()(const Wire& wire, const SenderKey& sender, std::uint16_t contract, Block& block) {
+    return decompressor_.restore(wire.octets(), sender, contract, block);
+  }
+
+ private:
+  HeaderDecompressor<Block> decompressor_;
+};
+
+template <>
+class ToWire<CommandBlock> : public BlockToWire<CommandBlock, kMaxCommandBytes> {};
+template <>
+class ToWire<StateBlock> : public BlockToWire<StateBlock, kMaxStateBytes> {};
+template <>
+class FromWire<CommandBlock> : public BlockFromWire<CommandBlock> {};
+template <>
+class FromWire<StateBlock> : public BlockFromWire<StateBlock> {};
 
 }  // namespace telekerf::bus

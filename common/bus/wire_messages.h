@@ -9,11 +9,11 @@
 #include <span>
 #include <vector>
 
-#include "common/bus/verdict.h"
 #include "common/protocol/contour.h"
 #include "common/protocol/events.h"
 #include "common/protocol/presence.h"
 #include "common/protocol/stop.h"
+#include "common/protocol/verdict.h"
 
 namespace telekerf::bus {
 

@@ -85,9 +85,10 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   std::array<dds::DataWriter*, Topic::kLanes> lanes{};
   std::size_t next = 0;
   std::atomic_flag busy = ATOMIC_FLAG_INIT;  // written, or made anew
-  Wire wire;                                 // reused, so that a stream allocates nothing
-  std::vector<Wire> kept;                    // as many of the latched as whoever comes late gets
-  std::atomic<int> matched{0};               // over all lanes
+  bus::ToWire<T> to_wire;
+  Wire wire;                    // reused, so that a stream allocates nothing
+  std::vector<Wire> kept;       // as many of the latched as whoever comes late gets
+  std::atomic<int> matched{0};  // over all lanes
 };
 
 template <class T>
@@ -103,7 +104,7 @@ template <class T>
 bool Writer<T>::write(const T& value) noexcept {
   try {
     const auto send = [&] {
-      return bus::to_wire(value, impl_->participant->settings().contract, impl_->wire) && impl_->send();
+      return impl_->to_wire(value, impl_->participant->settings().contract, impl_->wire) && impl_->send();
     };
     if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) {
       // A block does not wait for lanes that are made anew: it is lost, as on the way.

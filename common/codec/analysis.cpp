@@ -17,6 +17,9 @@ constexpr double kDeadZone = 0.6;
 constexpr double kEnergyPerBit = 0.12;
 /// Coarsest step tried in adaptive mode, half octaves above the finest.
 constexpr int kCoarsestOffset = 12;
+/// Whoever leaves the usual leaves the stream's habits behind, and the blocks after it are told in worse
+/// ones: only a real gain is worth that, bits.
+constexpr double kRealGain = 8.0;
 constexpr int kMaxFits = 5;
 
 double squared(double x) { return x * x; }
@@ -101,8 +104,7 @@ void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int k
   if (min_step_offset(residual, grid) > 0) return;  // only an adaptive stream tells another step
   code.step_offset = 0;
   code.set = 0;
-  const double step = grid.step(code.step_offset);
-  const double per_step = 1.0 / step;
+  const double least = kDeadZone * grid.step(code.step_offset);
   Coefficients counted;
   for (std::size_t k = 0; k < residual.size(); ++k) counted[k] = weight_[k] * residual[k];
   const IndexSet kept = context.truncated ? (IndexSet{2} << (std::min(keep, block_) - 1)) - 1
@@ -111,8 +113,9 @@ void Analyser::try_fixed(std::span<const double> residual, AxisCode& code, int k
   for (std::size_t k = 0; k < residual.size(); ++k) {
     const double c = residual[k];
     code.values[k] = 0;
-    if ((kept >> k & 1) != 0 && std::abs(context.truncated ? c : counted[k]) >= kDeadZone * step) {
-      const auto value = static_cast<std::int64_t>(nearest(c * per_step));
+    const double step = grid.step_of(k, code.step_offset);
+    const auto value = static_cast<std::int64_t>(nearest(c / step));
+    if ((kept >> k & 1) != 0 && std::abs(context.truncated ? c : counted[k]) >= least && value != 0) {
       code.values[k] = value;
       code.set |= IndexSet{1} << k;
       energy += squared(weight_[k] * (c - static_cast<double>(value) * step));
@@ -188,14 +191,14 @@ void Analyser::try_run_length(std::span<const double> samples, const CodingTarge
     if (std::popcount(code.set) > target.keep) return;
     const double cost =
         energy / squared(grid.level) + kEnergyPerBit * newest_axis_bits(code, context, grid, block_);
-    if (!best.found || cost < best.cost) best = {code, cost, true};
+    if (!best.found || cost + kEnergyPerBit * kRealGain < best.cost) best = {code, cost, true};
     return;
   }
   const double allowed = squared(target.max_rms) * block_ * (1.0 - 1e-9);
   for (const double band : {2.0, 1.4, 1.0}) {
     if (hold_within(samples, {.absolute = band * target.max_rms}, step, code) > allowed) continue;
     const double bits = newest_axis_bits(code, context, grid, block_);
-    if (!best.found || bits < best.cost) best = {code, bits, true};
+    if (!best.found || bits + kRealGain < best.cost) best = {code, bits, true};
     return;
   }
 }

@@ -16,7 +16,8 @@ double power_of_two(int exponent) {
 
 }  // namespace
 
-Grid::Grid(int block, int quantum_exponent) noexcept : level(fractional_power(1.0, quantum_exponent)) {
+Grid::Grid(int block, int quantum_exponent, bool wanted_integrated) noexcept
+    : level(fractional_power(1.0, quantum_exponent)), integrated(wanted_integrated) {
   int log_block = 0;
   while ((1 << log_block) < block) ++log_block;
   slope = level * power_of_two(2 - log_block);
@@ -50,10 +51,9 @@ void shape_of(const AxisCode& code, const Grid& grid, const Dct& dct, std::span<
     return;
   }
   std::array<double, kMaxBlock> coefficients{};
-  const double step = grid.step(code.step_offset);
   for (auto set = code.set & ~IndexSet{1}; set != 0; set &= set - 1) {
     const auto k = static_cast<std::size_t>(std::countr_zero(set));
-    coefficients[k] = static_cast<double>(code.values[k]) * step;
+    coefficients[k] = static_cast<double>(code.values[k]) * grid.step_of(k, code.step_offset);
   }
   dct.inverse(coefficients, shape);
   if (!code.has_bend()) return;

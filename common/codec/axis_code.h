@@ -26,14 +26,22 @@ enum class Mode : std::uint8_t {
 /// Steps of the integers. Slope and bend are as coarse as four quanta at the block's end: what they miss is
 /// smooth, and the low coefficients, which are sent anyway, take it up.
 struct Grid {
-  Grid(int block, int quantum_exponent) noexcept;
+  /// `integrated`: see step_of().
+  Grid(int block, int quantum_exponent, bool integrated = false) noexcept;
 
   double level;
   double slope = 0.0;
   double bend = 0.0;
+  bool integrated;
 
   /// Step of the coefficients of an axis, `offset` half octaves above the stream's finest.
   double step(int offset) const noexcept { return fractional_power(level, 2 * offset); }
+  /// Of coefficient k. Twice integrated, the cosine of index k comes to less and less: at a step of 7/4 k^2
+  /// its rounding moves the integral about as far as the mean's does at a step of 1.
+  double step_of(std::size_t k, int offset) const noexcept {
+    const auto index = static_cast<double>(k);
+    return integrated && k > 0 ? 1.75 * index * index * step(offset) : step(offset);
+  }
   /// base 2^(quarters/4), the same bits everywhere: no library's power function is asked.
   static double fractional_power(double base, int quarters) noexcept;
 };

@@ -89,7 +89,7 @@ bool BlockDecoder::State::read_block(BitReader& in, const PacketHead& head, int 
   for (auto& sample : room) sample.setZero();
 
   const AxisCodec& codec = *find_codec(head.kind);  // read_head() has seen to it that there is one
-  const Grid grid(head.block, head.quantum_exponent);
+  const Grid grid(head.block, head.quantum_exponent, head.integrated);
   std::array<double, kMaxBlock> axis_room;
   const auto axis_samples = std::span(axis_room).first(room.size());
   for (int a = 0; a < head.axes; ++a) {

@@ -33,7 +33,7 @@ struct BlockEncoder::State {
       : settings(wanted.validated()),
         codec(find_codec(settings.kind)),
         exponent(quantum_exponent_of(settings, *codec)),
-        grid(settings.block, exponent),
+        grid(settings.block, exponent, weighs_integral()),
         analyser(std::max(settings.block, kMinTransform), settings.integrated),
         model(first_model()) {}
 
@@ -51,6 +51,10 @@ struct BlockEncoder::State {
   std::size_t newest_bits = 0;
   CodecCounters counters;
 
+  /// Whether the step grows with a coefficient's index.
+  bool weighs_integral() const noexcept {
+    return settings.integrated && settings.max_rms == 0.0 && codec->transforms;
+  }
   ContextModel first_model() const noexcept {
     ContextModel first;
     if (settings.max_rms == 0.0) first.count = std::min(settings.keep, kMaxBlock - 1);
@@ -148,6 +152,7 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
   head.redundancy = s.settings.redundancy;
   head.anchored = s.settings.anchored;
   head.adaptive = s.settings.max_rms > 0.0;
+  head.integrated = s.grid.integrated;
   head.block = s.settings.block;
   head.quantum_exponent = s.exponent;
   head.sequence = s.sequence;
@@ -188,7 +193,7 @@ void BlockEncoder::change(const StreamSettings& settings) {
   s.settings = settings.validated();
   s.codec = find_codec(s.settings.kind);
   s.exponent = quantum_exponent_of(s.settings, *s.codec);
-  s.grid = Grid(s.settings.block, s.exponent);
+  s.grid = Grid(s.settings.block, s.exponent, s.weighs_integral());
   s.analyser = Analyser(std::max(s.settings.block, kMinTransform), s.settings.integrated);
   s.model = s.first_model();
   s.held = 0;

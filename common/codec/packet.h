@@ -15,7 +15,7 @@
 namespace telekerf::codec {
 
 inline constexpr int kAxes = 3;
-inline constexpr std::uint8_t kPacketVersion = 2;
+inline constexpr std::uint8_t kPacketVersion = 3;
 inline constexpr int kMaxBlocks = kMaxRedundancy + 1;
 
 /// Straight line through the newest block: value at its first sample and change per sample, from the
@@ -32,6 +32,7 @@ struct PacketHead {
   int redundancy = 0;  ///< previous blocks that the sender repeats once it has them
   bool anchored = false;
   bool adaptive = false;
+  bool integrated = false;  ///< the step grows with a coefficient's index (Grid::step_of)
   int block = 16;
   int axes = 3;
   int quantum_exponent = 0;  ///< finest step = 2^(this / 4)

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 
+#include "common/codec/baselines/raw.h"
 #include "common/codec/codec_table.h"
 #include "common/codec/dct.h"
+#include "common/protocol/payload.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::codec {
@@ -32,6 +34,14 @@ StreamSettings StreamSettings::validated() const {
   require("threshold", threshold, 0.0, 1e6);
   require("axes", axes, 1, 3);
   require("sample_period_ns", sample_period_ns, std::uint32_t{1000}, std::uint32_t{1'000'000'000});
+  if (const int bytes = (redundancy + 1) * axes * block * static_cast<int>(sizeof(float));
+      kind == kRaw && bytes + 64 > static_cast<int>(Payload::kCapacity)) {
+    throw configuration_error(
+        fmt::format("codec: redundancy = {}: {} blocks of {} samples, {} axes of 4 bytes each, do not fit "
+                    "into a payload of {} "
+                    "bytes; choose a smaller block, fewer copies or another codec",
+                    redundancy, redundancy + 1, block, axes, Payload::kCapacity));
+  }
   StreamSettings settings = *this;
   settings.keep = std::min(settings.keep, settings.block);
   return settings;

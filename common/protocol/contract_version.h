@@ -7,6 +7,6 @@
 namespace telekerf {
 
 /// Changes whenever a wire type changes its meaning; processes of different contracts refuse each other.
-inline constexpr std::uint16_t kContractVersion = 5;
+inline constexpr std::uint16_t kContractVersion = 6;
 
 }  // namespace telekerf

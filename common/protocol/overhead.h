@@ -4,27 +4,47 @@
 // that).
 #pragma once
 
-#include "common/protocol/blocks.h"
+#include <array>
+
+#include "common/protocol/contract_version.h"
+#include "common/protocol/header_compression.h"
 
 namespace telekerf {
 
 /// Around each sample: Ethernet 14 + 4 bytes, IPv4 20, UDP 8, RTPS head 20, DATA submessage 24,
 /// encapsulation 4.
 inline constexpr std::uint32_t kDatagramBytes = 94;
-/// Of a block's anchor: position and velocity, float32, three axes.
-inline constexpr std::uint32_t kAnchorBytes = 24;
-/// Of a block's fields but its payload, the anchor included (plain CDR).
-inline constexpr std::uint32_t kCommandFieldBytes = 96;
-inline constexpr std::uint32_t kStateFieldBytes = 168;
+/// Around a command's payload, as most blocks have it: those, length 4, checksum 4, form 1, numbers and times
+/// 6 and the anchor 12; the payload's own first bytes are left out.
+inline constexpr std::uint32_t kAroundPayloadBytes =
+    kDatagramBytes + 27 - static_cast<std::uint32_t>(kPayloadPrefixBytes);
 
 /// RTPS fills up a sample to whole words.
-inline constexpr std::uint32_t whole_words(std::uint32_t bytes) noexcept { return (bytes + 3U) & ~3U; }
+inline constexpr std::uint32_t sample_bytes(std::size_t octets) noexcept {
+  constexpr std::uint32_t kLength = 4;
+  return kLength + ((static_cast<std::uint32_t>(octets) + 3U) & ~3U);
+}
 
-inline std::uint32_t wire_bytes(const CommandBlock& block) noexcept {
-  return kDatagramBytes + whole_words(kCommandFieldBytes + block.payload.size);
-}
-inline std::uint32_t wire_bytes(const StateBlock& block) noexcept {
-  return kDatagramBytes + whole_words(kStateFieldBytes + block.payload.size) + whole_words(block.force.size);
-}
+/// Of one stream's blocks in their order: a block's cost depends on those before it. No allocation, lock or
+/// throw.
+template <class Block>
+class WireCost {};
+
+template <class Block, std::size_t kMost>
+class BlockCost {
+ public:
+  /// Bytes of the frame.
+  std::uint32_t operator()(const Block& block) noexcept {
+    return kDatagramBytes + sample_bytes(compressor_.compress(block, kContractVersion, room_).size());
+  }
+
+ private:
+  HeaderCompressor<Block> compressor_;
+  std::array<std::uint8_t, kMost> room_{};
+};
+template <>
+class WireCost<CommandBlock> : public BlockCost<CommandBlock, kMaxCommandBytes> {};
+template <>
+class WireCost<StateBlock> : public BlockCost<StateBlock, kMaxStateBytes> {};
 
 }  // namespace telekerf

@@ -9,6 +9,11 @@
 
 namespace telekerf {
 
+/// What a codec writes begins with this many bytes that stay the same as long as its settings do, and
+inline constexpr std::size_t kPayloadFormatBytes = 8;
+/// then with a number of 16 bits, most significant byte first: one more each payload.
+inline constexpr std::size_t kPayloadPrefixBytes = kPayloadFormatBytes + 2;
+
 /// As the codec wrote them. Only the first `size` octets count, and a copy moves no others: blocks go from
 /// hand to hand several times a tick, and most of a payload's room stays empty.
 struct Payload {

@@ -126,7 +126,7 @@ void CommandReceiver::describe(const Acknowledgement& acknowledgement, StateHead
   out.playout_ticks = clock_.depth_samples();
   out.echo_sequence = heard() ? header().sequence : 0;
   out.echo_sent_ns = header().sent_ns;
-  out.echo_received_ns = stream_.arrived_ns();
+  out.echo_received_ns = stream_.arrived_ns() - stream_.arrived_ns() % 1000;
 }
 
 }  // namespace telekerf::streaming

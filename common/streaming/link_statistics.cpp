@@ -19,6 +19,7 @@ void LinkStatistics::sent(const CommandBlock& block, int copies) noexcept {
   copies_ += static_cast<std::uint64_t>(copies);
   max_copies_ = std::max(max_copies_, copies);
   payload_bytes_ += block.payload.size;
+  wire_bytes_ += cost_(block);
 }
 
 bool LinkStatistics::received(const StateHeader& state, std::int64_t received_ns) noexcept {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/protocol/messages.h"
+#include "common/protocol/overhead.h"
 #include "common/streaming/clock_offset_estimator.h"
 
 namespace telekerf::streaming {
@@ -33,6 +34,8 @@ class LinkStatistics {
   ClockEstimate clocks() const noexcept { return clocks_.estimate(last_received_ns_); }
   std::uint64_t packets() const noexcept { return packets_; }
   std::uint64_t payload_bytes() const noexcept { return payload_bytes_; }
+  /// Of whole frames.
+  std::uint64_t wire_bytes() const noexcept { return wire_bytes_; }
   double mean_copies() const noexcept {
     return packets_ == 0 ? 0.0 : static_cast<double>(copies_) / static_cast<double>(packets_);
   }
@@ -50,6 +53,8 @@ class LinkStatistics {
   std::uint32_t last_echo_ = 0;
   std::uint64_t packets_ = 0;
   std::uint64_t payload_bytes_ = 0;
+  std::uint64_t wire_bytes_ = 0;
+  WireCost<CommandBlock> cost_;
   std::uint64_t copies_ = 0;
   int max_copies_ = 0;
 };

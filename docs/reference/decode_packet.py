@@ -45,11 +45,14 @@ def signed(code):
 
 
 def read_head(bits):
-    head = {"version": bits.u(4), "codec": bits.u(4), "blocks": bits.u(3) + 1, "redundancy": bits.u(3),
-            "anchored": bits.u(1), "adaptive": bits.u(1), "n": bits.u(6) + 1, "q": 2 ** ((bits.u(9) - 256) / 4),
-            "axes": bits.u(2), "sequence": bits.u(16), "count": bits.u(6), "step": bits.u(5),
-            "level_order": bits.u(5), "value_order": bits.u(4), "period_ns": bits.ue(20)}
-    if head["version"] != 2 or head["codec"] != 0:
+    head = {"version": bits.u(4), "codec": bits.u(4), "redundancy": bits.u(3), "anchored": bits.u(1),
+            "adaptive": bits.u(1), "integrated": bits.u(1), "axes": bits.u(2), "n": bits.u(6) + 1, "zero": bits.u(1),
+            "q": 2 ** ((bits.u(9) - 256) / 4), "period_ns": bits.u(32), "sequence": bits.u(16), "blocks": bits.u(3) + 1}
+    head["count"] = bits.ue(2)
+    head["step"] = bits.ue(2) if head["adaptive"] else 0
+    head["level_order"] = bits.ue(3)
+    head["value_order"] = bits.ue(2)
+    if head["version"] != 3 or head["codec"] != 0:
         raise ValueError("no sdct packet of this version")
     octaves = (head["n"] - 1).bit_length()
     head["slope_q"] = head["q"] * 2.0 ** (2 - octaves)
@@ -143,8 +146,12 @@ def read_axis(bits, head, newest, anchor, following):
         if not (k == 0 and zero_is_level):
             order = min(max(abs(values[k]).bit_length() - 1, 0), 40)
     bend = bits.se(4) * head["bend_q"] if mode == "curve" else 0.0
+
+    def step_of(k):
+        return 1.75 * k * k * step if head["integrated"] else step
+
     shape = [0.5 * bend * i * i + math.sqrt(2 / n) * sum(
-        value * step * math.cos((2 * i + 1) * k * math.pi / (2 * n)) for k, value in values.items() if k > 0)
+        value * step_of(k) * math.cos((2 * i + 1) * k * math.pi / (2 * n)) for k, value in values.items() if k > 0)
              for i in range(n)]
 
     slope = 0

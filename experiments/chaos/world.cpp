@@ -243,8 +243,8 @@ void World::step_slave(std::int64_t now_ns, const std::vector<FaultWindow>& atta
   const slave::SlaveOutputs out = slave_.step(time.clock.local(now_ns), commands_);
   if (out.state) {
     followed_epoch_ = out.state->master_epoch;
-    backward_.push(now_ns, *out.state, wire_bytes(*out.state));
-    if (second_) second_backward_.push(now_ns, *out.state, wire_bytes(*out.state));
+    backward_.push(now_ns, *out.state);
+    if (second_) second_backward_.push(now_ns, *out.state);
   }
   Observation seen = truth(now_ns);
   seen.reference = out.reference;
@@ -279,7 +279,7 @@ void World::hear_stops(std::int64_t now_ns) {
 }
 
 void World::send(std::int64_t now_ns, const CommandBlock& block, simulation::VirtualLink<Datagram>& link) {
-  link.push(now_ns, Datagram{.block = block, .genuine = true, .born_ns = now_ns}, wire_bytes(block));
+  link.push(now_ns, Datagram{.block = block, .genuine = true, .born_ns = now_ns}, command_cost_(block));
   if (&link != &forward_) return;
   forger_.saw(block);
   const auto& kinds = settings_.kinds;

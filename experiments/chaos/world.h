@@ -81,6 +81,7 @@ class World {
   const ChaosSettings& settings_;
   const ChaosContours& contours_;
   const Schedule& schedule_;
+  WireCost<CommandBlock> command_cost_;
   simulation::VirtualLink<Datagram> forward_;
   simulation::VirtualLink<StateBlock> backward_;
   simulation::VirtualLink<Datagram> second_forward_;

@@ -124,7 +124,7 @@ Json wire_row(const SeededTrace& seeded, const char* name, int block, int redund
   s = codec::with_codec(s, name);
   const auto figures = codec::measure(seeded.trace, s, {.loss = loss, .burst = burst, .seed = seed});
   const bool sample_by_sample = s.block == 1;
-  const double around = kDatagramBytes + (sample_by_sample ? 0.0 : kCommandFieldBytes);
+  const double around = sample_by_sample ? kDatagramBytes : kAroundPayloadBytes;
   const double payload =
       sample_by_sample ? 12.0 : figures.packet_bytes;  // one packet of bare floats a sample
   const double wire = figures.packets_per_s * (around + payload);
@@ -142,6 +142,30 @@ Json wire_row(const SeededTrace& seeded, const char* name, int block, int redund
           {"velocity_rmse", figures.velocity_rmse},
           {"concealed_samples", figures.concealed_samples},
           {"latency_ms", rounded(figures.latency_ms)}};
+}
+
+/// `positions` of docs/results/codec.md, of the rows of `wire`.
+reporting::PageTable positions_table(const Json& wire) {
+  reporting::TableRows table{{"position stream", "payload, bytes", "bytes/s", "below raw", "RMS error, um",
+                              "velocity RMS error, mm/s"}};
+  for (const auto& row : wire) {
+    const auto name = row["codec"].get<std::string>();
+    if (name != "sdct" && row["trace"] != "hand") continue;  // the same for every trace
+    const std::string coding =
+        name == "raw"
+            ? "bare float32, sample by sample"
+            : fmt::format("{}, N = {}, R = {}{}", name == "sdct" ? "SDCT, m = 4" : "batched float32",
+                          row["block"].get<int>(), row["redundancy"].get<int>(),
+                          name == "sdct" ? ", " + row["trace"].get<std::string>() : "");
+    const auto error = [&](const char* which, double unit) {
+      return name == "sdct" ? fmt::format("{:.2f}", row[which].get<double>() / unit) : std::string("-");
+    };
+    table.push_back({coding, fmt::format("{:.0f}", row["payload_bytes"].get<double>()),
+                     fmt::format("{:.0f}", row["wire_bytes_per_s"].get<double>()),
+                     fmt::format("{:.1f} x", row["below_raw"].get<double>()), error("rmse", 1e-6),
+                     error("velocity_rmse", 1e-3)});
+  }
+  return {"positions", reporting::markdown_table(table)};
 }
 
 int run(const Options& options) {
@@ -184,7 +208,8 @@ int run(const Options& options) {
   write_json(std::filesystem::path(options.out) / "codec.json", results);
   if (!options.page.empty())
     reporting::write_tables(
-        options.page, {rates_table(traces), stream_table(record_hand("heart", kStreamLap_s, options.seed))});
+        options.page, {rates_table(traces), stream_table(record_hand("heart", kStreamLap_s, options.seed)),
+                       positions_table(results["wire"])});
   for (const auto& row : results["rate_distortion"]) {
     fmt::print(
         "{:<13} N {:<3} rmse {:<9.2g} SDCT {:<7} truncated {:<7} DPCM {:<7} dead-band {:<8} held {:<7} limit "

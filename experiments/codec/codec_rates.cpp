@@ -108,7 +108,8 @@ double bits_at(const Curve& curve, double rmse) {
 
 std::vector<RateRow> rate_rows() {
   std::vector<RateRow> rows;
-  for (const char* trace : {"hand", "contour", "force", "acceleration", "chirp", "steps", "held", "noise"}) {
+  for (const char* trace : {"hand", "contour", "force", "acceleration", "chirp", "steps", "held", "noise",
+                            "joints", "pen", "ecg", "current", "contact"}) {
     for (const double factor : {1.0, 4.0}) {
       for (const int block : {16, 32}) rows.push_back({trace, factor, block});
     }

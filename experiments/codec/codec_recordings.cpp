@@ -65,12 +65,12 @@ std::vector<SeededTrace> recorded_traces(double seconds, std::uint64_t seed) {
     if (out.command) {
       const auto packet = decoder.decode(out.command->payload.view(), {});
       if (joined && packet) append(command, (*packet)->blocks_newest_first[0].samples[0]);
-      forward.push(now_ns, *out.command, wire_bytes(*out.command));
+      forward.push(now_ns, *out.command);
     }
     commands.clear();
     forward.deliver(now_ns, commands);
     const auto at_slave = slave.step(now_ns, corridor.get(), commands, {});
-    if (at_slave.state) backward.push(now_ns, *at_slave.state, wire_bytes(*at_slave.state));
+    if (at_slave.state) backward.push(now_ns, *at_slave.state);
     if (!joined) continue;
     append(hand, out.tool_m);
     append(push, out.hand_n);

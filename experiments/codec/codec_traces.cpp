@@ -88,6 +88,47 @@ struct ContourRound {
   std::array<Band, 2> off;
 };
 
+/// A joint that goes from place to place with least jerk, 1 s each, and rests in between.
+struct Joint {
+  explicit Joint(Random& random) {
+    for (auto& place : places) place = 0.8 * (2.0 * random.uniform() - 1.0);
+  }
+  double operator()(double t) const {
+    const double phase = t / 1.6;
+    const auto n = static_cast<std::size_t>(phase) % (places.size() - 1);
+    const double s = std::min((phase - std::floor(phase)) * 1.6, 1.0);
+    return places[n] + (places[n + 1] - places[n]) * s * s * s * (10.0 + s * (6.0 * s - 15.0));
+  }
+  std::array<double, 64> places{};
+};
+
+/// Heart beats as sums of bells (P, Q, R, S, T; after McSharry et al., 2003) over a wandering base line, mV.
+struct Heart {
+  explicit Heart(Random& random) : rate(random, 0.05, 0.3, 0.06, 0), base(random, 0.05, 0.4, 0.05, 1) {}
+  double operator()(std::size_t lead, double t) const {
+    constexpr std::array<std::array<double, 3>, 5> kBells{{{-0.20, 0.12, 0.025},
+                                                           {-0.035, -0.10, 0.010},
+                                                           {0.0, 1.10, 0.011},
+                                                           {0.035, -0.22, 0.012},
+                                                           {0.28, 0.30, 0.045}}};
+    const double phase = (t + rate(t)) / 0.85;
+    const double since_s = (phase - std::floor(phase) - 0.4) * 0.85;
+    double sum = base(t);
+    for (const auto& [at, height, width] : kBells)
+      sum += height * std::exp(-0.5 * std::pow((since_s - at) / width, 2));
+    return sum * (lead == 0 ? 1.0 : lead == 1 ? 0.6 : -0.4);
+  }
+  Band rate, base;
+};
+
+/// A push that begins and ends hard, and rings, N.
+double contact(double t) {
+  const double since = std::fmod(t, 2.5);
+  if (since > 1.3) return 0.0;
+  return 4.0 * (1.0 - std::exp(-since / 0.01)) +
+         2.5 * std::exp(-since / 0.04) * std::sin(2 * pi * 70.0 * since);
+}
+
 using Signal = std::function<double(std::size_t axis, double t)>;
 
 codec::Trace sample(const char* name, double seconds, double rate_hz, const Signal& signal) {
@@ -135,6 +176,30 @@ std::vector<SeededTrace> seeded_traces(double seconds, double rate_hz, std::uint
   add("held", "m", 1e-6, true,
       [&](std::size_t a, double t) { return rounded(hand(a, std::floor(t * 50.0) / 50.0), 1e-6); });
   add("noise", "1", 0.1, false, [&](std::size_t, double) { return random.normal(); });
+  const auto add_at = [&](const char* name, double rate, const char* unit, double fine,
+                          const Signal& signal) {
+    all.push_back({sample(name, 3.0 * seconds, rate, signal), unit, fine, false});
+  };
+  const std::array<Joint, 3> joints{Joint(random), Joint(random), Joint(random)};
+  add_at("joints", 100.0, "rad", 1e-4, [&](std::size_t a, double t) { return rounded(joints[a](t), 1e-4); });
+  const std::array<Band, 3> strokes{Band(random, 0.5, 6, 3e-3, 1), Band(random, 0.5, 6, 3e-3, 1),
+                                    Band(random, 0.1, 1, 1e-3, 1)};
+  add_at("pen", 125.0, "m", 5e-6, [&](std::size_t a, double t) {
+    const double along = a == 0 ? 0.02 * std::fmod(t, 8.0) : 0.0;  // line after line
+    return rounded(along + strokes[a](t), 5e-6);
+  });
+  const Heart heart(random);
+  add_at("ecg", 360.0, "mV", 0.005,
+         [&](std::size_t a, double t) { return rounded(heart(a, t) + 4e-3 * random.normal(), 0.005); });
+  const std::array<Band, 3> load{Band(random, 0.2, 8, 0.8, 1), Band(random, 0.2, 8, 0.8, 1),
+                                 Band(random, 0.2, 8, 0.5, 1)};
+  add_at("current", 1000.0, "A", 0.02, [&](std::size_t a, double t) {
+    const double friction = load[a](t + 0.1) > 0.0 ? 0.3 : -0.3;  // turns round at once
+    return load[a](t) + friction + 0.02 * std::sin(2 * pi * 300.0 * t) + 0.01 * random.normal();
+  });
+  add_at("contact", 1000.0, "N", 0.02, [&](std::size_t a, double t) {
+    return contact(t + 0.3 * static_cast<double>(a)) + 0.01 * random.normal();
+  });
   return all;
 }
 

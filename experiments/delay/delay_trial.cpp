@@ -139,8 +139,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     aligned[tick] = stream.observed().aligned;
     if (block) {
       payload_bytes += block->payload.size;
-      on_wire += wire_bytes(*block);
-      forward.push(now_ns, *block, wire_bytes(*block));
+      on_wire += forward.push(now_ns, *block);
     }
 
     commands.clear();
@@ -148,7 +147,7 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
     if (tick == hand.tool.size() / 2) slave.machine().plant()->set_tool_force(Vec3(trial.push_n, 0.0, 0.0));
     const Vec3 tool_m = *slave.machine().true_tool_m();
     const auto out = slave.step(now_ns, corridor.get(), commands, {});
-    if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
+    if (out.state) backward.push(now_ns, *out.state);
     if (out.applied_tick < 0.0) continue;
     const auto applied = static_cast<std::size_t>(out.applied_tick);
     joined = joined || (aligned[applied] && out.settled);

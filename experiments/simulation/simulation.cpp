@@ -77,7 +77,7 @@ RunRecord simulate(const SimulationSettings& settings, const ContourMessage& con
       backward.deliver(master_ns, states);
       const auto out = master.step(master_ns, guided.back().get(), states, at_master.due(master_ns),
                                    stop_at(settings.stops, master_ns));
-      if (out.command) forward.push(master_ns, *out.command, wire_bytes(*out.command));
+      if (out.command) forward.push(master_ns, *out.command);
       if (out.prepare_anew) {
         try {
           guided.push_back(master.prepare(contour));
@@ -90,7 +90,7 @@ RunRecord simulate(const SimulationSettings& settings, const ContourMessage& con
       commands.clear();
       forward.deliver(slave_ns, commands);
       const auto out = slave.step(slave_ns, corridor.get(), commands, stop_at(settings.stops, slave_ns));
-      if (out.state) backward.push(slave_ns, *out.state, wire_bytes(*out.state));
+      if (out.state) backward.push(slave_ns, *out.state);
       slave_ns += slave_period_ns;
     }
   }

@@ -19,6 +19,12 @@ class VirtualLink {
   VirtualLink(const netem::DirectionProfile& profile, std::uint64_t seed, netem::Direction direction)
       : emulator_(profile, netem::StreamKey{seed, 0, direction}) {}
 
+  /// A block; returns what it costs on the wire.
+  std::uint32_t push(std::int64_t now_ns, const T& block) {
+    const std::uint32_t bytes = cost_(block);
+    push(now_ns, block, bytes);
+    return bytes;
+  }
   void push(std::int64_t now_ns, const T& message, std::uint32_t bytes) {
     const std::uint64_t tag = next_++;
     waiting_.emplace(tag, message);
@@ -37,6 +43,7 @@ class VirtualLink {
 
  private:
   netem::Emulator emulator_;
+  WireCost<T> cost_;
   std::unordered_map<std::uint64_t, T> waiting_;
   std::uint64_t next_ = 0;
 };

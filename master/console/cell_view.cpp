@@ -5,7 +5,6 @@
 
 #include <utility>
 
-#include "common/protocol/overhead.h"
 #include "common/protocol/sentences.h"
 #include "master/modes.h"
 
@@ -39,13 +38,13 @@ double CellView::Rate::per_s(std::int64_t now_ns) noexcept {
 }
 
 void CellView::hear(const Received<CommandBlock>& command) {
-  commands_.add(wire_bytes(command.value), command.received_ns);
+  commands_.add(command_cost_(command.value), command.received_ns);
   command_ticks_ = std::max<int>(1, command.value.ticks_per_sample);
 }
 
 void CellView::hear(const Received<StateBlock>& received) {
   const StateBlock& state = received.value;
-  states_rate_.add(wire_bytes(state), received.received_ns);
+  states_rate_.add(state_cost_(state), received.received_ns);
   if (!states_ || state.master_epoch != states_epoch_) {
     states_epoch_ = state.master_epoch;
     states_ = std::make_unique<streaming::StateReceiver>(kAnother_s, states_epoch_, command_ticks_);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/protocol/messages.h"
+#include "common/protocol/overhead.h"
 #include "common/streaming/state_receiver.h"
 #include "master/console/mark_trail.h"
 #include "master/console/page_protocol.h"
@@ -80,6 +81,8 @@ class CellView {
   double prediction_m_ = 0.0;
   double round_trip_s_ = 0.0;
   Rate commands_, states_rate_;
+  WireCost<CommandBlock> command_cost_;
+  WireCost<StateBlock> state_cost_;
   std::optional<ContourMessage> contour_;
   std::optional<UdpHandAnswer> answer_;  ///< newer than the telemetry
   MarkTrail mark_;

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "common/protocol/overhead.h"
 #include "common/protocol/site.h"
 
 namespace telekerf::integration {
@@ -32,8 +33,8 @@ struct Traffic {
 
 struct Counted {
   Traffic commands, states, others;
-  std::uint64_t copies = 0;                        ///< samples of a stream that had been seen before
-  std::vector<std::vector<std::uint8_t>> samples;  ///< of the commands, encapsulation left out
+  std::uint64_t copies = 0;      ///< samples of a stream that had been seen before
+  std::uint64_t miscounted = 0;  ///< that cost something else than overhead.h says
   double seconds = 0.0;
   double bytes_per_s(const Traffic& traffic) const { return static_cast<double>(traffic.bytes) / seconds; }
 };
@@ -89,7 +90,9 @@ class Capture {
       std::vector<std::uint8_t> key(frame.begin() + kFrameHeads + 8, frame.begin() + kFrameHeads + 20);
       key.insert(key.end(), data.begin() + 12, data.begin() + 24);
       if (++seen_[key] > 1) ++counted.copies;
-      if (command) counted.samples.emplace_back(data.begin() + 28, data.end());
+      // The sample: encapsulation, number of octets, octets.
+      const std::size_t octets = data[28] | std::size_t{data[29]} << 8;
+      if (frame.size() + kCheckSequence != kDatagramBytes + sample_bytes(octets)) ++counted.miscounted;
     }
     ++traffic->frames;
     traffic->bytes += frame.size() + kCheckSequence;
@@ -100,7 +103,7 @@ class Capture {
     if (frame.size() < kFrameHeads + 20 || frame[12] != 0x08 || frame[13] != 0x00 ||
         std::memcmp(&frame[kFrameHeads], "RTPS", 4) != 0)
       return {};
-    for (std::size_t at = kFrameHeads + 20; at + 28 <= frame.size();) {
+    for (std::size_t at = kFrameHeads + 20; at + 32 <= frame.size();) {
       const std::size_t length = frame[at + 2] | std::size_t{frame[at + 3]} << 8;
       const std::size_t end = length == 0 ? frame.size() : at + 4 + length;
       if (end > frame.size()) return {};

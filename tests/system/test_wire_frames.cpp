@@ -4,7 +4,6 @@
 
 #include <filesystem>
 
-#include "common/protocol/overhead.h"
 #include "tests/system/capture.h"
 #include "tests/system/namespaces.h"
 
@@ -58,6 +57,10 @@ TEST(WireFrames, EachBlockCrossesOnceAndCostsWhatIsSaid) {
   EXPECT_GT(counted.commands.frames, 200u);
   EXPECT_GT(counted.states.frames, 200u);
   EXPECT_EQ(counted.copies, 0u);
+  EXPECT_EQ(counted.miscounted, 0u);
+  EXPECT_LE(counted.commands.mean(), 150.0);
+  EXPECT_LE(counted.states.mean(), 200.0);
+  EXPECT_LE(all, 25'000.0);
   // Two pairs of processes across the link: master with slave, master with vision.
   EXPECT_LE(counted.bytes_per_s(counted.others), 2 * 3000.0);
   std::filesystem::remove_all(folder);

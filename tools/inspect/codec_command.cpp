@@ -51,10 +51,11 @@ int run_codec(const CodecOptions& options) {
     report["keep"] = settings.keep;
   }
   report["redundancy"] = settings.redundancy;
+  report["copies"] = figures.copies;
   report["loss"] = options.link.loss;
   report["bits_per_sample"] = figures.bits_per_sample;
   report["packet_bytes"] = figures.packet_bytes;
-  report["overhead_bytes"] = static_cast<double>(kDatagramBytes);
+  report["overhead_bytes"] = static_cast<double>(kAroundPayloadBytes);
   report["packets_per_s"] = figures.packets_per_s;
   report["wire_bytes_per_s"] = figures.wire_bytes_per_s;
   report["raw_wire_bytes_per_s"] = figures.raw_wire_bytes_per_s;

@@ -18,7 +18,7 @@ namespace telekerf::codec {
 namespace {
 
 constexpr std::size_t kGroup = 3;
-constexpr std::size_t kPacketRoom = 8192;
+constexpr std::size_t kPacketRoom = Payload::kCapacity;
 
 double nanoseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
@@ -58,6 +58,7 @@ class Run {
         continue;
       }
       ++figures.packets;
+      figures.copies += encoder_.copies();
       figures.packet_bytes += static_cast<double>(*size);
       figures.bits_per_sample += static_cast<double>(encoder_.newest_block_bits());
       if (lost[b]) {
@@ -253,10 +254,11 @@ CodingResult measure(const Trace& trace, StreamSettings settings, const PacketLo
   const auto streams = std::ceil(columns / kGroup);
   const double seconds = static_cast<double>(figures.samples) / trace.rate_hz;
   const auto packets = static_cast<double>(figures.packets);
-  const double per_packet = kDatagramBytes + (settings.anchored && !events ? kAnchorBytes : 0.0);
+  const double per_packet = events ? kDatagramBytes : kAroundPayloadBytes;
   figures.bits_per_sample /= static_cast<double>(figures.samples) * columns;
   figures.wire_bytes_per_s = (figures.packet_bytes + packets * per_packet) / seconds;
   figures.packet_bytes /= std::max(packets, 1.0);
+  figures.copies /= std::max(packets, 1.0);
   figures.packets_per_s = packets / seconds;
   figures.raw_wire_bytes_per_s = trace.rate_hz * (streams * kDatagramBytes + 4 * columns);
   figures.latency_ms = 1e3 * (settings.block - 1) / trace.rate_hz;

@@ -25,9 +25,10 @@ struct CodingResult {
   std::size_t concealed_samples = 0;  ///< made up because no copy came
   double bits_per_sample = 0;         ///< the coded blocks alone: no head, no copies, no anchor
   double packet_bytes = 0;            ///< mean payload: head, newest block and copies
+  double copies = 0;                  ///< mean, of earlier blocks in a packet: those that fit
   double packets_per_s = 0;
-  double wire_bytes_per_s = 0;      ///< with kDatagramBytes, and the anchor where there is one
-  double raw_wire_bytes_per_s = 0;  ///< one packet of float32 a sample, same overhead
+  double wire_bytes_per_s = 0;      ///< with everything around a payload (overhead.h)
+  double raw_wire_bytes_per_s = 0;  ///< one packet of bare float32 a sample, with kDatagramBytes
   double rmse = 0;                  ///< over everything that was not refused, concealed samples included
   double max_error = 0;
   double velocity_rmse = 0;        ///< of first differences times the rate, block edges included

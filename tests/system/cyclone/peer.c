@@ -30,6 +30,34 @@ static void take_one(dds_entity_t reader, void** sample, const char* what) {
   exit(1);
 }
 
+static uint64_t number_at(const uint8_t* at, int bytes) {
+  uint64_t value = 0;
+  for (int i = 0; i < bytes; ++i) value |= (uint64_t)at[i] << 8 * i;
+  return value;
+}
+
+// A block that carries its set (docs/reference/block.md). Returns its contract.
+static uint16_t print_state(const uint8_t* block, uint32_t length) {
+  const uint8_t* const set = block + 5;
+  if (length < 5 + 78 + 84 || (block[4] & 0x60) != 0x60 || set[36] != 1 || set[47] != 1) {
+    fprintf(stderr, "no state with a set\n");
+    exit(1);
+  }
+  const uint8_t* const fields = set + 78;
+  const uint8_t* const rest = fields + 84;
+  const uint32_t number = (uint32_t)number_at(fields, 4);
+  const unsigned size = (unsigned)number_at(fields + 82, 2);
+  const unsigned sequence = (number + (unsigned)number_at(set + 45, 2)) & 0xffff;
+  unsigned octets = 0;
+  for (int i = 0; i < 8; ++i) octets = octets * 31u + set[37 + i];
+  octets = (octets * 31u + (sequence >> 8)) * 31u + (sequence & 0xff);
+  for (unsigned i = 0; i < size; ++i) octets = octets * 31u + rest[i];
+  printf("state %u %" PRIu64 " %.9g %.9g %d %" PRId64 " %u %u\n", (unsigned)number, number_at(fields + 56, 8),
+         (int32_t)number_at(fields + 32, 4) / 16777216.0, (int32_t)number_at(fields + 36, 4) / 65536.0, (int)set[74],
+         (int64_t)number_at(fields + 72, 8), size + 10, octets);
+  return (uint16_t)number_at(set, 2);
+}
+
 // Within 20 s.
 static void wait_for_reader(dds_entity_t writer) {
   for (int i = 0; i < 2000; ++i) {
@@ -74,7 +102,7 @@ static dds_qos_t* announced(const char* cell, uint16_t contract, const char* rol
 }
 
 // Blocks that a reader takes for damaged, so that nobody follows them: that it counts them is all that is asked.
-static int command(dds_entity_t participant, const char* cell, uint16_t contract) {
+static int command(dds_entity_t participant, const char* cell) {
   const dds_entity_t topic =
       dds_create_topic(participant, &telekerf_wire_CommandBlock_desc, "telekerf/command", NULL, NULL);
   dds_qos_t* in_cell = qos_of(cell, 0, 0);
@@ -83,8 +111,6 @@ static int command(dds_entity_t participant, const char* cell, uint16_t contract
   dds_delete_qos(in_cell);
   telekerf_wire_CommandBlock block;
   memset(&block, 0, sizeof block);
-  block.contract = contract;
-  block.epoch = 7;
   wait_for_reader(writer);
   for (int i = 0; i < 100; ++i) {
     dds_write(writer, &block);
@@ -101,7 +127,7 @@ int main(int argc, char** argv) {
   dds_qos_t* presence = strcmp(role, "-") == 0 ? NULL : announced(argv[2], own_contract, role, 7);
   const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), presence, NULL);
   dds_delete_qos(presence);
-  if (argc == 5) return command(participant, argv[2], own_contract);
+  if (argc == 5) return command(participant, argv[2]);
   const dds_entity_t contours =
       dds_create_topic(participant, &telekerf_wire_Contour_desc, "telekerf/contour", NULL, NULL);
   const dds_entity_t states =
@@ -135,12 +161,7 @@ int main(int argc, char** argv) {
   sample = telekerf_wire_StateBlock__alloc();
   take_one(state_reader, &sample, "state");
   const telekerf_wire_StateBlock* state = sample;
-  unsigned octets = 0;
-  for (uint32_t i = 0; i < state->payload._length; ++i) octets = octets * 31u + state->payload._buffer[i];
-  printf("state %u %" PRIu64 " %.9g %.9g %d %" PRId64 " %u %u\n", (unsigned)state->number, state->applied_bitmap,
-         (double)state->anchor.position_m[2], (double)state->anchor.velocity_m_per_s[0], (int)state->interlock,
-         state->echo_received_ns, (unsigned)state->payload._length, octets);
-  const uint16_t contract = state->contract;
+  const uint16_t contract = print_state(state->octets._buffer, state->octets._length);
   telekerf_wire_StateBlock_free(sample, DDS_FREE_ALL);
 
   telekerf_wire_Event event = {.contract = contract, .epoch = 7, .kind = 2, .value = 0.5, .text = "from elsewhere"};

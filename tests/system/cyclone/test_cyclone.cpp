@@ -29,7 +29,8 @@ std::string run_peer(const BusSettings& settings, const std::string& role = "") 
 TEST(Cyclone, AForeignPeerReadsAndWritesTheContract) {
   samples::Random random(1);
   const ContourMessage contour = samples::contour(random, 3000);
-  const StateBlock state = samples::state(random, 60);
+  StateBlock state = samples::state(random, 60);
+  state.sequence &= ~31u;  // a block that carries its set
   double sum = 0.0;
   for (const Vec2& point : contour.points_m) sum += point.x() - 2.0 * point.y();
   unsigned octets = 0;

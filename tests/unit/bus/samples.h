@@ -39,6 +39,10 @@ inline CommandBlock command(Random& random, std::size_t payload_bytes) {
   block.engaged_before = static_cast<std::uint8_t>(random() % 128);
   block.anchor = anchor(random);
   block.sent_ns = static_cast<std::int64_t>(random());
+  block.engage = static_cast<std::uint32_t>(random());
+  block.stop = static_cast<std::uint32_t>(random());
+  block.echo_sequence = static_cast<std::uint32_t>(random());
+  block.echo_sent_ns = static_cast<std::int64_t>(random());
   fill(random, block.payload, payload_bytes);
   return block;
 }
@@ -64,6 +68,13 @@ inline StateBlock state(Random& random, std::size_t payload_bytes) {
   block.echo_sent_ns = static_cast<std::int64_t>(random());
   block.echo_received_ns = static_cast<std::int64_t>(random());
   block.sent_ns = static_cast<std::int64_t>(random());
+  block.mode = static_cast<SlaveMode>(random() % 4);
+  block.reason = static_cast<HoldReason>(random() % 9);
+  block.engage = static_cast<std::uint32_t>(random());
+  block.stop = static_cast<std::uint32_t>(random());
+  block.stop_tick = random();
+  block.guards = static_cast<std::uint32_t>(random());
+  block.command_age_s = random() % 3 == 0 ? -1.0 : static_cast<double>(random() % 60000) / 1e4;
   fill(random, block.payload, payload_bytes);
   fill(random, block.force, payload_bytes / 2);
   return block;
@@ -97,7 +108,8 @@ inline bool same(const CommandBlock& a, const CommandBlock& b) {
          a.sample_period_ns == b.sample_period_ns && a.ticks_per_sample == b.ticks_per_sample &&
          a.contour_id == b.contour_id && a.beta == b.beta && a.law == b.law && a.engaged == b.engaged &&
          a.engaged_before == b.engaged_before && same(a.anchor, b.anchor) && a.sent_ns == b.sent_ns &&
-         same(a.payload, b.payload);
+         a.engage == b.engage && a.stop == b.stop && a.echo_sequence == b.echo_sequence &&
+         a.echo_sent_ns == b.echo_sent_ns && same(a.payload, b.payload);
 }
 inline bool same(const StateBlock& a, const StateBlock& b) {
   return a.sequence == b.sequence && a.epoch == b.epoch && a.master_epoch == b.master_epoch &&
@@ -107,7 +119,9 @@ inline bool same(const StateBlock& a, const StateBlock& b) {
          a.applied_tick == b.applied_tick && a.applied_age_ticks == b.applied_age_ticks &&
          a.applied_bitmap == b.applied_bitmap && a.playout_ticks == b.playout_ticks &&
          a.echo_sequence == b.echo_sequence && a.echo_sent_ns == b.echo_sent_ns &&
-         a.echo_received_ns == b.echo_received_ns && a.sent_ns == b.sent_ns && same(a.payload, b.payload) &&
+         a.echo_received_ns == b.echo_received_ns && a.sent_ns == b.sent_ns && a.mode == b.mode &&
+         a.reason == b.reason && a.engage == b.engage && a.stop == b.stop && a.stop_tick == b.stop_tick &&
+         a.guards == b.guards && a.command_age_s == b.command_age_s && same(a.payload, b.payload) &&
          same(a.force, b.force);
 }
 inline bool same(const ContourLine& a, const ContourLine& b) {

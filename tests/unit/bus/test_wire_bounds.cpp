@@ -98,32 +98,6 @@ TEST(WireBounds, TheReceiverKeepsThem) {
 }
 
 TEST(WireBounds, TheLastOfEachEnumerationIsTakenAndTheNextIsDamage) {
-  const auto command = [](std::uint8_t law) {
-    wire::CommandBlock wire;
-    EXPECT_TRUE(to_wire(CommandBlock{}, kContract, wire));
-    wire.law(law);
-    wire.checksum(checksum_of(wire));
-    CommandBlock block;
-    return from_wire(wire, kContract, block);
-  };
-  const auto last_law = static_cast<std::uint8_t>(Law::kRemoteAcceleration);
-  EXPECT_EQ(command(last_law), Verdict::kGood);
-  EXPECT_EQ(command(last_law + 1), Verdict::kDamaged);
-  const auto state = [](std::uint8_t interlock, float beta = 0.5F, float velocity = 0.0F) {
-    wire::StateBlock wire;
-    EXPECT_TRUE(to_wire(StateBlock{}, kContract, wire));
-    wire.interlock(interlock);
-    wire.beta(beta);
-    wire.anchor().velocity_m_per_s()[2] = velocity;
-    wire.checksum(checksum_of(wire));
-    StateBlock block;
-    return from_wire(wire, kContract, block);
-  };
-  const auto last_interlock = static_cast<std::uint8_t>(kLastInterlock);
-  EXPECT_EQ(state(last_interlock), Verdict::kGood);
-  EXPECT_EQ(state(last_interlock + 1), Verdict::kDamaged);
-  EXPECT_EQ(state(0, std::numeric_limits<float>::quiet_NaN()), Verdict::kDamaged);
-  EXPECT_EQ(state(0, 0.5F, std::numeric_limits<float>::infinity()), Verdict::kDamaged);
   const auto event = [](std::uint8_t kind, double value = 0.0) {
     wire::Event wire;
     wire.contract(kContract);

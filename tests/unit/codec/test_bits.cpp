@@ -118,6 +118,7 @@ tl::expected<PacketHead, CodecError> head_with(const Change& change) {
   head.sequence = 65535;
   head.sample_period_ns = 1'000'000;
   head.quantum_exponent = -80;
+  head.adaptive = true;
   head.model = {.count = 63, .step_offset = 31, .level_order = 31, .value_order = 15};
   change(head);
   Bytes bytes(32);
@@ -134,6 +135,8 @@ TEST(PacketHead, ComesBackWholeAndKeepsItsBounds) {
   EXPECT_EQ(whole->blocks, 3);
   EXPECT_EQ(whole->sequence, 65535);
   EXPECT_EQ(whole->quantum_exponent, -80);
+  EXPECT_TRUE(whole->adaptive);
+  EXPECT_FALSE(whole->integrated);
   EXPECT_EQ(whole->model.count, 63);
   EXPECT_EQ(whole->model.step_offset, 31);
   EXPECT_EQ(whole->model.level_order, 31);
@@ -145,6 +148,9 @@ TEST(PacketHead, ComesBackWholeAndKeepsItsBounds) {
   EXPECT_TRUE(good([](PacketHead& h) { h.kind = kRaw, h.block = 1; }));
   EXPECT_TRUE(good([](PacketHead& h) { h.axes = 1; }));
   EXPECT_FALSE(good([](PacketHead& h) { h.axes = 0; }));
+  EXPECT_FALSE(good([](PacketHead& h) { h.integrated = true; })) << "no promise is kept at steps that differ";
+  EXPECT_TRUE(good([](PacketHead& h) { h.integrated = true, h.adaptive = false; }));
+  EXPECT_FALSE(good([](PacketHead& h) { h.model.value_order = 16; }));
   EXPECT_FALSE(good([](PacketHead& h) { h.redundancy = 1; })) << "more blocks than its redundancy allows";
   EXPECT_TRUE(good([](PacketHead& h) { h.blocks = 8, h.redundancy = 7; }));
   EXPECT_FALSE(good([](PacketHead& h) { h.sample_period_ns = 0; }));

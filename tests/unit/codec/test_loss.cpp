@@ -9,9 +9,9 @@
 #include <random>
 
 #include "common/codec/baselines/measure.h"
-#include "common/protocol/overhead.h"
 #include "common/codec/decoder.h"
 #include "common/codec/encoder.h"
+#include "common/protocol/overhead.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::codec {
@@ -121,7 +121,7 @@ TEST(Measure, CountsEveryByteAndAnyNumberOfColumns) {
   EXPECT_EQ(figures.samples, 1600u);
   EXPECT_EQ(figures.packets, 200u);  // four columns are two streams
   EXPECT_NEAR(figures.bits_per_sample, 32.0, 0.2);
-  EXPECT_NEAR(figures.wire_bytes_per_s, figures.packets_per_s * (kDatagramBytes + figures.packet_bytes),
+  EXPECT_NEAR(figures.wire_bytes_per_s, figures.packets_per_s * (kAroundPayloadBytes + figures.packet_bytes),
               1e-6);
   EXPECT_DOUBLE_EQ(figures.raw_wire_bytes_per_s, 1000.0 * (2 * kDatagramBytes + 16));
   EXPECT_DOUBLE_EQ(figures.latency_ms, 15.0);

@@ -58,9 +58,13 @@ TEST(PacketPage, ItsDecoderReadsWhatTheEncoderWrites) {
     for (const int block : {4, 16, 33, 64}) {
       for (const double max_rms : {0.0, 2e-6}) {
         for (const Signal& signal : {Signal(smooth), Signal(quick), Signal(jumping)}) {
-          out << lines_of(
-                     {.block = block, .keep = 4, .max_rms = max_rms, .redundancy = 2, .anchored = anchored},
-                     signal)
+          out << lines_of({.block = block,
+                           .keep = 4,
+                           .max_rms = max_rms,
+                           .redundancy = 2,
+                           .integrated = !anchored,
+                           .anchored = anchored},
+                          signal)
               << '\n';
         }
       }

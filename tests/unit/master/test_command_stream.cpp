@@ -5,6 +5,7 @@
 #include <bit>
 #include <vector>
 
+#include "common/protocol/wire_precision.h"
 #include "master/command_stream.h"
 
 namespace telekerf::master {
@@ -139,7 +140,7 @@ TEST_F(CommandStreamTest, ABlockNamesItsSenderItsPlaceInTimeAndWhatItIsFor) {
     EXPECT_EQ(sent.beta, 1.0);
     EXPECT_EQ(sent.law, Law::kLocal);
     EXPECT_EQ(sent.sent_ns, static_cast<std::int64_t>(tick_ - 1) * 1'000'000);
-    EXPECT_NEAR(sent.anchor.position_m.x(), 1e-5 * (n * kBlock + 1), 1e-9);
+    EXPECT_NEAR(sent.anchor.position_m.x(), 1e-5 * (n * kBlock + 1), 0.5 * kPositionGrid_m);
   }
 }
 
@@ -170,7 +171,7 @@ TEST_F(CommandStreamTest, AnotherScaleComesWithABlockAndWhatWasBeforeIsNothingTo
   EXPECT_EQ(sent.beta, 0.25);
   EXPECT_TRUE(sent.engaged);
   EXPECT_EQ(sent.engaged_before, 0u) << "copies of blocks with the scale before";
-  EXPECT_NEAR(sent.anchor.position_m.x(), 0.25 * 4.01e-3, 1e-9);
+  EXPECT_NEAR(sent.anchor.position_m.x(), 0.25 * 4.01e-3, 0.5 * kPositionGrid_m);
   EXPECT_EQ(block().engaged_before, 1u);
 }
 

@@ -52,7 +52,7 @@ TEST_P(CommandStreamOnTheWire, IsFarBelowRawAndTracksLikeIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Codings, CommandStreamOnTheWire,
-                         testing::Values(Coding{16, 1, 7.2, 0.68}, Coding{32, 2, 12.0, 1.22}));
+                         testing::Values(Coding{16, 1, 11.0, 0.68}, Coding{32, 2, 20.0, 1.22}));
 
 TEST(CodecPage, TheCommandStreamCostsAndTracksAsItSays) {
   const auto page = reporting::read_table(TELEKERF_CODEC_PAGE, "stream");
@@ -88,7 +88,7 @@ TEST(ForceFeedbackOverTheLink, APushOnTheSlavesToolIsSeenAfterTheDelay) {
     if (n == kPushedAt) slave.machine().plant()->set_tool_force(push_n);
     const auto out = slave.step(n * kMs, nullptr, {}, {});
     sent_n.push_back(out.force_n);
-    if (out.state) backward.push(n * kMs, *out.state, wire_bytes(*out.state));
+    if (out.state) backward.push(n * kMs, *out.state);
     states.clear();
     backward.deliver(n * kMs, states);
     const master::SlaveForce seen = master.step(n * kMs, nullptr, states, {}).slave_force;
@@ -183,13 +183,13 @@ TEST(StreamSettingsInMidRun, AreFollowedWithoutAJumpOrARefusedBlock) {
       const auto packet = listener.decode(block->payload.view(), {});
       ASSERT_TRUE(packet);
       ++blocks[(*packet)->block_size];
-      forward.push(now_ns, *block, wire_bytes(*block));
+      forward.push(now_ns, *block);
     }
     commands.clear();
     forward.deliver(now_ns, commands);
     const Vec3 tool_m = *slave.machine().true_tool_m();
     const auto out = slave.step(now_ns, corridor.get(), commands, {});
-    if (out.state) backward.push(now_ns, *out.state, wire_bytes(*out.state));
+    if (out.state) backward.push(now_ns, *out.state);
     if (tick > 500) {
       largest_step = std::max(largest_step, (out.reference.velocity_m_per_s - last_m_per_s).norm());
     }

@@ -42,7 +42,7 @@ TEST_F(StateReportTest, ABlockSaysWhatItsSamplesWereAndHowTheLastOneStood) {
   const streaming::Acknowledgement acknowledgement{.index = 30, .age = 4, .bitmap = 5};
   for (Tick tick = 0; tick < 64; ++tick) {
     const auto block =
-        report.step(1000 + static_cast<std::int64_t>(tick), tick, sample(tick), commands_, acknowledgement);
+        report.step(1000 * static_cast<std::int64_t>(tick), tick, sample(tick), commands_, acknowledgement);
     ASSERT_EQ(block.has_value(), tick % 16 == 14) << "eight samples of two ticks";
     if (!block) continue;
     const Tick first = tick - 14;
@@ -51,7 +51,7 @@ TEST_F(StateReportTest, ABlockSaysWhatItsSamplesWereAndHowTheLastOneStood) {
     EXPECT_EQ(block->first_tick, first);
     EXPECT_EQ(block->ticks_per_sample, 2);
     EXPECT_EQ(block->sample_period_ns, 2'000'000u);
-    EXPECT_EQ(block->sent_ns, 1000 + static_cast<std::int64_t>(tick));
+    EXPECT_EQ(block->sent_ns, 1000 * static_cast<std::int64_t>(tick));
     EXPECT_EQ(block->laser_on, tick % 3 == 0);
     EXPECT_EQ(block->interlock, tick < 40 ? Interlock::kStale : Interlock::kReady);
     EXPECT_EQ(block->contour_id, 6u);

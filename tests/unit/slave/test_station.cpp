@@ -261,7 +261,7 @@ TEST(SlaveStation, ItsSettingsHaveTheseDefaultsAndBounds) {
   EXPECT_EQ(station.laser_speed_mm_s, 10.0);
   EXPECT_EQ(station.node.interlock.max_dose_j, 2.0);
   EXPECT_EQ(station.node.interlock.max_area_dose_j_per_mm2, 20.0);
-  EXPECT_EQ(station.node.force.max_rms, 0.01);
+  EXPECT_EQ(station.node.force.max_rms, 0.025);
   EXPECT_EQ(station.node.force.quantum, 0.01);
   EXPECT_FALSE(station.node.force.anchored);
   EXPECT_EQ(station.mismatch, 0.1);

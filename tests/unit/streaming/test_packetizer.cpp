@@ -22,7 +22,7 @@ class PacketizerTest : public testing::Test {
       full = packets_.add(lengths_ == at ? instead : place(index_), lengths_ % 2 == 1);
     }
     block_ = {};
-    return packets_.pack(77, block_);
+    return packets_.pack(77'123, block_);
   }
 
   codec::Trend trend() const {
@@ -53,7 +53,7 @@ TEST_F(PacketizerTest, ABlockSaysItsPlaceInTheStreamAndDecodesToItsSamples) {
     EXPECT_EQ(block_.epoch, 9u);
     EXPECT_EQ(block_.first_tick, static_cast<Tick>(2 * first));
     EXPECT_EQ(block_.ticks_per_sample, 2);
-    EXPECT_EQ(block_.sent_ns, 77);
+    EXPECT_EQ(block_.sent_ns, 77'000) << "in whole microseconds";
     EXPECT_EQ(block_.anchor.position_m, place(first));
     EXPECT_EQ(packets_.buttons(), 0xAAAAu);
     const auto packet = decoder_.decode(block_.payload.view(), trend());
