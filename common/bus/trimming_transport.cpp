@@ -30,7 +30,7 @@
 namespace telekerf::bus {
 namespace {
 
-namespace rtps = eprosima::fastdds::rtps;
+namespace dds_rtps = eprosima::fastdds::rtps;
 using eprosima::fastrtps::rtps::IPLocator;
 using eprosima::fastrtps::rtps::Locator_t;
 using eprosima::fastrtps::rtps::Locators;
@@ -110,18 +110,18 @@ class UnicastSocket {
   int fd_;
 };
 
-struct Descriptor : rtps::ChainingTransportDescriptor {
-  explicit Descriptor(std::shared_ptr<rtps::TransportDescriptorInterface> below)
+struct Descriptor : dds_rtps::ChainingTransportDescriptor {
+  explicit Descriptor(std::shared_ptr<dds_rtps::TransportDescriptorInterface> below)
       : ChainingTransportDescriptor(std::move(below)) {}
-  rtps::TransportInterface* create_transport() const override;
+  dds_rtps::TransportInterface* create_transport() const override;
 };
 
-class Transport : public rtps::ChainingTransport {
+class Transport : public dds_rtps::ChainingTransport {
  public:
   explicit Transport(const Descriptor& descriptor)
       : ChainingTransport(descriptor), descriptor_(descriptor.low_level_descriptor) {}
 
-  rtps::TransportDescriptorInterface* get_configuration() override { return descriptor_.get(); }
+  dds_rtps::TransportDescriptorInterface* get_configuration() override { return descriptor_.get(); }
 
   /// Called once for each of the sockets below (an interface each), always with the same bytes and addresses.
   bool send(SenderResource* below, const octet* buffer, std::uint32_t size, LocatorsIterator* begin,
@@ -144,18 +144,18 @@ class Transport : public rtps::ChainingTransport {
     return sent;
   }
 
-  void receive(rtps::TransportReceiverInterface* next, const octet* buffer, std::uint32_t size,
+  void receive(dds_rtps::TransportReceiverInterface* next, const octet* buffer, std::uint32_t size,
                const Locator_t& local, const Locator_t& remote) override {
     next->OnDataReceived(buffer, size, local, remote);
   }
 
  private:
-  std::shared_ptr<rtps::TransportDescriptorInterface> descriptor_;
+  std::shared_ptr<dds_rtps::TransportDescriptorInterface> descriptor_;
   UnicastSocket unicast_;
   std::atomic<SenderResource*> first_{nullptr};
 };
 
-rtps::TransportInterface* Descriptor::create_transport() const { return new Transport(*this); }
+dds_rtps::TransportInterface* Descriptor::create_transport() const { return new Transport(*this); }
 
 }  // namespace
 
@@ -182,8 +182,8 @@ TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept {
   return {datagram.first(kHeader), datagram.subspan(*stream, end - *stream)};
 }
 
-std::shared_ptr<rtps::TransportDescriptorInterface> trimming_over(
-    std::shared_ptr<rtps::TransportDescriptorInterface> below) {
+std::shared_ptr<dds_rtps::TransportDescriptorInterface> trimming_over(
+    std::shared_ptr<dds_rtps::TransportDescriptorInterface> below) {
   return std::make_shared<Descriptor>(std::move(below));
 }
 
