@@ -14,9 +14,9 @@ _telekerf_commands() {
 
 _telekerf_flags() {
   case $1 in
-    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --button --mismatch --seed --control-hz --stream-hz --beam-age-s --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --touched --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --button --mismatch --seed --control-hz --stream-hz --beam-age-s --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --link-test --link-test-s --peer --json --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --touched --look-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --link-test --link-test-s --peer --json --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --dose-max-j --dose-max-j-per-mm2 --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --imaging --imaging-file --law --zoom --focus-region --calibrate --grid-mm --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-console ') echo '--port --bind --host-name --token --hand --as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
@@ -24,6 +24,7 @@ _telekerf_flags() {
     'telekerf-ctl engage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl disengage') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl beta') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-ctl take-contour') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl zoom') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl refocus') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-netem link') echo '--seed --operator-dev --slave-dev --operator-netns --slave-netns --operator-address --slave-address --operator-default-route --slave-default-route --record --seconds --config --print-config --help --version' ;;
@@ -34,15 +35,16 @@ _telekerf_flags() {
     'telekerf-netem list') echo '--config --print-config --help --version' ;;
     'telekerf-netem switch') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-robot ') echo '--robot --mismatch --seed --port --config --print-config --help --version' ;;
+    'telekerf-plant ') echo '--robot --mismatch --seed --drive-port --laser-port --max-w --stuck-after-j --record --domain --cell --name --peers --config --print-config --help --version' ;;
     'telekerf-experiment autofocus') echo '--law --starts --seed --jobs --out --page --config --print-config --help --version' ;;
     'telekerf-experiment chaos') echo '--runs --seed --duration-s --mode --faults --beam-age-s --no-shrink --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --page --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
-    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --seed --page --out --config --print-config --help --version' ;;
+    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --seed --page --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
-    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --record --out --config --print-config --help --version' ;;
+    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --record --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
@@ -97,6 +99,8 @@ _telekerf_values() {
     'telekerf-master  --record') echo "-d" ;;
     'telekerf-master  --duration-s') echo "" ;;
     'telekerf-master  --wait-s') echo "" ;;
+    'telekerf-master  --link-test-s') echo "" ;;
+    'telekerf-master  --peer') echo "" ;;
     'telekerf-master  --domain') echo "" ;;
     'telekerf-master  --cell') echo "" ;;
     'telekerf-master  --name') echo "" ;;
@@ -106,7 +110,7 @@ _telekerf_values() {
     'telekerf-slave  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-slave  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-slave  --drive-stale-s') echo "" ;;
-    'telekerf-slave  --laser') echo "-W 'simulated udp:'" ;;
+    'telekerf-slave  --laser') echo "-W 'simulated udp: plant:'" ;;
     'telekerf-slave  --laser-max-w') echo "" ;;
     'telekerf-slave  --mismatch') echo "" ;;
     'telekerf-slave  --seed') echo "" ;;
@@ -123,6 +127,7 @@ _telekerf_values() {
     'telekerf-slave  --observer-rad-s') echo "" ;;
     'telekerf-slave  --stale-s') echo "" ;;
     'telekerf-slave  --beam-age-s') echo "" ;;
+    'telekerf-slave  --look-age-s') echo "" ;;
     'telekerf-slave  --bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-slave  --laser-w') echo "" ;;
     'telekerf-slave  --laser-speed-mm-s') echo "" ;;
@@ -130,6 +135,8 @@ _telekerf_values() {
     'telekerf-slave  --dose-max-j-per-mm2') echo "" ;;
     'telekerf-slave  --stop-file') echo "-W 'auto off'" ;;
     'telekerf-slave  --record') echo "-d" ;;
+    'telekerf-slave  --link-test-s') echo "" ;;
+    'telekerf-slave  --peer') echo "" ;;
     'telekerf-slave  --domain') echo "" ;;
     'telekerf-slave  --cell') echo "" ;;
     'telekerf-slave  --name') echo "" ;;
@@ -139,9 +146,11 @@ _telekerf_values() {
     'telekerf-machine  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-machine  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-machine  --drive-stale-s') echo "" ;;
-    'telekerf-machine  --laser') echo "-W 'simulated udp:'" ;;
+    'telekerf-machine  --laser') echo "-W 'simulated udp: plant:'" ;;
     'telekerf-machine  --laser-max-w') echo "" ;;
     'telekerf-machine  --laser-w') echo "" ;;
+    'telekerf-machine  --dose-max-j') echo "" ;;
+    'telekerf-machine  --dose-max-j-per-mm2') echo "" ;;
     'telekerf-machine  --mismatch') echo "" ;;
     'telekerf-machine  --seed') echo "" ;;
     'telekerf-machine  --sensor') echo "-W 'encoder hall'" ;;
@@ -203,7 +212,7 @@ _telekerf_values() {
     'telekerf-console  --cell') echo "" ;;
     'telekerf-console  --name') echo "" ;;
     'telekerf-console  --peers') echo "" ;;
-    'telekerf-console  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-console  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-console  --netem-seed') echo "" ;;
     'telekerf-ctl stop --reason') echo "" ;;
     'telekerf-ctl stop --as') echo "" ;;
@@ -239,20 +248,27 @@ _telekerf_values() {
     'telekerf-ctl beta --peers') echo "" ;;
     'telekerf-ctl beta --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl beta --netem-seed') echo "" ;;
-    'telekerf-netem link ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
+    'telekerf-ctl take-contour ') echo "" ;;
+    'telekerf-ctl take-contour --domain') echo "" ;;
+    'telekerf-ctl take-contour --cell') echo "" ;;
+    'telekerf-ctl take-contour --name') echo "" ;;
+    'telekerf-ctl take-contour --peers') echo "" ;;
+    'telekerf-ctl take-contour --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
+    'telekerf-ctl take-contour --netem-seed') echo "" ;;
     'telekerf-ctl zoom ') echo "" ;;
     'telekerf-ctl zoom --domain') echo "" ;;
     'telekerf-ctl zoom --cell') echo "" ;;
     'telekerf-ctl zoom --name') echo "" ;;
     'telekerf-ctl zoom --peers') echo "" ;;
-    'telekerf-ctl zoom --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl zoom --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl zoom --netem-seed') echo "" ;;
     'telekerf-ctl refocus --domain') echo "" ;;
     'telekerf-ctl refocus --cell') echo "" ;;
     'telekerf-ctl refocus --name') echo "" ;;
     'telekerf-ctl refocus --peers') echo "" ;;
-    'telekerf-ctl refocus --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy'" ;;
+    'telekerf-ctl refocus --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl refocus --netem-seed') echo "" ;;
+    'telekerf-netem link ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem link --seed') echo "" ;;
     'telekerf-netem link --operator-dev') echo "" ;;
     'telekerf-netem link --slave-dev') echo "" ;;
@@ -265,6 +281,7 @@ _telekerf_values() {
     'telekerf-netem tc ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem tc --dev') echo "" ;;
     'telekerf-netem tc --direction') echo "-W 'forward backward'" ;;
+    'telekerf-netem tc --packet-bytes') echo "" ;;
     'telekerf-netem verify ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem verify --packets') echo "" ;;
     'telekerf-netem verify --seed') echo "" ;;
@@ -296,6 +313,18 @@ _telekerf_values() {
     'telekerf-robot  --mismatch') echo "" ;;
     'telekerf-robot  --seed') echo "" ;;
     'telekerf-robot  --port') echo "" ;;
+    'telekerf-plant  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
+    'telekerf-plant  --mismatch') echo "" ;;
+    'telekerf-plant  --seed') echo "" ;;
+    'telekerf-plant  --drive-port') echo "" ;;
+    'telekerf-plant  --laser-port') echo "" ;;
+    'telekerf-plant  --max-w') echo "" ;;
+    'telekerf-plant  --stuck-after-j') echo "" ;;
+    'telekerf-plant  --record') echo "-d" ;;
+    'telekerf-plant  --domain') echo "" ;;
+    'telekerf-plant  --cell') echo "" ;;
+    'telekerf-plant  --name') echo "" ;;
+    'telekerf-plant  --peers') echo "" ;;
     'telekerf-experiment autofocus --law') echo "-W 'search thesis'" ;;
     'telekerf-experiment autofocus --starts') echo "" ;;
     'telekerf-experiment autofocus --seed') echo "" ;;
@@ -365,6 +394,7 @@ _telekerf_values() {
     'telekerf-experiment delay --slave-observer-rad-s') echo "" ;;
     'telekerf-experiment delay --slave-stale-s') echo "" ;;
     'telekerf-experiment delay --slave-beam-age-s') echo "" ;;
+    'telekerf-experiment delay --slave-look-age-s') echo "" ;;
     'telekerf-experiment delay --slave-bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-experiment delay --slave-laser-w') echo "" ;;
     'telekerf-experiment delay --slave-laser-speed-mm-s') echo "" ;;
@@ -422,6 +452,7 @@ _telekerf_values() {
     'telekerf-experiment lap --slave-observer-rad-s') echo "" ;;
     'telekerf-experiment lap --slave-stale-s') echo "" ;;
     'telekerf-experiment lap --slave-beam-age-s') echo "" ;;
+    'telekerf-experiment lap --slave-look-age-s') echo "" ;;
     'telekerf-experiment lap --slave-bare-accelerations') echo "-W 'obeyed integrated'" ;;
     'telekerf-experiment lap --slave-laser-w') echo "" ;;
     'telekerf-experiment lap --slave-laser-speed-mm-s') echo "" ;;
@@ -537,4 +568,4 @@ _telekerf() {
     eval "mapfile -t COMPREPLY < <(compgen $how -- \"\$word\")"
   fi
 }
-complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-console telekerf-ctl telekerf-netem telekerf-robot telekerf-experiment telekerf-inspect
+complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-console telekerf-ctl telekerf-netem telekerf-robot telekerf-plant telekerf-experiment telekerf-inspect
