@@ -17,6 +17,10 @@ constexpr int kReach = 400;
 /// says nothing about the link.
 constexpr std::int64_t kAsleep_ns = 100'000'000;
 
+/// Of the slave's largest acceleration: between two samples the step onto a concealed one takes up to twice
+/// its own.
+constexpr double kShareOfConcealed = 0.5;
+
 /// Of the age at which the play-out hurries, that which is enough.
 constexpr double kYoung = 0.8;
 
@@ -96,7 +100,8 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
   const bool local = header().law == Law::kLocal;
   out.index = local ? std::llround(cursor) : held_sample(cursor);
   if (!local && buffer_->find(out.index) == nullptr) {
-    conceal_gap(*buffer_, out.index, period_s, kReach, settings_.max_acceleration_m_per_s2);
+    conceal_gap(*buffer_, out.index, period_s, kReach,
+                kShareOfConcealed * settings_.max_acceleration_m_per_s2);
   }
   if (const auto state = state_at(cursor, tool)) {
     out.sample = buffer_->find(out.index);

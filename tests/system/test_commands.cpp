@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Commands, AnEmptyFolderNameIsRefused) {
   Program contour("telekerf-inspect", {"contour", "heart", "--out", ""});
   EXPECT_EQ(contour.wait(seconds(30)), 2) << contour.output();
-  EXPECT_NE(contour.output().find("--out"), std::string::npos) << contour.output();
+  EXPECT_NE(contour.output().find("out = '': must not be empty"), std::string::npos) << contour.output();
 }
 
 TEST(Commands, ARunWithoutAnythingFollowedHasNoFigures) {
