@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -87,8 +88,12 @@ int run(Flags& flags) {
           ? fmt::format("no light when vision has not seen the contour for {:g} s (--look-age-s)", look_age_s)
           : "nobody asks how long ago vision has seen the contour (--look-age-s 0)");
   LookLog looks;
-  const Reader<TelemetryMessage> vision(
-      process.bus(), [&looks](const TelemetryMessage& message) { looks.hear(message, monotonic_ns()); });
+  // Only if somebody asks: the master tells fifty times a second, which would cross the network too.
+  std::optional<Reader<TelemetryMessage>> vision;
+  if (flags.station.node.interlock.max_look_age_s > 0.0) {
+    vision.emplace(process.bus(),
+                   [&looks](const TelemetryMessage& message) { looks.hear(message, monotonic_ns()); });
+  }
 
   std::vector<Received<CommandBlock>> arrived_commands;
   arrived_commands.reserve(64);
