@@ -22,9 +22,9 @@ const Payload* force_of(const StateBlock& block) noexcept { return &block.force;
 
 /// Whether a block carries its set: at first and after a change some in a row and then now and then, and
 /// always after as many samples.
-bool carries_set(std::uint32_t number, int samples, int since_change) noexcept {
-  if (since_change < kSetRepeats) return true;
-  if (since_change < kSetEverySamples / 16 && since_change % (2 * kSetRepeats) == 0) return true;
+bool carries_set(std::uint32_t number, int samples, int since_change, int repeats) noexcept {
+  if (since_change < repeats) return true;
+  if (since_change <= 6 * repeats && since_change % 8 == 0) return true;
   return number % static_cast<std::uint32_t>(samples == 0 ? 32 : std::max(1, kSetEverySamples / samples)) ==
          0;
 }
@@ -123,7 +123,8 @@ std::span<const std::uint8_t> HeaderCompressor<Block>::compress(const Block& blo
   Block scratch;
   ByteReader own(set.written());
   const auto frame = get_set(own, scratch);
-  const bool with_set = carries_set(fields->number, frame ? frame->payload.samples() : 0, since_change_);
+  const bool with_set =
+      carries_set(fields->number, frame ? frame->payload.samples() : 0, since_change_, kSetRepeats<Block>);
   since_change_ = std::min(since_change_ + 1, kSetEverySamples);
 
   std::array<std::uint8_t, kMaxFieldBytes> told_room;

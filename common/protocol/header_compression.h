@@ -18,8 +18,12 @@ namespace telekerf {
 /// A block carries its set after so many samples (of 16 a block: with every number that is a multiple of 32),
 /// and
 inline constexpr int kSetEverySamples = 512;
-/// so many blocks after each change of it do; of the next 28 every 8th.
+/// so many blocks after each change of it do, and of the six times as many that follow every 8th. A state's
+/// set changes whenever the light does, and one that is missed costs no more than a late answer.
+template <class Block>
 inline constexpr int kSetRepeats = 4;
+template <>
+inline constexpr int kSetRepeats<StateBlock> = 2;
 /// A block is told beside any of so many before it: whichever of them the receiver had last, it is restored.
 inline constexpr std::size_t kWindow = 8;
 /// Every block of such a number tells its positions without a look at those before it: for a receiver that

@@ -190,6 +190,26 @@ TEST(HeaderCompression, AChangeIsNeverMissed) {
   }
 }
 
+/// The light that goes off, told in two states and then in the 8th.
+TEST(HeaderCompression, AStatesChangeIsToldThreeTimes) {
+  for (std::uint32_t lost = 0; lost <= 3; ++lost) {
+    Wire<StateBlock> wire;
+    StateBlock back;
+    for (std::uint32_t n = 0; n < 40; ++n) ASSERT_EQ(wire.got(wire.sent(state(n)), back), Verdict::kGood);
+    std::size_t sets = 0;
+    for (std::uint32_t n = 40; n < 63; ++n) {
+      StateBlock block = state(n);
+      block.guards ^= 1U;
+      const auto bytes = wire.sent(block);
+      sets += (bytes[4] & 0x40U) != 0 ? 1 : 0;
+      if (n < 40 + lost) continue;
+      const bool known = lost < 2 || n >= 48;
+      EXPECT_EQ(wire.got(bytes, back), known ? Verdict::kGood : Verdict::kUnknownSet) << lost << ", " << n;
+    }
+    EXPECT_EQ(sets, 3u);
+  }
+}
+
 /// Recorded and sent again, in other circumstances: the old block with its old stamps, or nothing.
 TEST(HeaderCompression, AReplayIsNeverAYoungerBlock) {
   Wire<CommandBlock> wire;
