@@ -39,7 +39,7 @@ class ContourSubscriber {
 
   ContourSubscriber(Bus& bus, Prepare prepare)
       : role_(bus.settings().role),
-        reader_(bus),
+        reader_(bus, kAtOnce),
         events_(bus),
         answers_(bus),
         prepare_(std::move(prepare)),
@@ -153,6 +153,8 @@ class ContourSubscriber {
   }
 
   using Clock = std::chrono::steady_clock;
+  /// That come within a nap: of more the newest would be lost, and it is the one that counts.
+  static constexpr std::size_t kAtOnce = 256;
 
   std::string role_;
   Reader<ContourMessage> reader_;
