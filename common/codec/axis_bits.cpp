@@ -11,7 +11,7 @@ namespace telekerf::codec {
 namespace {
 
 // Orders of the Exp-Golomb codes, measured on the traces of docs/results/codec.md.
-constexpr int kCountOrder = 0;
+constexpr int kKeptOrder = 0;
 constexpr int kBendOrder = 4;
 constexpr int kSlopeOrder = 3;
 constexpr int kCorrectionOrder = 2;
@@ -69,11 +69,11 @@ Telling cheapest_telling(const AxisCode& code, const AxisContext& context, int b
   if (context.truncated) return prefix;
   const Telling named{false, std::popcount(code.set), code.set};
   BitCounter named_bits;
-  named_bits.signed_golomb(named.count - context.model.count, kCountOrder);
+  named_bits.signed_golomb(named.count - context.model.count, kKeptOrder);
   named_bits.bits(0, index_set_bits(block, named.count));
   write_values(named_bits, code, context, named);
   BitCounter prefix_bits;
-  prefix_bits.signed_golomb(prefix.count - context.model.count, kCountOrder);
+  prefix_bits.signed_golomb(prefix.count - context.model.count, kKeptOrder);
   write_values(prefix_bits, code, context, prefix);
   return prefix_bits.count() <= named_bits.count() ? prefix : named;
 }
@@ -162,7 +162,7 @@ void write_any(Sink& out, const AxisCode& code, const ShapeEnds& ends, const Axi
     out.signed_golomb(code.values[0] - run_guess(code, context, grid, block), run_order(context));
     return;
   }
-  out.signed_golomb(telling.count - context.model.count, kCountOrder);
+  out.signed_golomb(telling.count - context.model.count, kKeptOrder);
   if (!telling.prefix) out.bits(rank_of(code.set), index_set_bits(block, telling.count));
   write_values(out, code, context, telling);
   if (code.has_bend()) out.signed_golomb(code.bend, kBendOrder);
@@ -195,7 +195,7 @@ bool read_values(BitReader& in, AxisCode& code, const AxisContext& context, cons
 }
 
 bool read_telling(BitReader& in, Telling& telling, const AxisContext& context, int block) noexcept {
-  const auto count = in.signed_golomb(kCountOrder) + context.model.count;
+  const auto count = in.signed_golomb(kKeptOrder) + context.model.count;
   if (in.failed() || count < 0 || count > block) return false;
   telling.count = static_cast<int>(count);
   telling.told = first_indices(telling.count);

@@ -7,14 +7,14 @@
 namespace telekerf::codec {
 namespace {
 
-constexpr int kStepOrder = 2;  // Exp-Golomb, of a change
+constexpr int kRunStepOrder = 2;  // Exp-Golomb, of a change
 constexpr int kRunOrder = 1;
 
 template <typename Sink>
 void write_any_runs(Sink& out, const AxisCode& code) noexcept {
   out.golomb(static_cast<std::uint64_t>(std::popcount(code.set & ~IndexSet{1})), kRunOrder);
   std::size_t last = 0;
-  int order = kStepOrder;
+  int order = kRunStepOrder;
   for (auto set = code.set & ~IndexSet{1}; set != 0; set &= set - 1) {
     const auto n = static_cast<std::size_t>(std::countr_zero(set));
     const auto step = code.values[n] - code.values[last];
@@ -52,7 +52,7 @@ bool read_runs(BitReader& in, AxisCode& code, int block) noexcept {
   auto events = in.golomb(kRunOrder);
   if (in.failed() || events >= static_cast<std::uint64_t>(block)) return false;
   std::size_t last = 0;
-  int order = kStepOrder;
+  int order = kRunStepOrder;
   code.set = 1;
   for (; events > 0; --events) {
     const auto run = in.golomb(kRunOrder);
