@@ -37,7 +37,7 @@ std::vector<DxfVertex> vertices_of(const DxfEntity& e) {
   return out;
 }
 
-constexpr double kFlat = 1e-6;  ///< heights that differ by less than this share of the size are one
+constexpr double kOneHeight = 1e-6;  ///< heights that differ by less than this share of the size are one
 
 bool is_flat(const std::vector<DxfVertex>& vertices) {
   double low = INFINITY;
@@ -48,18 +48,18 @@ bool is_flat(const std::vector<DxfVertex>& vertices) {
     high = std::max(high, v.z);
     size = std::max(size, (v.at - vertices.front().at).norm());
   }
-  return !(high - low > kFlat * size);
+  return !(high - low > kOneHeight * size);
 }
 
 /// Likewise for a LINE, SPLINE or ELLIPSE (whose 31 is the height of its long axis' end above its middle).
 bool is_flat(const DxfEntity& e) {
   const Vec2 first(e.number[10], e.number[20]);
   const Vec2 second(e.number[11], e.number[21]);
-  if (e.kind == "ELLIPSE") return !(std::abs(e.number[31]) > kFlat * second.norm());
+  if (e.kind == "ELLIPSE") return !(std::abs(e.number[31]) > kOneHeight * second.norm());
   std::vector<Vec2> points = e.spline.control;
   if (e.kind == "LINE") points = {first, second};
   points.insert(points.end(), e.fit_points.begin(), e.fit_points.end());
-  return !(e.highest_z - e.lowest_z > kFlat * geometry::bounding_box(points).size().norm());
+  return !(e.highest_z - e.lowest_z > kOneHeight * geometry::bounding_box(points).size().norm());
 }
 
 /// The first of the groups without which the entity has no place or size; 0: none is missing.
