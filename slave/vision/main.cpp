@@ -138,7 +138,7 @@ int run(const Flags& flags) {
   EventAnswers answers(process.bus());
   auto report_at = std::chrono::steady_clock::now();
   auto looked = report_at;  // when it was last seen where it is
-  while (!stop_requested()) {
+  while (!stop_requested() && !process.ended()) {
     if (seen && *seen && node.confirms()) looked = std::chrono::steady_clock::now();
     if (!outcome.remark.empty()) write_line(stderr, "vision: " + outcome.remark);
     if (outcome.publish) {
@@ -165,6 +165,7 @@ int run(const Flags& flags) {
     seen = camera->next();
     outcome = node.step(seen);
   }
+  process.refuse_ended();
   return 0;
 }
 
