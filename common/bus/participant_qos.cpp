@@ -21,6 +21,7 @@
 #include <random>
 
 #include "common/bus/qos.h"
+#include "common/bus/quiet_log.h"
 #include "common/bus/interfaces.h"
 #include "common/runtime/startup_error.h"
 
@@ -127,6 +128,7 @@ void settle_library(bool secured) {
     unsetenv("ROS_DISCOVERY_SERVER");
     dds::Log::SetVerbosity(dds::Log::Error);
   });
+  if (secured) quiet_log();
   eprosima::fastrtps::LibrarySettingsAttributes library;
   library.intraprocess_delivery =
       secured ? eprosima::fastrtps::INTRAPROCESS_FULL : eprosima::fastrtps::INTRAPROCESS_OFF;
