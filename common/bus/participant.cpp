@@ -89,7 +89,7 @@ void Bus::Participant::create() {
   udp_->interfaceWhiteList = inside ? bus::inner_addresses() : std::vector<std::string>{};
   if (!udp_->interfaceWhiteList.empty()) bus::refuse_peers_outside(settings_, udp_->interfaceWhiteList);
   auto qos = bus::participant_qos(settings_, transport_, announced);
-  protection_.apply(qos);
+  if (protection_.on()) protection_.apply(qos);
   // The threads that receive are started here. A busy machine would let them wait, and that looks like a bad
   // link.
   const RealTimePriority inherited(kNetworkPriority);
@@ -117,7 +117,7 @@ void Bus::Participant::create() {
   dds::SubscriberQos subscriber_qos;
   subscriber_qos.partition().push_back(settings_.cell.c_str());
   subscriber_ = participant_->create_subscriber(subscriber_qos);
-  announce_protected();
+  if (protection_.on()) announce_protected();
 }
 
 void Bus::Participant::destroy() {
@@ -155,12 +155,14 @@ void Bus::Participant::wait_for_objections() {
 
 void Bus::Participant::join() {
   wait_for_objections();
-  dds::DomainParticipantQos qos = participant_->get_qos();
-  qos.user_data().data_vec(bus::presence_bytes(self_.presence));
-  if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-    throw environment_error("the middleware did not take the announcement");
+  if (protection_.on()) {
+    announce_protected();
+  } else {
+    dds::DomainParticipantQos qos = participant_->get_qos();
+    qos.user_data().data_vec(bus::presence_bytes(self_.presence));
+    if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+      throw environment_error("the middleware did not take the announcement");
   }
-  announce_protected();
   network_ = std::make_unique<NetworkWatch>([this](bool lost) { addresses_changed(lost); });
 }
 
@@ -273,7 +275,6 @@ void Bus::Participant::on_publisher_discovery(dds::DomainParticipant*, rtps::Wri
 /// Who we are, in the user data of a writer: unlike the participant's own these are encrypted, for those who are
 /// authenticated.
 void Bus::Participant::announce_protected() {
-  if (!protection_.on()) return;
   dds::DataWriterQos qos = bus::writer_qos(bus::Intent::kSlow);
   qos.user_data().data_vec(bus::presence_bytes(self_.presence));
   if (announcer_ != nullptr) {

@@ -75,7 +75,9 @@ void Protection::read_dates(security::Time own_end) {
 }
 
 void Protection::apply(eprosima::fastdds::dds::DomainParticipantQos& qos) const {
-  if (!on()) return;
+  // Announcements are clear: who we are is told to those who are authenticated (Participant).
+  qos.name("");
+  qos.user_data().data_vec({});
   const fs::path store = settings_.security;
   const security::RoleFiles own = security::role_files(store, settings_.cell, settings_.role);
   auto& properties = qos.properties().properties();

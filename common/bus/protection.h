@@ -37,7 +37,7 @@ class Protection {
   explicit Protection(const BusSettings& settings);
 
   bool on() const noexcept { return gate_ != nullptr; }
-  /// The keys, for the middleware.
+  /// The keys, for the middleware. Only if on().
   void apply(eprosima::fastdds::dds::DomainParticipantQos& qos) const;
   /// Null: everything is let in.
   const std::shared_ptr<Gate>& gate() const { return gate_; }

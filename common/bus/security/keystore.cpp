@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -141,6 +142,17 @@ void write_governance(const fs::path& store, const Authorities& by) {
     write_document(governance_file(store, wan), governance_text(wan), by.permissions);
 }
 
+void write_device_key(const fs::path& store) {
+  std::array<unsigned char, 32> key{};
+  RAND_bytes(key.data(), static_cast<int>(key.size()));
+  std::string text;
+  for (const unsigned char byte : key) text += fmt::format("{:02x}", byte);
+  text += '\n';
+  write_file(store / "device.key", [&](BIO* out) {
+    return BIO_write(out, text.data(), static_cast<int>(text.size())) > 0 ? 1 : 0;
+  });
+}
+
 /// Into a folder beside, which then takes the old one's place.
 void write_role(const fs::path& store, const std::string& cell, const Role& role, const Authorities& by,
                 seconds life) {
@@ -232,6 +244,7 @@ void make_keystore(const fs::path& store, const std::vector<std::string>& cells,
         make_authority(store, "identity_ca", "identity CA", "critical,keyCertSign,cRLSign"),
         make_authority(store, "permissions_ca", "permissions CA", "critical,keyCertSign,cRLSign,digitalSignature")};
     write_governance(store, by);
+    write_device_key(store);
     write_cells(store, cells, by, life);
   });
 }

@@ -6,7 +6,6 @@ packets.py DOMAIN strip N     the same, with what is signed laid bare
 packets.py DOMAIN replay N    sends what was sent once more
 packets.py DOMAIN flood N     announces N participants whose prefixes are nobody's
 packets.py DOMAIN known N     announces N participants whose prefixes begin as one that has keys
-packets.py DOMAIN lie N       announces in the name of vision that it is a joined master
 """
 
 import os
@@ -67,7 +66,6 @@ def announcement(data):
 sent = 0
 own = set()
 deadline = time.time() + max(20.0, wanted / 300.0)
-kept = {}
 while sent < wanted and time.time() < deadline:
     message = heard()
     if message is None:
@@ -93,18 +91,11 @@ while sent < wanted and time.time() < deadline:
             sent += 1
     elif announcement(data):
         prefix = bytes(data[8:20])
-        if mode == "lie":
-            # Names of the same length: nothing else moves. The string's own length stands before it.
-            told = bytes(data).replace(b"\x07\x00\x00\x00vision\x00", b"\x07\x00\x00\x00master\x00")
-            if told == bytes(data):
-                continue
-            fakes = [told] * min(100, wanted - sent)
-        else:
-            begin = 6 if mode == "known" else 2
-            fakes = []
-            for n in range(min(500, wanted - sent)):
-                new = prefix[:begin] + os.urandom(12 - begin)
-                fakes.append(bytes(data).replace(prefix, new))
+        begin = 6 if mode == "known" else 2
+        fakes = []
+        for n in range(min(500, wanted - sent)):
+            new = prefix[:begin] + os.urandom(12 - begin)
+            fakes.append(bytes(data).replace(prefix, new))
         for fake in fakes:
             own.add(fake)
             # To the ports of the first participants of this computer.

@@ -20,7 +20,7 @@ class Store {
   explicit Store(const std::vector<std::string>& cells = {"cell-1"},
                  std::chrono::seconds life = std::chrono::hours(24) * 365) {
     static int count = 0;
-    folder_ = std::filesystem::path(testing::TempDir()) /
+    folder_ = std::filesystem::path(::testing::TempDir()) /
               ("telekerf-keys-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
     std::filesystem::remove_all(folder_);
     make_keystore(folder_, cells, life);
