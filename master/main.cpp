@@ -122,14 +122,11 @@ int run(Flags& flags) {
     if (const std::string said = link.due(std::chrono::steady_clock::now()); !said.empty()) status.say(said);
     if (!flags.record.empty()) station.make_record_room();
   });
-  double engaged_s = 0.0;
-  double waited_s = 0.0;
+  double engaged_s = 0.0, waited_s = 0.0;
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(states, arrived_states);
     drain(events, arrived_events);
-    // What ends with its keys is let go before, in order; nobody engages any more.
-    if (process.bus().lets_go() && arrived_events.size() < arrived_events.capacity())
-      arrived_events.push_back({0, EventMessage::Kind::kDisengage, 0.0, {}});
+    process.let_go_with_keys(arrived_events);
     GuidedContour* const task = contour.current();
     const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events, emergency.order());
     emergency.obeyed(out.stop);

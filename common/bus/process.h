@@ -7,9 +7,11 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.h"
 #include "common/bus/lookout.h"
+#include "common/protocol/events.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/periodic.h"
 #include "common/runtime/status_reporter.h"
@@ -35,6 +37,11 @@ class Process {
   LoopStatistics run(double rate_hz, const std::function<bool(std::int64_t now_ns)>& step);
   /// Its keys have ended: nothing is to go on. Wait-free.
   bool ended() const noexcept { return ended_.load(std::memory_order_relaxed); }
+  /// Before keys end that an engagement needs, an event more says to let go; room for it must be there. For a
+  /// control loop.
+  void let_go_with_keys(std::vector<EventMessage>& events) const noexcept {
+    if (bus_.lets_go() && events.size() < events.capacity()) events.emplace_back();
+  }
   /// Throws StartupError then.
   void refuse_ended() const;
 
