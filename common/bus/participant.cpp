@@ -84,6 +84,7 @@ void Bus::Participant::create() {
   // The threads that receive are started here. A busy machine would let them wait, and that looks like a bad
   // link.
   const RealTimePriority inherited(kNetworkPriority);
+  bus::require_discovery_port(settings_.domain);
   self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
   // Another number each time: whoever has not forgotten the one before would take the ports for its own.
   numbers_.push_back(std::make_unique<bus::ParticipantNumber>(settings_.domain));

@@ -68,12 +68,16 @@ std::optional<Peer> parsed_peer(const std::string& text) {
 }
 
 /// Of discovery; the next one is that of the data (RTPS 2.x, 9.6.1.1).
-int participant_port(int domain, int id) { return 7400 + 250 * domain + 10 + 2 * id; }
+int discovery_port(int domain) { return 7400 + 250 * domain; }
+int participant_port(int domain, int id) { return discovery_port(domain) + 10 + 2 * id; }
 
-bool is_free(int port) {
+/// `shared`: with others who share it, too.
+bool can_be_bound(int port, bool shared) {
   if (port > 65535) return false;
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return false;
+  const int yes = 1;
+  if (shared) (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
@@ -141,10 +145,19 @@ std::shared_ptr<TransportDescriptorInterface> udp_transport() {
   return trimming_over(std::move(udp));
 }
 
+void require_discovery_port(int domain) {
+  if (can_be_bound(discovery_port(domain), true)) return;
+  throw environment_error(fmt::format(
+      "UDP port {} of domain {}, where processes hear of each other, is in use by another program; end that "
+      "program (ss -ulpn names it) or choose another --domain: below 102 no system hands these ports out by "
+      "itself",
+      discovery_port(domain), domain));
+}
+
 ParticipantNumber::ParticipantNumber(int domain) {
   for (int id = 0; id < kParticipantsPerHost; ++id) {
     const int port = participant_port(domain, id);
-    if (!is_free(port) || !is_free(port + 1)) continue;
+    if (!can_be_bound(port, false) || !can_be_bound(port + 1, false)) continue;
     // Between this look and the middleware's own socket another one may look, too.
     const int claim = claimed(fmt::format("telekerf/{}", port));
     if (claim < 0) continue;

@@ -21,6 +21,11 @@ void settle_library();
 /// UDPv4 transport as all participants use it.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> udp_transport();
 
+/// Throws StartupError where another program has the domain's multicast port for itself: the middleware would
+/// go on without a word, and nobody would ever be found. Ports of domains from 102 on (32,900 and above) are
+/// among those that the kernel gives to any program that sends.
+void require_discovery_port(int domain);
+
 /// A number for a participant of this host whose two ports are free, and which no other process of ours takes
 /// as long as this lives. The middleware must be told one: left to itself it takes other ports when these are
 /// in use, but from set_qos() on announces those of number 0 as well, and every sample crosses the network
