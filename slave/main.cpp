@@ -90,14 +90,14 @@ int run(Flags& flags) {
   LookLog looks;
   // Only if somebody asks: the master tells fifty times a second, which would cross the network too.
   std::optional<Reader<TelemetryMessage>> vision;
-  if (flags.station.node.interlock.max_look_age_s > 0.0) {
+  if (look_age_s > 0.0) {
     vision.emplace(process.bus(),
                    [&looks](const TelemetryMessage& message) { looks.hear(message, monotonic_ns()); });
   }
 
   std::vector<Received<CommandBlock>> arrived_commands;
   arrived_commands.reserve(64);
-  Explainer explainer(process.status());
+  std::optional<Explainer> explainer(std::in_place, process.status());
   const Periodic beside(std::chrono::milliseconds(500), [&] {
     if (!flags.record.empty()) station.make_record_room();
   });
@@ -110,11 +110,12 @@ int run(Flags& flags) {
     emergency.obeyed(out.stop);
     if (out.state) states.write(*out.state);
     process.status().state(text_of(out.mode, out.reason));
-    explainer.step(out);
+    explainer->step(out);
     netem_switch.beam(out.laser_w > 0.0);
     process.lookout().missing(missing_of(corridor != nullptr, out.reason));
     return !contour.refused() && !station.machine().failed() && !station.beam().failed();
   });
+  explainer.reset();  // what follows is no reason to wait for
   station.release();
 
   if (!flags.record.empty()) {
