@@ -154,6 +154,7 @@ template class Writer<StateBlock>;
 template class Writer<ContourMessage>;
 template class Writer<EventMessage>;
 template class Writer<StopMessage>;
+template class Writer<PreviewMessage>;
 template class Writer<TelemetryMessage>;
 
 }  // namespace telekerf

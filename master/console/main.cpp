@@ -38,11 +38,12 @@ struct Flags {
 /// Everything that has come from the bus.
 struct Ears {
   explicit Ears(Bus& bus)
-      : commands(bus), states(bus), contours(bus), telemetry(bus), stops(bus), events(bus) {}
+      : commands(bus), states(bus), contours(bus), previews(bus), telemetry(bus), stops(bus), events(bus) {}
   void hear(Console& console, std::int64_t now_ns) {
     while (auto command = commands.take()) console.cell().hear(*command);
     while (auto state = states.take()) console.cell().hear(*state);
     while (auto contour = contours.take()) console.cell().hear(std::move(contour->value));
+    while (auto preview = previews.take()) console.cell().hear(std::move(preview->value));
     while (auto values = telemetry.take()) console.cell().hear(values->value, now_ns);
     while (auto stop = stops.take()) console.stop().hear(stop->value);
     while (auto event = events.take()) console.hear(event->value);
@@ -50,6 +51,7 @@ struct Ears {
   Reader<CommandBlock> commands;
   Reader<StateBlock> states;
   Reader<ContourMessage> contours;
+  Reader<PreviewMessage> previews;
   Reader<TelemetryMessage> telemetry;
   Reader<StopMessage> stops;
   Reader<EventMessage> events;

@@ -8,6 +8,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+#include <charconv>
 #include <chrono>
 #include <set>
 #include <utility>
@@ -36,6 +37,14 @@ constexpr std::size_t kMostMessageBytes = 4096;
 constexpr int kMostConnections = 64;
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+/// Of "id=7", with more behind it or not; 0 of anything else.
+std::uint32_t id_of(std::string_view query) {
+  std::uint32_t id = 0;
+  constexpr std::string_view kKey = "id=";
+  if (query.starts_with(kKey)) std::from_chars(query.data() + kKey.size(), query.data() + query.size(), id);
+  return id;
+}
 
 }  // namespace
 
@@ -256,14 +265,23 @@ Response WebServer::Impl::answer(const Request& request, const tcp::endpoint& fr
   if (request.method() != http::verb::get && request.method() != http::verb::head)
     return say(http::status::method_not_allowed, kPlain, "Only GET\n");
   std::string_view target = view(request.target());
-  target = target.substr(0, target.find('?'));
+  const std::size_t query = target.find('?');
+  const std::uint32_t id = query == target.npos ? 0 : id_of(target.substr(query + 1));
+  target = target.substr(0, query);
   if (target == "/ws") {
     if (!websocket::is_upgrade(request))
       return say(http::status::upgrade_required, kPlain, "A WebSocket is spoken here\n");
     response.result(http::status::switching_protocols);
     return response;
   }
-  if (target == "/contour") return say(http::status::ok, "application/json", console.contour_json());
+  if (target == "/contour") return say(http::status::ok, "application/json", console.contour_json(id));
+  if (target == "/picture") {
+    const auto picture = console.cell().pictures().find(id);
+    if (picture == console.cell().pictures().end())
+      return say(http::status::not_found, kPlain, "No picture of this contour\n");
+    const auto& jpeg = picture->second.preview.jpeg;
+    return say(http::status::ok, "image/jpeg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+  }
   const std::string_view name = target == "/" ? "index.html" : target.substr(target.starts_with('/') ? 1 : 0);
   for (const PageFile& file : kPageFiles) {
     if (file.name != name) continue;

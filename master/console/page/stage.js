@@ -7,6 +7,7 @@ export class Stage {
     this.canvas = canvas;
     this.layer = document.createElement("canvas");
     this.contour = null;
+    this.picture = null;     // {image, left_m, top_m, width_m, height_m}
     this.mark = [];          // x, y of every place, metres
     this.drawn = 0;          // of these on the layer
     this.dirty = true;
@@ -50,6 +51,12 @@ export class Stage {
     this.contour = contour.id ? contour : null;
     this.dirty = true;
     this.fit();
+  }
+
+  // The camera's picture under the contour, or none.
+  setPicture(picture) {
+    this.picture = picture;
+    this.dirty = true;
   }
 
   addMark(first, places) {
@@ -139,6 +146,7 @@ export class Stage {
       context.fillStyle = "#d8ba8c";
       context.fillRect(0, 0, width, height);
       this.drawn = 0;
+      if (this.picture) this.drawPicture(context, ratio);
       if (this.contour) {
         this.place(context, ratio);
         context.lineJoin = context.lineCap = "round";
@@ -170,6 +178,16 @@ export class Stage {
       context.fill();
       this.drawn = this.mark.length / 2;
     }
+  }
+
+  drawPicture(context, ratio) {
+    const { image, left_m, top_m, width_m, height_m } = this.picture;
+    const k = this.scale * ratio;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.globalAlpha = 0.85;  // lines and words stay legible
+    context.drawImage(image, this.canvas.width / 2 + (left_m - this.centre.x) * k,
+      this.canvas.height / 2 - (top_m - this.centre.y) * k, width_m * k, height_m * k);
+    context.globalAlpha = 1;
   }
 
   scaleBar(context, width, height) {
