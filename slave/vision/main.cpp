@@ -183,7 +183,7 @@ int run(const Flags& flags) {
       telemetry.write(record);
       report_at = now + (unit ? kImagingReport : kReport);
     }
-    const VisionNode::Outcome looked = obey(events, answers, unit.get(), node);
+    const VisionNode::Outcome meant = obey(events, answers, unit.get(), node);
     if (unit) {
       if (const std::string remark = unit->remark(); !remark.empty()) process.status().say(remark);
     }
@@ -192,7 +192,7 @@ int run(const Flags& flags) {
     std::this_thread::sleep_for(std::chrono::milliseconds(more ? 1 : 200));
     seen = camera->next();
     outcome = node.step(seen);
-    if (looked.publish && !outcome.publish) outcome.publish = looked.publish;
+    if (meant.publish && !outcome.publish) outcome.publish = meant.publish;
   }
   return 0;
 }
