@@ -112,9 +112,9 @@ const ContourMessage* CellView::contour(std::uint32_t id) const noexcept {
 }
 
 void CellView::hear(PreviewMessage preview) {
-  forget_pictures();
   const std::uint32_t id = preview.contour_id;
   pictures_[id] = {++picture_count_, std::move(preview)};
+  forget_pictures();
 }
 
 void CellView::forget_pictures() {

@@ -15,6 +15,13 @@ using testing::bytes_of;
 using testing::field_of;
 constexpr std::int64_t kMs = 1'000'000;
 
+ContourMessage contour(std::uint32_t id, const std::string& source) {
+  ContourMessage message;
+  message.id = id;
+  message.source = source;
+  return message;
+}
+
 class ConsoleTest : public ::testing::Test {
  protected:
   void say(std::uint32_t page, const std::string& json) { console.hear_command(page, json, now_ns); }
@@ -223,8 +230,8 @@ TEST_F(ConsoleTest, WhoDrivesSaysWhatIsMeantInThePicture) {
 
   say(first, R"({"do":"take-contour"})");
   EXPECT_EQ(refusal(first), "No other contour waits");
-  console.cell().hear(ContourMessage{.id = 4});
-  console.cell().hear(ContourMessage{.id = 9});
+  console.cell().hear(contour(4, ""));
+  console.cell().hear(contour(9, ""));
   say(first, R"({"do":"take-contour"})");
   said = events();
   ASSERT_EQ(said.size(), 1u);
@@ -243,9 +250,9 @@ TEST_F(ConsoleTest, WhoDrivesSaysWhatIsMeantInThePicture) {
 }
 
 TEST_F(ConsoleTest, PagesLearnWhichContourWaitsAndWhereThePicturesLie) {
-  console.cell().hear(ContourMessage{.id = 4, .source = "a.png"});
+  console.cell().hear(contour(4, "a.png"));
   console.cell().hear(PreviewMessage{4, -0.01, 0.02, 0.03, 0.04, {1, 2, 3}});
-  console.cell().hear(ContourMessage{.id = 9, .source = "b.png"});
+  console.cell().hear(contour(9, "b.png"));
   nlohmann::json words;
   for (const auto& text : read(second))
     if (text["type"] == "words") words = text;
