@@ -127,6 +127,9 @@ int run(Flags& flags) {
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(states, arrived_states);
     drain(events, arrived_events);
+    // What ends with its keys is let go before, in order; nobody engages any more.
+    if (process.bus().lets_go() && arrived_events.size() < arrived_events.capacity())
+      arrived_events.push_back({0, EventMessage::Kind::kDisengage, 0.0, {}});
     GuidedContour* const task = contour.current();
     const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events, emergency.order());
     emergency.obeyed(out.stop);
@@ -173,6 +176,7 @@ int run(Flags& flags) {
   }
   if (const std::string why = rivals.sentence(); !why.empty()) throw environment_error(why);
   if (contour.refused()) throw input_error(contour.refusal());
+  process.refuse_ended();
   if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !failed) {
     throw environment_error(fmt::format(
         "nobody to work with for {:.0f} s in {}: are telekerf-vision and telekerf-slave running there?",

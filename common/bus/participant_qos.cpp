@@ -21,7 +21,8 @@
 #include <random>
 
 #include "common/bus/qos.h"
-#include "common/bus/trimming_transport.h"
+#include "common/bus/quiet_log.h"
+#include "common/bus/interfaces.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::bus {
@@ -124,25 +125,27 @@ std::string complaint_about_peer(const std::string& peer) {
 
 namespace telekerf::bus {
 
-void settle_library() {
+void settle_library(bool secured) {
   static std::once_flag once;
   std::call_once(once, [] {
     setenv("SKIP_DEFAULT_XML", "1", 1);
     unsetenv("ROS_DISCOVERY_SERVER");
     dds::Log::SetVerbosity(dds::Log::Error);
-    eprosima::fastrtps::LibrarySettingsAttributes library;
-    library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
   });
+  if (secured) quiet_log();
+  eprosima::fastrtps::LibrarySettingsAttributes library;
+  library.intraprocess_delivery =
+      secured ? eprosima::fastrtps::INTRAPROCESS_FULL : eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
 }
 
-std::shared_ptr<TransportDescriptorInterface> udp_transport() {
+std::shared_ptr<UDPv4TransportDescriptor> udp_transport() {
   auto udp = std::make_shared<UDPv4TransportDescriptor>();
   udp->sendBufferSize = kSocketBufferBytes;
   udp->receiveBufferSize = kSocketBufferBytes;
   udp->non_blocking_send = true;
   udp->maxInitialPeersRange = kParticipantsPerPeer;
-  return trimming_over(std::move(udp));
+  return udp;
 }
 
 void require_discovery_port(int domain) {
@@ -200,6 +203,17 @@ dds::DomainParticipantQos participant_qos(const BusSettings& settings,
     builtin.initialPeersList.push_back(locator);
   }
   return qos;
+}
+
+void refuse_peers_outside(const BusSettings& settings, const std::vector<std::string>& inner) {
+  for (const std::string& peer : settings.peers) {
+    const auto named = parsed_peer(peer);
+    if (named && lies_outside(resolved(named->host), inner))
+      throw usage_error(fmt::format(
+          "peers = '{}' lies beyond this computer, where nothing is secured: give --security DIR, or --insecure if "
+          "whoever is there may command",
+          peer));
+  }
 }
 
 std::string socket_buffer_note() {

@@ -3,6 +3,7 @@
 // comes.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -30,13 +31,20 @@ class Process {
 
   /// Says that everything is there.
   void ready();
-  /// Steps at `rate_hz` until `step` returns false or a signal comes.
+  /// Steps at `rate_hz` until `step` returns false, a signal comes, or this process' keys end.
   LoopStatistics run(double rate_hz, const std::function<bool(std::int64_t now_ns)>& step);
+  /// Its keys have ended: nothing is to go on. Wait-free.
+  bool ended() const noexcept { return ended_.load(std::memory_order_relaxed); }
+  /// Throws StartupError then.
+  void refuse_ended() const;
 
  private:
+  void look();
+
   Bus bus_;
   StatusReporter status_;
   Lookout lookout_;
+  std::atomic<bool> ended_{false};
   Periodic looking_;  ///< last: starts when everything else is there, ends first
 };
 

@@ -5,6 +5,8 @@
 
 #include <memory>
 
+#include "common/protocol/site.h"
+
 namespace eprosima::fastdds::rtps {
 struct TransportDescriptorInterface;
 }
@@ -22,8 +24,9 @@ class ReceiveFilter {
   ReceiveFilter(const ReceiveFilter&) = delete;
   ReceiveFilter& operator=(const ReceiveFilter&) = delete;
 
-  /// `below` (UDPv4) with this filter on its receiving side; called once, before the participant is made.
-  virtual std::shared_ptr<Transport> over(std::shared_ptr<Transport> below) = 0;
+  /// `below` (UDPv4) with this filter on its receiving side; called once, before the participant is made. `sites`: how
+  /// participants' prefixes tell where they are.
+  virtual std::shared_ptr<Transport> over(std::shared_ptr<Transport> below, const SiteTable& sites) = 0;
 };
 
 }  // namespace telekerf

@@ -99,7 +99,7 @@ int run(Flags& flags) {
 
   boost::asio::steady_timer timer(context);
   std::function<void()> step = [&] {
-    if (stop_requested()) return context.stop();
+    if (stop_requested() || process.ended()) return context.stop();
     const std::int64_t now_ns = monotonic_ns();
     ears.hear(console, now_ns);
     console.step(now_ns);
@@ -112,6 +112,7 @@ int run(Flags& flags) {
   step();
   context.run();
   deliver = [] {};
+  process.refuse_ended();
   process.status().say("ended in order");
   return 0;
 }

@@ -165,7 +165,7 @@ int run(const Flags& flags) {
   Preview preview(process.bus());
   auto report_at = std::chrono::steady_clock::now();
   auto looked = report_at;  // when it was last seen where it is
-  while (!stop_requested()) {
+  while (!stop_requested() && !process.ended()) {
     if (seen && *seen && node.confirms()) looked = std::chrono::steady_clock::now();
     if (!outcome.remark.empty()) write_line(stderr, "vision: " + outcome.remark);
     if (outcome.publish) {
@@ -194,6 +194,7 @@ int run(const Flags& flags) {
     outcome = node.step(seen);
     if (meant.publish && !outcome.publish) outcome.publish = meant.publish;
   }
+  process.refuse_ended();
   return 0;
 }
 

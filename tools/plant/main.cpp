@@ -54,7 +54,7 @@ int run(const Flags& flags) {
 
   const RealTimePriority priority(kLoopPriority);  // granted or not
   std::uint64_t steps = 0;
-  while (!stop_requested() && !robot.broken()) {
+  while (!stop_requested() && !robot.broken() && !process.ended()) {
     steps += drive.serve_for(0.02);
     laser.book_until(monotonic_ns());
     process.status().state(laser.lit() ? kLit : kDark);
