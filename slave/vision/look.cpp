@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -82,6 +83,18 @@ std::size_t number_of(std::size_t further, std::size_t selected) {
 
 }  // namespace
 
+std::optional<std::vector<Vec2>> places_in(std::string_view words) {
+  std::vector<Vec2> places_m;
+  while (!words.empty()) {
+    const std::size_t space = std::min(words.find(' '), words.size());
+    const std::optional<Vec2> place_m = place_in(words.substr(0, space));
+    if (!place_m) return std::nullopt;
+    places_m.push_back(*place_m);
+    words.remove_prefix(std::min(space + 1, words.size()));
+  }
+  return places_m;
+}
+
 tl::expected<ContourRequest, std::string> looked_at(std::string_view words, const ContourRequest& started,
                                                     ContourRequest now, const ContourMessage& shown,
                                                     const Sight& sight) {
@@ -102,8 +115,10 @@ tl::expected<ContourRequest, std::string> looked_at(std::string_view words, cons
   }
   const std::optional<Vec2> place_m = place_in(rest);
   if ((word != "at" && word != "start" && word != "end") || !place_m) {
-    return tl::unexpected(fmt::format(
-        "'{}' is no look; it is one of at X,Y; start X,Y; end X,Y (metres); mode WORD; anew", words));
+    return tl::unexpected(
+        fmt::format("'{}' is no look; it is one of at X,Y; start X,Y; end X,Y (metres); mode WORD; draw X,Y "
+                    "X,Y ..; draw open; draw closed; anew",
+                    words));
   }
   if (word == "at") {
     if (const auto further = further_at(shown, *place_m)) {

@@ -2,9 +2,11 @@
 // What somebody who sees the picture says of what is meant in it, while vision runs.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "slave/vision/contour_source.h"
 
@@ -27,5 +29,8 @@ struct Sight {
 tl::expected<ContourRequest, std::string> looked_at(std::string_view words, const ContourRequest& started,
                                                     ContourRequest now, const ContourMessage& shown,
                                                     const Sight& sight);
+
+/// "X,Y X,Y ...": places, metres; none of what is none.
+std::optional<std::vector<Vec2>> places_in(std::string_view words);
 
 }  // namespace telekerf::vision_process

@@ -76,6 +76,8 @@ tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& fr
 }
 
 tl::expected<VisionNode::Outcome, std::string> VisionNode::look(std::string_view words) {
+  if (words == "draw" || words.starts_with("draw "))
+    return draw(words.substr(std::min<std::size_t>(5, words.size())));
   if (!frame_ || !published_)
     return tl::unexpected<std::string>("there is no contour yet from which to go on");
   auto request = looked_at(words, started_, request_, *published_, sight_);
@@ -88,7 +90,31 @@ tl::expected<VisionNode::Outcome, std::string> VisionNode::look(std::string_view
   }
   state_ = State::kSeeing;
   candidate_.reset();
+  drawn_ = false;
   published_ = std::move(*seen);
+  ++published_count_;
+  return Outcome{published_, {}};
+}
+
+tl::expected<VisionNode::Outcome, std::string> VisionNode::draw(std::string_view words) {
+  if (words.empty()) {
+    drawing_.forget();
+    return Outcome{};
+  }
+  if (words != "open" && words != "closed") {
+    const auto places_m = places_in(words);
+    if (!places_m)
+      return tl::unexpected(fmt::format("'{}' are no places; they are X,Y X,Y .. in metres", words));
+    if (!drawing_.add(*places_m))
+      return tl::unexpected(fmt::format("what is drawn has more than {} places", HandDrawing::kMostPlaces));
+    return Outcome{};
+  }
+  auto contour = drawing_.contour(words == "closed", request_.workspace_radius_m);
+  drawing_.forget();
+  if (!contour) return tl::unexpected(contour.error());
+  drawn_ = true;
+  candidate_.reset();
+  published_ = std::move(*contour);
   ++published_count_;
   return Outcome{published_, {}};
 }
@@ -141,6 +167,11 @@ VisionNode::Outcome VisionNode::step(const Camera::Result& result) {
   if (!*result) return {};
   ++frames_;
   const Frame& frame = frame_.emplace(**result);
+  if (drawn_) {
+    if (frame.file.empty()) picture_ = frame.image;
+    state_ = State::kSeeing;
+    return {};
+  }
   auto seen = contour_in(frame);
   if (!seen) return enter(State::kNoContour, seen.error());
 

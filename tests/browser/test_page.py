@@ -62,9 +62,9 @@ def brightness_under_the_contour(page):
 
 def look(page, words):
     """Says something of the picture, as a driver; what comes of it is looked at, and then worked on."""
-    before = page.js("return telekerf.words.contour")
+    before, waits = page.js("return [telekerf.words.contour, telekerf.words.waiting]")
     page.choose("mode", words)
-    page.until("telekerf.words.waiting")
+    page.until(f"telekerf.words.waiting && telekerf.words.waiting !== {waits}")
     assert page.js("return telekerf.words.contour") == before, "a contour was taken unasked"
     page.click("show-waiting")
     page.until("telekerf.stage.contour.id === telekerf.words.waiting")
@@ -72,6 +72,34 @@ def look(page, words):
     page.until(f"!telekerf.words.waiting && telekerf.words.contour !== {before}")
     page.until("telekerf.stage.contour.id === telekerf.words.contour")
     page.until("telekerf.words.sentence.startsWith('You may move')")
+
+
+def draw(page):
+    """A line by hand over the picture, round the middle of the contour."""
+    page.choose("click", "draw")
+    places = page.js("""
+        const places = [];
+        for (let n = 0; n <= 60; ++n) {
+          const c = telekerf.stage.toClient(4e-3 * Math.cos(n / 60 * 6.28), 4e-3 * Math.sin(n / 60 * 6.28));
+          places.push([c.x, c.y]);
+        }
+        return places;""")
+    page.press(places[0])
+    for place in places:
+        page.move(place)
+    page.let_go(places[-1])
+    page.choose("click", "")
+    page.until("telekerf.words.waiting")
+    page.click("show-waiting")
+    page.until("telekerf.stage.contour.mode === 'drawn'")
+    shot(page, "drawn")
+    radii = page.js("""
+        const p = telekerf.stage.contour.points, radii = [];
+        for (let n = 0; n < p.length; n += 2) radii.push(Math.hypot(p[n], p[n + 1]));
+        return [Math.min(...radii), Math.max(...radii), telekerf.stage.contour.closed];""")
+    assert radii[2] and 3.9e-3 < radii[0] and radii[1] < 4.1e-3, radii
+    page.click("show-waiting")
+    said(f"a line drawn over the picture waits as a contour, {1e3 * radii[0]:.2f} to {1e3 * radii[1]:.2f} mm round the middle")
 
 
 def picture(page):
@@ -82,6 +110,7 @@ def picture(page):
     look(page, "mode outline")
     shot(page, "picture")
     assert page.js("return telekerf.stage.contour.mode") == "outline"
+    draw(page)
     look(page, "anew")
     assert page.js("return telekerf.stage.contour.points.length") == middle
     said(f"ink under the contour {line:.0f}, picture {whole:.0f}; outlines chosen and taken, and back")

@@ -172,6 +172,7 @@ $("press").addEventListener("change", () => { hand.burnByPressure = $("press").c
 let panning = false;
 function setPointer() {
   hand.release();
+  stage.drawing = $("click").value === "draw" ? [] : null;
   hand.panning = panning || $("click").value !== "";
   $("pan").setAttribute("aria-pressed", panning);
 }
@@ -181,10 +182,41 @@ let pressedAt = null;
 stage.canvas.addEventListener("pointerdown", (e) => { pressedAt = e.button === 0 ? [e.clientX, e.clientY] : null; });
 stage.canvas.addEventListener("click", (e) => {
   const what = $("click").value;
-  if (!what || !pressedAt || Math.hypot(e.clientX - pressedAt[0], e.clientY - pressedAt[1]) > 6) return;
+  if (!what || what === "draw" || !pressedAt || Math.hypot(e.clientX - pressedAt[0], e.clientY - pressedAt[1]) > 6) return;
   const { x, y } = stage.toWorld(e.clientX, e.clientY);
   link.command("look", { text: `${what} ${x.toFixed(7)},${y.toFixed(7)}` });
 });
+// A line over the picture: said in pieces, as long as one event may be.
+const kClose_m = 2e-3, kPlacesAtOnce = 9;
+stage.canvas.addEventListener("pointerdown", (e) => {
+  if (!stage.drawing || e.button !== 0 || stage.fingers.size > 1) return;
+  stage.canvas.setPointerCapture(e.pointerId);
+  const { x, y } = stage.toWorld(e.clientX, e.clientY);
+  stage.drawing = [x, y];
+});
+stage.canvas.addEventListener("pointermove", (e) => {
+  if (!stage.drawing?.length || !stage.fingers.has(e.pointerId)) return;
+  for (const point of e.getCoalescedEvents?.() ?? [e]) {
+    const { x, y } = stage.toWorld(point.clientX, point.clientY);
+    const [lastX, lastY] = stage.drawing.slice(-2);
+    if (Math.hypot(x - lastX, y - lastY) > 1e-4) stage.drawing.push(x, y);
+  }
+});
+stage.canvas.addEventListener("pointerup", () => {
+  const places = stage.drawing;
+  if (!places?.length) return;
+  stage.drawing = [];
+  link.command("look", { text: "draw" });
+  for (let n = 0; n < places.length; n += 2 * kPlacesAtOnce) {
+    const piece = [];
+    for (let k = n; k < Math.min(places.length, n + 2 * kPlacesAtOnce); k += 2)
+      piece.push(`${places[k].toFixed(6)},${places[k + 1].toFixed(6)}`);
+    link.command("look", { text: `draw ${piece.join(" ")}` });
+  }
+  const back = Math.hypot(places[0] - places.at(-2), places[1] - places.at(-1));
+  link.command("look", { text: back < kClose_m ? "draw closed" : "draw open" });
+});
+stage.canvas.addEventListener("pointercancel", () => { if (stage.drawing) stage.drawing = []; });
 $("mode").addEventListener("change", () => {
   if ($("mode").value) link.command("look", { text: $("mode").value });
   $("mode").value = "";

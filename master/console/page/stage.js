@@ -17,6 +17,7 @@ export class Stage {
     this.fitted = true;      // the view follows the contour until somebody changes it
     this.state = null;
     this.drag = null;
+    this.drawing = null;     // x, y of what somebody draws over the picture, metres
     this.fingers = new Map();
     canvas.addEventListener("wheel", (e) => { e.preventDefault(); this.zoom(Math.exp(-e.deltaY / 500), e.clientX, e.clientY); }, { passive: false });
     new ResizeObserver(() => { this.dirty = true; if (this.fitted) this.fit(); }).observe(canvas);
@@ -27,8 +28,8 @@ export class Stage {
     const c = this.canvas;
     c.addEventListener("pointerdown", (e) => {
       this.fingers.set(e.pointerId, { x: e.clientX, y: e.clientY });
-      if (this.fingers.size === 2) this.drag = null;
-      else if (e.button === 1 || !drives()) this.drag = e.pointerId;
+      if (this.fingers.size === 2) { this.drag = null; this.drawing = this.drawing && []; }
+      else if (e.button === 1 || (!drives() && !this.drawing)) this.drag = e.pointerId;
     });
     c.addEventListener("pointermove", (e) => {
       const before = this.fingers.get(e.pointerId);
@@ -222,6 +223,14 @@ export class Stage {
     context.drawImage(this.layer, 0, 0);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.scaleBar(context, cssWidth, cssHeight);
+    if (this.drawing?.length) {
+      this.place(context, ratio);
+      this.path(context, this.drawing, false);
+      context.strokeStyle = "#fff";
+      context.lineWidth = 3 / this.scale;
+      context.stroke();
+      context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    }
     const s = this.state;
     if (!s || s.master_age_s < 0) return;
     const at = (x, y) => [cssWidth / 2 + (x - this.centre.x) * this.scale, cssHeight / 2 - (y - this.centre.y) * this.scale];

@@ -2,6 +2,7 @@
 // What somebody points at while vision runs, and the small picture that is shown meanwhile.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -88,6 +89,52 @@ TEST_F(Looking, WhatIsNoLookIsRefusedAndChangesNothing) {
   EXPECT_NE(refusal.find("lies beyond the picture"), std::string::npos) << refusal;
   const auto again = node.look("mode auto");
   ASSERT_TRUE(again);
+}
+
+TEST_F(Looking, WhatIsDrawnOverThePictureIsAContour) {
+  // A circle of 4 mm with a hand's tremor, said in pieces.
+  ASSERT_TRUE(node.look("draw"));
+  std::string words = "draw";
+  for (int n = 0; n < 400; ++n) {
+    const double angle = 2.0 * M_PI * n / 400, radius_m = 4e-3 + 5e-5 * std::sin(97.0 * angle);
+    words +=
+        " " + std::to_string(radius_m * std::cos(angle)) + "," + std::to_string(radius_m * std::sin(angle));
+    if (n % 10 == 9) {
+      const auto piece = node.look(words);
+      ASSERT_TRUE(piece) << piece.error();
+      EXPECT_FALSE(piece->publish);
+      words = "draw";
+    }
+  }
+  const auto outcome = node.look("draw closed");
+  ASSERT_TRUE(outcome && outcome->publish);
+  EXPECT_TRUE(outcome->publish->closed);
+  EXPECT_EQ(outcome->publish->mode, "drawn");
+  for (const Vec2& p : outcome->publish->points_m) EXPECT_NEAR(p.norm(), 4e-3, 5e-6) << "the tremor is gone";
+  EXPECT_NEAR(geometry::length_m({outcome->publish->points_m, true}), 2.0 * M_PI * 4e-3, 1e-5);
+  EXPECT_FALSE(node.confirms()) << "no picture shows it";
+  EXPECT_EQ(node.look("draw open").error(), "what was drawn is 0.00 mm long; a contour takes at least 1 mm");
+  ASSERT_TRUE(node.look("draw 0,0 0.001,0 0.05,0"));
+  EXPECT_NE(node.look("draw open").error().find("reaches 50.0 mm"), std::string::npos);
+  ASSERT_TRUE(node.look("draw 0,0 0.001,0 0.005,0"));
+  const auto line = node.look("draw open");
+  ASSERT_TRUE(line && line->publish);
+  EXPECT_FALSE(line->publish->closed);
+  EXPECT_NEAR(line->publish->points_m.back().x(), 5e-3, 1e-6);
+  EXPECT_NEAR(looked("anew"), 201.0, 1.0);
+  for (const char* const words_of_none : {"draw 1", "draw a,b", "draw 0,0  1,1", "draw nan,0", "draw shut"})
+    EXPECT_FALSE(node.look(words_of_none)) << words_of_none;
+}
+
+TEST(Look, ADrawnContourStandsWhileALiveCameraGoesOn) {
+  VisionNode node(at_20_um());
+  const auto show = [&] { return node.step(Frame{"camera 7", "", discs(), true}); };
+  for (int n = 0; n < 5; ++n) (void)show();
+  ASSERT_TRUE(node.look("draw 0,0 0.003,0 0.003,0.003"));
+  ASSERT_TRUE(node.look("draw open"));
+  for (int n = 0; n < 10; ++n) EXPECT_FALSE(show().publish);
+  EXPECT_FALSE(node.confirms());
+  EXPECT_TRUE(node.preview());
 }
 
 TEST(Look, BeforeThereIsAContourThereIsNothingToPointAt) {
