@@ -16,6 +16,10 @@ template <auto Member>
 constexpr Column<InForceRow> in_force(std::string_view name, std::string_view unit, std::string_view sentence) {
   return column<Member, InForceRow>(name, unit, sentence);
 }
+template <auto Member>
+constexpr Column<GuardRow> guard(std::string_view name, std::string_view unit, std::string_view sentence) {
+  return column<Member, GuardRow>(name, unit, sentence);
+}
 
 // clang-format off
 constexpr Column<BlockRow> kBlocks[] = {
@@ -52,11 +56,21 @@ constexpr Column<InForceRow> kInForce[] = {
     in_force<&InForceRow::t_s>("t_s", "s", "monotonic clock of this computer"),
     in_force<&InForceRow::contour_id>("contour_id", "", "as in contours/list"),
 };
+
+constexpr Column<GuardRow> kGuards[] = {
+    guard<&GuardRow::tick>("tick", "", "control step at which something of it changed"),
+    guard<&GuardRow::t_s>("t_s", "s", "monotonic clock of this computer"),
+    guard<&GuardRow::forbidden>("forbidden", "", "bit n: guard n forbids the beam"),
+    guard<&GuardRow::mode>("mode", "", "of the slave, number of the contract's SlaveMode"),
+    guard<&GuardRow::reason>("reason", "", "why it does not follow, number of the contract's HoldReason"),
+    guard<&GuardRow::stop>("stop", "", "number of the emergency stop that is obeyed; 0: none"),
+};
 // clang-format on
 
 }  // namespace
 
 std::span<const Column<BlockRow>> block_columns() { return kBlocks; }
+std::span<const Column<GuardRow>> guard_columns() { return kGuards; }
 std::span<const Column<OperatorRow>> operator_columns() { return kOperator; }
 std::span<const Column<InForceRow>> in_force_columns() { return kInForce; }
 

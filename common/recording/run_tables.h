@@ -47,7 +47,44 @@ struct InForceRow {
   std::uint32_t contour_id = 0;
 };
 
+/// Another guard, mode or reason than a step before: at those steps alone.
+struct GuardRow {
+  std::uint64_t tick = 0;
+  double t_s = 0.0;
+  std::uint32_t forbidden = 0;  ///< bit n: guard n forbids the beam
+  std::uint32_t mode = 0;       ///< the contract's numbers
+  std::uint32_t reason = 0;
+  std::uint32_t stop = 0;
+};
+
+/// Of a CommandBlock or StateBlock, which this room need not know.
+template <typename Block>
+BlockRow row_of(const Block& block, std::uint64_t tick, std::int64_t at_ns, bool received) noexcept {
+  BlockRow row{.tick = tick, .t_s = 1e-9 * static_cast<double>(at_ns), .received = received};
+  row.sequence = block.sequence;
+  row.epoch = block.epoch;
+  row.first_tick = block.first_tick;
+  row.sent_s = 1e-9 * static_cast<double>(block.sent_ns);
+  row.contour_id = block.contour_id;
+  row.beta = block.beta;
+  row.stop = block.stop;
+  row.echo_sequence = block.echo_sequence;
+  row.payload_bytes = static_cast<std::uint32_t>(block.payload.size);
+  if constexpr (requires { block.applied_tick; }) {
+    row.applied_tick = static_cast<double>(block.applied_tick);
+    row.interlock = static_cast<double>(block.interlock);
+    row.guards = block.guards;
+    row.command_age_s = block.command_age_s;
+    row.engaged = static_cast<int>(block.mode) == 1;  // following
+    row.payload_bytes += static_cast<std::uint32_t>(block.force.size);
+  } else {
+    row.engaged = block.engaged;
+  }
+  return row;
+}
+
 std::span<const Column<BlockRow>> block_columns();
+std::span<const Column<GuardRow>> guard_columns();
 std::span<const Column<OperatorRow>> operator_columns();
 std::span<const Column<InForceRow>> in_force_columns();
 

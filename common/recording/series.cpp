@@ -7,12 +7,23 @@
 namespace telekerf {
 namespace {
 
+/// As it stands in a name: "m/s^2" -> "_m_per_s2".
+std::string suffix_of(const std::string& unit) {
+  std::string suffix = "_";
+  for (const char c : unit) {
+    if (c == '/') {
+      suffix += "_per_";
+    } else if (c != '^') {
+      suffix += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  return suffix;
+}
+
 /// "tool_x_m" of unit "m" -> "tool_x".
 std::string without_unit(const SeriesColumn& column) {
   if (column.name == "t_s") return "time";
-  std::string suffix = "_" + column.unit;
-  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string suffix = suffix_of(column.unit);
   if (column.unit.empty() || !column.name.ends_with(suffix)) return column.name;
   return column.name.substr(0, column.name.size() - suffix.size());
 }
@@ -21,23 +32,29 @@ std::string without_unit(const SeriesColumn& column) {
 
 std::vector<Quantity> quantities_of(const SeriesSchema& schema) {
   std::vector<Quantity> all;
+  // Place and velocity of the same thing: the second keeps its unit.
+  const auto add = [&](std::string name, std::size_t first, std::size_t count, const char* axes) {
+    const bool taken = std::any_of(all.begin(), all.end(), [&](const Quantity& q) { return q.name == name; });
+    if (taken) name += suffix_of(schema.columns[first].unit);
+    all.push_back({std::move(name), first, count, axes});
+  };
   const auto name_at = [&](std::size_t n) {
     return n < schema.width() ? without_unit(schema.columns[n]) : std::string();
   };
   for (std::size_t n = 0; n < schema.width();) {
     std::string name = name_at(n);
     if (!name.ends_with("_x")) {
-      all.push_back({std::move(name), n, 1, ""});
+      add(std::move(name), n, 1, "");
       ++n;
       continue;
     }
     const std::string base = name.substr(0, name.size() - 2);
     std::size_t count = 1;
     for (const char* axis : {"_y", "_z"}) {
-      if (name_at(n + count) != base + axis) break;
+      if (name_at(n + count) != base + axis || schema.columns[n + count].unit != schema.columns[n].unit) break;
       ++count;
     }
-    all.push_back({base, n, count, count == 3 ? "x y z" : count == 2 ? "x y" : "x"});
+    add(base, n, count, count == 3 ? "x y z" : count == 2 ? "x y" : "x");
     n += count;
   }
   return all;
