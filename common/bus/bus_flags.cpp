@@ -62,6 +62,14 @@ BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {
   return settings;
 }
 
+RunIdentity run_identity(const BusSettings& settings, const std::string& program, const std::string& config) {
+  return {.role = settings.role,
+          .program = program,
+          .cell = settings.cell,
+          .epoch = settings.epoch,
+          .settings = config};
+}
+
 void add_figures(const BusCounters& counters, const ReaderCounters& stream, Metrics& figures) {
   figures["misfits"] = static_cast<double>(counters.incompatible);
   figures["strangers"] = static_cast<double>(stream.strangers);
