@@ -61,6 +61,8 @@ void draw_runs(const std::string& title, const std::vector<NamedRun>& runs, cons
   Panel plane{.title = "contour", .x_label = "x [mm]", .y_label = "y [mm]", .equal_axes = true};
   Panel zoom{
       .title = "where the error is largest", .x_label = "x [mm]", .y_label = "y [mm]", .equal_axes = true};
+  zoom.x_range = {{1e3 * (place.x() - kReach), 1e3 * (place.x() + kReach)}};
+  zoom.y_range = {{1e3 * (place.y() - kReach), 1e3 * (place.y() + kReach)}};
   Panel speed{.title = "tangential speed", .x_label = "time [s]", .y_label = "[mm/s]"};
   Panel normal{.title = "error across the contour", .x_label = "time [s]", .y_label = "[um]"};
   plane.lines.push_back(path_line(first, "reference", Line::Style::kDashed, 7, reference));
