@@ -6,7 +6,6 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
-#include <fastrtps/utils/IPLocator.h>
 #include <algorithm>
 
 #include "common/bus/participant_qos.h"
@@ -19,8 +18,8 @@
 namespace telekerf {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
+namespace dds = middleware::dds;
+namespace rtps = middleware::rtps;
 
 constexpr int kHighestDomain = 232;  // ports above would pass 65535
 
@@ -38,11 +37,11 @@ BusSettings validated(BusSettings settings) {
 constexpr std::size_t kMostStrangers = 64;
 constexpr std::size_t kMostAddresses = 1024;
 
-std::string address_of(const rtps::ParticipantProxyData& data) {
+std::string address_of(const middleware::Discovery::Seen& participant) {
   const auto text = [](const rtps::Locator_t& locator) { return rtps::IPLocator::ip_to_string(locator); };
   std::string address = "an unknown address";
-  for (const rtps::Locator_t& locator : data.default_locators.unicast) return text(locator);
-  for (const rtps::Locator_t& locator : data.metatraffic_locators.unicast) return text(locator);
+  for (const rtps::Locator_t& locator : participant.data_locators.unicast) return text(locator);
+  for (const rtps::Locator_t& locator : participant.discovery_locators.unicast) return text(locator);
   return address;
 }
 
@@ -143,7 +142,7 @@ void Bus::Participant::join() {
   wait_for_objections();
   dds::DomainParticipantQos qos = participant_->get_qos();
   qos.user_data().data_vec(bus::presence_bytes(self_.presence));
-  if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+  if (!middleware::succeeded(participant_->set_qos(qos))) {
     throw environment_error("the middleware did not take the announcement");
   }
   network_ = std::make_unique<NetworkWatch>([this](bool lost) { addresses_changed(lost); });
@@ -193,13 +192,11 @@ void Bus::Participant::remove(Endpoint* endpoint) {
   endpoint->close();
 }
 
-void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
-                                                rtps::ParticipantDiscoveryInfo&& info) {
-  const Key key = key_of(info.info.m_guid);
-  const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
-                    info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
+void Bus::Participant::seen(const Seen& participant) {
+  const Key key = key_of(participant.guid);
+  const bool gone = participant.gone;
   Neighbour other{.presence = {}, .key = key};
-  const bool ours = !gone && bus::read_presence(info.info.m_userData, other.presence);
+  const bool ours = !gone && bus::read_presence(participant.user_data, other.presence);
   {
     const std::lock_guard lock(mutex_);
     if (gone) {
@@ -207,7 +204,7 @@ void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
       elsewhere_.erase(key);
       addresses_.erase(key);
     } else if (addresses_.size() < kMostAddresses) {
-      addresses_[key] = address_of(info.info);
+      addresses_[key] = address_of(participant);
     }
     if (ours && other.presence.cell != settings_.cell) elsewhere_[key] = other.presence;
     if (ours && other.presence.cell == settings_.cell) {

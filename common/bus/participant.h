@@ -5,7 +5,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <map>
@@ -14,13 +13,14 @@
 #include <set>
 
 #include "common/bus/bus.h"
+#include "common/bus/middleware.h"
 #include "common/bus/network_watch.h"
 #include "common/bus/participant_qos.h"
 #include "common/bus/presence.h"
 
 namespace telekerf {
 
-class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListener {
+class Bus::Participant : private middleware::Discovery {
  public:
   explicit Participant(BusSettings settings);
   ~Participant() override;
@@ -39,7 +39,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
 
   /// In a thread of the middleware, no allocation if it may. Whether this writer's process has announced
   /// itself in this cell, in this role (null: any) and as the start `epoch`. Whoever has not is remembered.
-  bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer, const char* topic, const char* role,
+  bool may_say(const middleware::rtps::GUID_t& writer, const char* topic, const char* role,
                std::optional<std::uint32_t> epoch);
 
   /// The topic of this name, created at first use; `type` is registered then.
@@ -61,15 +61,14 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   void add(Endpoint* endpoint);
   /// Closes it.
   void remove(Endpoint* endpoint);
-  bool is_own(const eprosima::fastrtps::rtps::GUID_t& writer) const {
+  bool is_own(const middleware::rtps::GUID_t& writer) const {
     return writer.guidPrefix == participant_->guid().guidPrefix;
   }
 
  private:
   using Key = std::array<std::uint8_t, 12>;
 
-  void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
-                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
+  void seen(const Seen& participant) override;
   void create();
   void destroy();
   void wait_for_objections();

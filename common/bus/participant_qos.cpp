@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/participant_qos.h"
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/attributes/LibrarySettingsAttributes.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 #include <netdb.h>
 #include <netinet/in.h>
@@ -20,6 +16,7 @@
 #include <optional>
 #include <random>
 
+#include "common/bus/middleware.h"
 #include "common/bus/qos.h"
 #include "common/bus/trimming_transport.h"
 #include "common/runtime/startup_error.h"
@@ -27,11 +24,10 @@
 namespace telekerf::bus {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
+namespace dds = middleware::dds;
+namespace rtps = middleware::rtps;
 using eprosima::fastdds::rtps::TransportDescriptorInterface;
 using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
-using eprosima::fastrtps::Duration_t;
 
 constexpr const char* kDiscoveryMulticast = "239.255.0.1";  // RTPS default
 constexpr std::uint32_t kParticipantsPerPeer = 64;          // ports tried at a peer that names none
@@ -126,9 +122,7 @@ void settle_library() {
     setenv("SKIP_DEFAULT_XML", "1", 1);
     unsetenv("ROS_DISCOVERY_SERVER");
     dds::Log::SetVerbosity(dds::Log::Error);
-    eprosima::fastrtps::LibrarySettingsAttributes library;
-    library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+    middleware::deliver_between_processes_only();
   });
 }
 

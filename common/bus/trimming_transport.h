@@ -8,10 +8,11 @@
 // submessages are optional.
 #pragma once
 
-#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 #include <cstddef>
 #include <memory>
 #include <span>
+
+#include "common/bus/middleware.h"
 
 namespace telekerf::bus {
 

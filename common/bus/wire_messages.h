@@ -3,12 +3,11 @@
 // bus only.
 #pragma once
 
-#include <telekerf.h>
-
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "common/bus/cdr.h"
 #include "common/protocol/contour.h"
 #include "common/protocol/events.h"
 #include "common/protocol/presence.h"

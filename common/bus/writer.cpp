@@ -9,13 +9,13 @@
 #include <thread>
 #include <vector>
 
+#include "common/bus/middleware.h"
 #include "common/bus/qos.h"
 #include "common/bus/topic.h"
 #include "common/bus/wire.h"
 
 namespace telekerf {
-namespace dds = eprosima::fastdds::dds;
-using eprosima::fastrtps::types::ReturnCode_t;
+namespace dds = middleware::dds;
 
 template <class T>
 struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
@@ -69,7 +69,7 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   };
   bool send() {
     next = (next + 1) % lanes.size();
-    if (lanes[next] == nullptr || !lanes[next]->write(&wire)) return false;
+    if (lanes[next] == nullptr || !middleware::succeeded(lanes[next]->write(&wire))) return false;
     if constexpr (kLatched) {
       if (kept.size() == bus::kept_samples(Topic::kIntent)) kept.erase(kept.begin());
       kept.push_back(wire);
@@ -141,10 +141,8 @@ bool Writer<T>::wait_until_received(std::chrono::nanoseconds timeout) const {
   for (dds::DataWriter* lane : impl_->lanes) {
     const std::chrono::duration<double> left = end - std::chrono::steady_clock::now();
     if (lane == nullptr) return false;
-    if (lane->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(std::max(left.count(), 1e-3))) !=
-        ReturnCode_t::RETCODE_OK) {
-      return false;
-    }
+    const middleware::Duration_t at_most(std::max(left.count(), 1e-3));
+    if (!middleware::succeeded(lane->wait_for_acknowledgments(at_most))) return false;
   }
   return true;
 }

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fast DDS 2.9 (Debian 12) and 3.1 (Debian 13) under one set of names: what the two call differently, and
+// nothing else. Inside the bus and its receive filters only.
+#pragma once
+
+#if __has_include(<fastdds/LibrarySettings.hpp>)
+#define TELEKERF_FASTDDS_3 1
+#include <fastdds/LibrarySettings.hpp>
+#include <fastdds/dds/core/ReturnCode.hpp>
+#include <fastdds/rtps/builtin/data/ParticipantBuiltinTopicData.hpp>
+#include <fastdds/rtps/participant/ParticipantDiscoveryInfo.hpp>
+#include <fastdds/rtps/transport/ChainingTransport.hpp>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.hpp>
+#include <fastdds/rtps/transport/SenderResource.hpp>
+#include <fastdds/rtps/transport/TransportDescriptorInterface.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.hpp>
+#include <fastdds/utils/IPLocator.hpp>
+#else
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/attributes/LibrarySettingsAttributes.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#if __has_include(<fastdds/rtps/network/SenderResource.h>)
+#include <fastdds/rtps/network/SenderResource.h>
+#else
+#include <fastdds/rtps/transport/SenderResource.h>
+#endif
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/rtps/common/LocatorList.hpp>
+#include <span>
+#include <vector>
+
+namespace telekerf::middleware {
+
+namespace dds = eprosima::fastdds::dds;
+
+#ifdef TELEKERF_FASTDDS_3
+
+namespace rtps = eprosima::fastdds::rtps;
+using eprosima::fastdds::dds::Duration_t;
+using Payload = rtps::SerializedPayload_t&;            ///< as a type's deserializer gets it
+using Datagram = const std::vector<rtps::NetworkBuffer>&;  ///< as a transport gets it
+
+/// The datagram's bytes; where it comes in parts, they are put together in `room`. Empty: it does not fit.
+inline std::span<const std::byte> in_one_piece(Datagram parts, std::uint32_t size,
+                                               std::span<std::byte> room) {
+  if (parts.size() == 1) return {static_cast<const std::byte*>(parts.front().buffer), parts.front().size};
+  if (size > room.size()) return {};
+  std::size_t at = 0;
+  for (const rtps::NetworkBuffer& part : parts) {
+    if (part.size > room.size() - at) return {};
+    std::memcpy(room.data() + at, part.buffer, part.size);
+    at += part.size;
+  }
+  return room.first(at);
+}
+inline constexpr std::size_t kDatagramRoom = 65536;  ///< for in_one_piece(): the longest of UDP fits
+
+/// What an operation of the middleware came to. Never compare it by hand: 0 is good here, and true in 2.9.
+inline bool succeeded(dds::ReturnCode_t code) { return code == dds::RETCODE_OK; }
+bool succeeded(bool) = delete;
+
+inline void deliver_between_processes_only() {
+  eprosima::fastdds::LibrarySettings library;
+  library.intraprocess_delivery = eprosima::fastdds::INTRAPROCESS_OFF;
+  dds::DomainParticipantFactory::get_instance()->set_library_settings(library);
+}
+
+#else
+
+namespace rtps = eprosima::fastrtps::rtps;
+using eprosima::fastrtps::Duration_t;
+using Payload = rtps::SerializedPayload_t*;
+using Datagram = const rtps::octet*;
+
+inline std::span<const std::byte> in_one_piece(Datagram bytes, std::uint32_t size, std::span<std::byte>) {
+  return std::as_bytes(std::span(bytes, size));
+}
+inline constexpr std::size_t kDatagramRoom = 0;
+
+inline bool succeeded(const eprosima::fastrtps::types::ReturnCode_t& code) {
+  return code == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+}
+inline bool succeeded(bool done) { return done; }
+
+inline void deliver_between_processes_only() {
+  eprosima::fastrtps::LibrarySettingsAttributes library;
+  library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+}
+
+#endif
+
+/// How long a reliable writer waits.
+struct WriterTimes {
+  Duration_t first_heartbeat, heartbeats, answer_to_a_loss;
+};
+inline void set_times(dds::DataWriterQos& qos, const WriterTimes& wanted) {
+  auto& times = qos.reliable_writer_qos().times;
+#ifdef TELEKERF_FASTDDS_3
+  times.initial_heartbeat_delay = wanted.first_heartbeat;
+  times.heartbeat_period = wanted.heartbeats;
+  times.nack_response_delay = wanted.answer_to_a_loss;
+#else
+  times.initialHeartbeatDelay = wanted.first_heartbeat;
+  times.heartbeatPeriod = wanted.heartbeats;
+  times.nackResponseDelay = wanted.answer_to_a_loss;
+#endif
+}
+/// How long a reliable reader waits before it asks for what it misses.
+template <class ReaderQos>
+void set_answer_time(ReaderQos& qos, const Duration_t& wanted) {
+#ifdef TELEKERF_FASTDDS_3
+  qos.reliable_reader_qos().times.heartbeat_response_delay = wanted;
+#else
+  qos.reliable_reader_qos().times.heartbeatResponseDelay = wanted;
+#endif
+}
+
+/// Another participant was seen, has changed, or is gone.
+class Discovery : public dds::DomainParticipantListener {
+ public:
+  struct Seen {
+    const rtps::GUID_t& guid;
+    bool gone;
+    const std::vector<rtps::octet>& user_data;
+    const rtps::RemoteLocatorList& data_locators;
+    const rtps::RemoteLocatorList& discovery_locators;
+  };
+  /// In a thread of the middleware.
+  virtual void seen(const Seen& participant) = 0;
+
+ private:
+#ifdef TELEKERF_FASTDDS_3
+  void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryStatus status,
+                                const dds::ParticipantBuiltinTopicData& data, bool&) final {
+    using Status = rtps::ParticipantDiscoveryStatus;
+    seen({data.guid, status == Status::REMOVED_PARTICIPANT || status == Status::DROPPED_PARTICIPANT,
+          data.user_data, data.default_locators, data.metatraffic_locators});
+  }
+#else
+  void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) final {
+    using Status = rtps::ParticipantDiscoveryInfo;
+    seen({info.info.m_guid,
+          info.status == Status::REMOVED_PARTICIPANT || info.status == Status::DROPPED_PARTICIPANT,
+          info.info.m_userData, info.info.default_locators, info.info.metatraffic_locators});
+  }
+#endif
+};
+
+}  // namespace telekerf::middleware
