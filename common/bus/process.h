@@ -12,6 +12,7 @@
 #include "common/runtime/loop.h"
 #include "common/runtime/periodic.h"
 #include "common/runtime/status_reporter.h"
+#include "common/runtime/supervision.h"
 
 namespace telekerf {
 
@@ -25,6 +26,8 @@ class Process {
   StatusReporter& status() noexcept { return status_; }
   /// What the loop misses is said by a thread of the process' own.
   Lookout& lookout() noexcept { return lookout_; }
+  /// Wait-free: a loop other than run() says at every turn that it goes on; see Supervision.
+  void alive() noexcept { supervision_.step(); }
   /// "cell 'cell-1' of domain 0"
   std::string place() const;
 
@@ -37,6 +40,7 @@ class Process {
   Bus bus_;
   StatusReporter status_;
   Lookout lookout_;
+  Supervision supervision_;
   Periodic looking_;  ///< last: starts when everything else is there, ends first
 };
 
