@@ -131,7 +131,7 @@ void set_answer_time(ReaderQos& qos, const Duration_t& wanted) {
 /// Another participant was seen, has changed, or is gone.
 class Discovery : public dds::DomainParticipantListener {
  public:
-  struct Seen {
+  struct Discovered {
     const rtps::GUID_t& guid;
     bool gone;
     const std::vector<rtps::octet>& user_data;
@@ -139,20 +139,20 @@ class Discovery : public dds::DomainParticipantListener {
     const rtps::RemoteLocatorList& discovery_locators;
   };
   /// In a thread of the middleware.
-  virtual void seen(const Seen& participant) = 0;
+  virtual void discovered(const Discovered& participant) = 0;
 
  private:
 #ifdef TELEKERF_FASTDDS_3
   void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryStatus status,
                                 const dds::ParticipantBuiltinTopicData& data, bool&) final {
     using Status = rtps::ParticipantDiscoveryStatus;
-    seen({data.guid, status == Status::REMOVED_PARTICIPANT || status == Status::DROPPED_PARTICIPANT,
+    discovered({data.guid, status == Status::REMOVED_PARTICIPANT || status == Status::DROPPED_PARTICIPANT,
           data.user_data, data.default_locators, data.metatraffic_locators});
   }
 #else
   void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) final {
     using Status = rtps::ParticipantDiscoveryInfo;
-    seen({info.info.m_guid,
+    discovered({info.info.m_guid,
           info.status == Status::REMOVED_PARTICIPANT || info.status == Status::DROPPED_PARTICIPANT,
           info.info.m_userData, info.info.default_locators, info.info.metatraffic_locators});
   }

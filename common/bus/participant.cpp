@@ -37,7 +37,7 @@ BusSettings validated(BusSettings settings) {
 constexpr std::size_t kMostStrangers = 64;
 constexpr std::size_t kMostAddresses = 1024;
 
-std::string address_of(const middleware::Discovery::Seen& participant) {
+std::string address_of(const middleware::Discovery::Discovered& participant) {
   const auto text = [](const rtps::Locator_t& locator) { return rtps::IPLocator::ip_to_string(locator); };
   std::string address = "an unknown address";
   for (const rtps::Locator_t& locator : participant.data_locators.unicast) return text(locator);
@@ -192,7 +192,7 @@ void Bus::Participant::remove(Endpoint* endpoint) {
   endpoint->close();
 }
 
-void Bus::Participant::seen(const Seen& participant) {
+void Bus::Participant::discovered(const Discovered& participant) {
   const Key key = key_of(participant.guid);
   const bool gone = participant.gone;
   Neighbour other{.presence = {}, .key = key};
@@ -219,6 +219,16 @@ std::vector<PresenceMessage> Bus::Participant::others() const {
   const std::lock_guard lock(mutex_);
   std::vector<PresenceMessage> list;
   for (const auto& [key, other] : others_) list.push_back(other.presence);
+  return list;
+}
+
+std::vector<Bus::Seen> Bus::Participant::seen() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Bus::Seen> list;
+  for (const auto& [key, other] : others_) {
+    const auto address = addresses_.find(key);
+    list.push_back({other.presence, address == addresses_.end() ? "unknown" : address->second});
+  }
   return list;
 }
 

@@ -31,6 +31,7 @@ class Bus::Participant : private middleware::Discovery {
   const BusSettings& settings() const { return settings_; }
   const std::vector<std::string>& notes() const { return notes_; }
   std::vector<PresenceMessage> others() const;
+  std::vector<Bus::Seen> seen() const;
   bool wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const;
   BusCounters counters() const;
   std::vector<std::string> strangers() const;
@@ -68,7 +69,7 @@ class Bus::Participant : private middleware::Discovery {
  private:
   using Key = std::array<std::uint8_t, 12>;
 
-  void seen(const Seen& participant) override;
+  void discovered(const Discovered& participant) override;
   void create();
   void destroy();
   void wait_for_objections();

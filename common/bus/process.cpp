@@ -19,9 +19,11 @@ Process::Process(const BusSettings& settings, const std::string& who, const char
     : bus_(with_signals_caught(settings)),
       status_(who, initial_state),
       lookout_(bus_, status_),
+      clock_(bus_),
       looking_(std::chrono::milliseconds(100), [this] {
         lookout_.look();
         supervision_.tell();
+        clock_.tell();
       }) {}
 
 std::string Process::place() const {

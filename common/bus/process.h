@@ -9,6 +9,7 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/lookout.h"
+#include "common/bus/roll_call.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/periodic.h"
 #include "common/runtime/status_reporter.h"
@@ -41,6 +42,7 @@ class Process {
   StatusReporter status_;
   Lookout lookout_;
   Supervision supervision_;
+  ClockTeller clock_;
   Periodic looking_;  ///< last: starts when everything else is there, ends first
 };
 
