@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/participant_qos.h"
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/attributes/LibrarySettingsAttributes.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 #include <netdb.h>
 #include <netinet/in.h>
@@ -20,19 +16,19 @@
 #include <optional>
 #include <random>
 
+#include "common/bus/interfaces.h"
+#include "common/bus/middleware.h"
 #include "common/bus/qos.h"
 #include "common/bus/quiet_log.h"
-#include "common/bus/interfaces.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::bus {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
+namespace dds = middleware::dds;
+namespace rtps = middleware::rtps;
 using eprosima::fastdds::rtps::TransportDescriptorInterface;
 using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
-using eprosima::fastrtps::Duration_t;
 
 constexpr const char* kDiscoveryMulticast = "239.255.0.1";  // RTPS default
 constexpr std::uint32_t kParticipantsPerPeer = 64;          // ports tried at a peer that names none
@@ -133,10 +129,7 @@ void settle_library(bool secured) {
     dds::Log::SetVerbosity(dds::Log::Error);
   });
   if (secured) quiet_log();
-  eprosima::fastrtps::LibrarySettingsAttributes library;
-  library.intraprocess_delivery =
-      secured ? eprosima::fastrtps::INTRAPROCESS_FULL : eprosima::fastrtps::INTRAPROCESS_OFF;
-  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+  middleware::deliver_within_a_process(secured);
 }
 
 std::shared_ptr<UDPv4TransportDescriptor> udp_transport() {
@@ -209,10 +202,11 @@ void refuse_peers_outside(const BusSettings& settings, const std::vector<std::st
   for (const std::string& peer : settings.peers) {
     const auto named = parsed_peer(peer);
     if (named && lies_outside(resolved(named->host), inner))
-      throw usage_error(fmt::format(
-          "peers = '{}' lies beyond this computer, where nothing is secured: give --security DIR, or --insecure if "
-          "whoever is there may command",
-          peer));
+      throw usage_error(
+          fmt::format("peers = '{}' lies beyond this computer, where nothing is secured: give --security "
+                      "DIR, or --insecure if "
+                      "whoever is there may command",
+                      peer));
   }
 }
 

@@ -4,21 +4,22 @@
 
 #include <cstdint>
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "common/bus/bus.h"
+#include "common/bus/middleware.h"
 
 namespace telekerf::bus {
 
 inline constexpr std::uint32_t kSocketBufferBytes = 4u << 20;
 
-/// Library-wide, before a participant: no profile files from the working directory, no discovery server from the
-/// environment, no intraprocess short cut (the emulated link would not see its datagrams). `secured`: with it, for a
-/// participant does not understand what it has signed itself, and its readers would ask its own writers for ever; no two
-/// participants' prefixes look like those of one process, so that it goes no further.
+/// Library-wide, before a participant: no profile files from the working directory, no discovery server from
+/// the environment, no intraprocess short cut (the emulated link would not see its datagrams). `secured`:
+/// with it, for a participant does not understand what it has signed itself, and its readers would ask its
+/// own writers for ever; no two participants' prefixes look like those of one process, so that it goes no
+/// further.
 void settle_library(bool secured);
 
 /// UDPv4 transport as all participants use it.

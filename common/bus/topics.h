@@ -3,7 +3,11 @@
 // service. Inside the bus only.
 #pragma once
 
+#if __has_include(<telekerfPubSubTypes.hpp>)
+#include <telekerfPubSubTypes.hpp>
+#else
 #include <telekerfPubSubTypes.h>
+#endif
 
 #include <cstddef>
 

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/wire_messages.h"
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/exceptions/Exception.h>
-
 #include <array>
 #include <cmath>
 
 namespace telekerf::bus {
 namespace {
-
-using eprosima::fastcdr::Cdr;
-using eprosima::fastcdr::FastBuffer;
 
 // Bounds of idl/telekerf.idl; the generated code does not enforce them.
 constexpr std::size_t kMaxValues = 256;
@@ -196,19 +190,15 @@ std::vector<std::uint8_t> presence_bytes(const PresenceMessage& presence) {
   wire.joined(presence.joined ? 1 : 0);
   wire.version(presence.version);
   std::array<char, 512> bytes{};
-  FastBuffer buffer(bytes.data(), bytes.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::CORBA_CDR);
-  wire.serialize(cdr);
-  return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(cdr.getSerializedDataLength())};
+  const std::size_t written = write_cdr(wire, bytes);
+  return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(written)};
 }
 
 bool read_presence(std::span<const std::uint8_t> bytes, PresenceMessage& presence) {
   std::vector<char> copy(bytes.begin(), bytes.end());  // fastcdr wants mutable bytes
-  FastBuffer buffer(copy.data(), copy.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::CORBA_CDR);
   wire::Presence wire;
   try {
-    wire.deserialize(cdr);
+    read_cdr(copy, wire);
   } catch (const eprosima::fastcdr::exception::Exception&) {
     return false;
   }

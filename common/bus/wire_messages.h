@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contour, preview, events, telemetry and presence <-> their wire types (generated from idl/telekerf.idl). Inside the
-// bus only.
+// Contour, preview, events, telemetry and presence <-> their wire types (generated from idl/telekerf.idl).
+// Inside the bus only.
 #pragma once
-
-#include <telekerf.h>
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "common/bus/cdr.h"
 #include "common/protocol/contour.h"
 #include "common/protocol/events.h"
 #include "common/protocol/presence.h"

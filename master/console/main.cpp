@@ -100,6 +100,7 @@ int run(Flags& flags) {
   boost::asio::steady_timer timer(context);
   std::function<void()> step = [&] {
     if (stop_requested() || process.ended()) return context.stop();
+    process.alive();
     const std::int64_t now_ns = monotonic_ns();
     ears.hear(console, now_ns);
     console.step(now_ns);

@@ -166,6 +166,7 @@ int run(const Flags& flags) {
   auto report_at = std::chrono::steady_clock::now();
   auto looked = report_at;  // when it was last seen where it is
   while (!stop_requested() && !process.ended()) {
+    process.alive();
     if (seen && *seen && node.confirms()) looked = std::chrono::steady_clock::now();
     if (!outcome.remark.empty()) write_line(stderr, "vision: " + outcome.remark);
     if (outcome.publish) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bounds of idl/telekerf.idl, on the way out and on the way in: exactly that many, and one more.
 #include <gtest/gtest.h>
-#include <telekerf.h>
 
 #include <limits>
 
