@@ -17,6 +17,8 @@
 #     asan      all tests: memory and undefined behaviour                  build-asan/
 #     tsan      all tests: threads                                         build-tsan/
 #     tidy      clang-tidy                                                 build-tidy/
+#     packages  Debian packages in bare roots of Debian 12 and 13: install, cut, upgrade during a cut, remove, purge; one
+#               drives the other (as root)                              build-roots/
 #     chaos     1000 chaos runs, 1000 stops with and without losses, and an hour of both sites in virtual time
 #
 #   ./telekerf check mutation [--count N] [--seed S] [--folder F]
@@ -24,7 +26,7 @@
 #   Not among the parts, as it takes hours: puts N small faults (100) into the code, one at a time, and counts those
 #   that the tests notice. The last line is `score NN %`.
 
-readonly check_parts="werror demo processes rogues headers examples fuzz bench asan tsan tidy chaos"
+readonly check_parts="werror demo processes rogues headers examples fuzz bench asan tsan tidy packages chaos"
 
 # Benchmarks, all of them if none is named, on standard output.
 bench() {
@@ -81,6 +83,7 @@ check_fuzz() {
 check_bench() { bench; }
 check_asan() { check_preset asan "$build-asan" && ctest --test-dir "$build-asan" --output-on-failure; }
 check_tsan() { check_preset tsan "$build-tsan" && ctest --test-dir "$build-tsan" --output-on-failure; }
+check_packages() { "$root/tests/packages/packages.bash" "$build-roots"; }
 check_chaos() {
   ninja -C "$build" telekerf-experiment test_flat_memory || return 1
   TELEKERF_FLAT_S=3600 "$build/bin/test_flat_memory" || return 1

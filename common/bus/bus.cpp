@@ -14,6 +14,7 @@ Bus::~Bus() = default;
 
 const BusSettings& Bus::settings() const { return participant_->settings(); }
 std::vector<PresenceMessage> Bus::others() const { return participant_->others(); }
+std::vector<Bus::Seen> Bus::seen() const { return participant_->seen(); }
 bool Bus::wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const {
   return participant_->wait_for_role(role, timeout);
 }

@@ -56,6 +56,12 @@ class Bus {
   const BusSettings& settings() const;
   /// Everyone else in the cell who is alive, as announced.
   std::vector<PresenceMessage> others() const;
+  /// The same, and from which computer.
+  struct Seen {
+    PresenceMessage presence;
+    std::string address;  ///< IPv4
+  };
+  std::vector<Seen> seen() const;
   /// Waits until somebody of this role has joined. False: nobody came in time.
   [[nodiscard]] bool wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const;
   /// What the user should know about the environment, one sentence each, e.g. clipped socket buffers.

@@ -6,6 +6,7 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/endpoints.h"
+#include "common/recording/run_file.h"
 #include "common/recording/run_record.h"
 #include "common/runtime/settings.h"
 
@@ -25,6 +26,9 @@ struct BusFlags {
   /// higher one.
   BusSettings bus_settings(Site site, const std::string& role) const;
 };
+
+/// Whose recording it is: the process' role, cell and epoch, and the settings that it was given.
+RunIdentity run_identity(const BusSettings& settings, const std::string& program, const std::string& config);
 
 /// What the bus counted, as figures of a run; `stream`: the reader of the other site's blocks.
 void add_figures(const BusCounters& counters, const ReaderCounters& stream, Metrics& figures);

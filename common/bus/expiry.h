@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Identities end, and the middleware says nothing of it: a session goes on without them. So each process looks at its own
-// and at its peers'. Pure rules; Participant knows the dates.
+// Identities end, and the middleware says nothing of it: a session goes on without them. So each process
+// looks at its own and at its peers'. Pure rules; Participant knows the dates.
 #pragma once
 
 #include <cstdint>

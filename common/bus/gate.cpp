@@ -96,8 +96,9 @@ Gate::Identity* Gate::identity_of(std::span<const std::byte> datagram) noexcept 
   if (datagram.size() < kHeader || std::memcmp(datagram.data(), "RTPS", 4) != 0) return nullptr;
   security::SubjectPrefix subject;
   std::memcpy(subject.data(), datagram.data() + kPrefix, subject.size());
-  const auto at = std::lower_bound(identities_.begin(), identities_.end(), subject,
-                                   [](const Identity& each, const auto& wanted) { return each.subject < wanted; });
+  const auto at =
+      std::lower_bound(identities_.begin(), identities_.end(), subject,
+                       [](const Identity& each, const auto& wanted) { return each.subject < wanted; });
   return at == identities_.end() || at->subject != subject ? nullptr : &*at;
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a secured participant lets in at all, decided on the datagram before the middleware keeps anything of it. Inside the
-// bus only.
+// What a secured participant lets in at all, decided on the datagram before the middleware keeps anything of
+// it. Inside the bus only.
 //
-// A prefix that no certificate of ours leads to is nobody. What is not protected must be an announcement, a handshake or an
-// exchange of keys (DDS Security 1.1, 7.3.7): all else under a known prefix is a forgery, whatever the
-// middleware would make of it. Announcements are clear, and cost the middleware memory for as long as they say;
-// so only a few that have not proved who they are may be under way for each identity.
+// A prefix that no certificate of ours leads to is nobody. What is not protected must be an announcement, a
+// handshake or an exchange of keys (DDS Security 1.1, 7.3.7): all else under a known prefix is a forgery,
+// whatever the middleware would make of it. Announcements are clear, and cost the middleware memory for as
+// long as they say; so only a few that have not proved who they are may be under way for each identity.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ namespace telekerf::bus {
 
 class Gate {
  public:
-  static constexpr std::size_t kUnproven = 8;                        ///< participants at a time for each identity
+  static constexpr std::size_t kUnproven = 8;                    ///< participants at a time for each identity
   static constexpr std::int64_t kForgotten_ns = 10'000'000'000;  ///< after it was heard last
 
   using Prefix = std::array<std::uint8_t, 12>;

@@ -39,7 +39,8 @@ bool leads_nowhere(int fd, const ifaddrs& interface) {
 
 std::string text_of(const sockaddr* address) {
   std::array<char, INET_ADDRSTRLEN> text{};
-  (void)inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, text.data(), text.size());
+  (void)inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, text.data(),
+                  text.size());
   return text.data();
 }
 
@@ -80,7 +81,8 @@ bool lies_outside(const std::string& address, const std::vector<std::string>& in
                       getsockname(fd, reinterpret_cast<sockaddr*>(&here), &size) == 0;
   close(fd);
   if (!routed) return false;  // there is no way to it at all
-  return std::find(inner.begin(), inner.end(), text_of(reinterpret_cast<const sockaddr*>(&here))) == inner.end();
+  return std::find(inner.begin(), inner.end(), text_of(reinterpret_cast<const sockaddr*>(&here))) ==
+         inner.end();
 }
 
 }  // namespace telekerf::bus

@@ -7,8 +7,8 @@
 
 namespace telekerf::bus {
 
-/// IPv4 addresses at which only this computer can be reached: its own loopback, and virtual cables between its namespaces (veth,
-/// tun, dummy). Empty: no other network is there, so that nothing has to be left out.
+/// IPv4 addresses at which only this computer can be reached: its own loopback, and virtual cables between
+/// its namespaces (veth, tun, dummy). Empty: no other network is there, so that nothing has to be left out.
 std::vector<std::string> inner_addresses();
 
 /// Whether a datagram to this IPv4 address would leave through another network than those.

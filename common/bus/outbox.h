@@ -15,8 +15,8 @@
 
 namespace telekerf::bus {
 
-/// One producer. Slots are reused, so that one whose vectors have their size costs no heap. Full: the newest is
-/// lost, as on the way.
+/// One producer. Slots are reused, so that one whose vectors have their size costs no heap. Full: the newest
+/// is lost, as on the way.
 template <class Sample>
 class Outbox {
  public:

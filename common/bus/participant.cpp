@@ -6,7 +6,6 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
-#include <fastrtps/utils/IPLocator.h>
 #include <algorithm>
 
 #include "common/bus/interfaces.h"
@@ -22,8 +21,8 @@
 namespace telekerf {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
+namespace dds = middleware::dds;
+namespace rtps = middleware::rtps;
 
 constexpr int kHighestDomain = 232;  // ports above would pass 65535
 
@@ -41,11 +40,11 @@ BusSettings validated(BusSettings settings) {
 constexpr std::size_t kMostStrangers = 64;
 constexpr std::size_t kMostAddresses = 1024;
 
-std::string address_of(const rtps::ParticipantProxyData& data) {
+std::string address_of(const middleware::Discovery::Discovered& participant) {
   const auto text = [](const rtps::Locator_t& locator) { return rtps::IPLocator::ip_to_string(locator); };
   std::string address = "an unknown address";
-  for (const rtps::Locator_t& locator : data.default_locators.unicast) return text(locator);
-  for (const rtps::Locator_t& locator : data.metatraffic_locators.unicast) return text(locator);
+  for (const rtps::Locator_t& locator : participant.data_locators.unicast) return text(locator);
+  for (const rtps::Locator_t& locator : participant.discovery_locators.unicast) return text(locator);
   return address;
 }
 
@@ -93,6 +92,7 @@ void Bus::Participant::create() {
   // The threads that receive are started here. A busy machine would let them wait, and that looks like a bad
   // link.
   const RealTimePriority inherited(kNetworkPriority);
+  bus::require_discovery_port(settings_.domain);
   // Another number each time: whoever has not forgotten the one before would take the ports for its own.
   numbers_.push_back(std::make_unique<bus::ParticipantNumber>(settings_.domain));
   if (numbers_.back()->value() < 0) {
@@ -160,7 +160,7 @@ void Bus::Participant::join() {
   } else {
     dds::DomainParticipantQos qos = participant_->get_qos();
     qos.user_data().data_vec(bus::presence_bytes(self_.presence));
-    if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+    if (!middleware::succeeded(participant_->set_qos(qos)))
       throw environment_error("the middleware did not take the announcement");
   }
   network_ = std::make_unique<NetworkWatch>([this](bool lost) { addresses_changed(lost); });
@@ -213,14 +213,12 @@ void Bus::Participant::remove(Endpoint* endpoint) {
   endpoint->close();
 }
 
-void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
-                                                rtps::ParticipantDiscoveryInfo&& info) {
-  const Key key = key_of(info.info.m_guid);
-  const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
-                    info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
+void Bus::Participant::discovered(const Discovered& participant) {
+  const Key key = key_of(participant.guid);
+  const bool gone = participant.gone;
   PresenceMessage presence;
   // Announcements are clear, and anybody can write them: with security who they are is heard elsewhere.
-  const bool told = !gone && !protection_.on() && bus::read_presence(info.info.m_userData, presence);
+  const bool told = !gone && !protection_.on() && bus::read_presence(participant.user_data, presence);
   {
     const std::lock_guard lock(mutex_);
     if (gone) {
@@ -229,7 +227,7 @@ void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
       elsewhere_.erase(key);
       addresses_.erase(key);
     } else if (addresses_.size() < kMostAddresses) {
-      addresses_[key] = address_of(info.info);
+      addresses_[key] = address_of(participant);
     }
     if (told) announce(key, presence);
   }
@@ -245,10 +243,8 @@ void Bus::Participant::announce(const Key& key, const PresenceMessage& presence)
   if (self_.presence.joined && incompatibility(self_.presence, presence)) incompatible_.insert(key);
 }
 
-void Bus::Participant::onParticipantAuthentication(dds::DomainParticipant*,
-                                                   rtps::ParticipantAuthenticationInfo&& info) {
-  const Key key = key_of(info.guid);
-  const bool proven = info.status == rtps::ParticipantAuthenticationInfo::AUTHORIZED_PARTICIPANT;
+void Bus::Participant::authenticated(const rtps::GUID_t& guid, bool proven) {
+  const Key key = key_of(guid);
   if (proven && protection_.on()) protection_.gate()->proven(key);
   const std::lock_guard lock(mutex_);
   if (proven) {
@@ -258,12 +254,11 @@ void Bus::Participant::onParticipantAuthentication(dds::DomainParticipant*,
   }
 }
 
-void Bus::Participant::on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) {
-  if (!protection_.on() || info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) return;
-  if (std::string(info.info.topicName().c_str()) != security::kPresenceTopic) return;
-  const Key key = key_of(info.info.guid());
+void Bus::Participant::discovered(const DiscoveredWriter& writer) {
+  if (!protection_.on() || writer.gone || writer.topic != security::kPresenceTopic) return;
+  const Key key = key_of(writer.guid);
   PresenceMessage presence;
-  if (!bus::read_presence(info.info.m_qos.m_userData, presence) || !protection_.fits(key, presence)) return;
+  if (!bus::read_presence(writer.user_data, presence) || !protection_.fits(key, presence)) return;
   {
     const std::lock_guard lock(mutex_);
     if (!authenticated_.contains(key)) return;
@@ -272,8 +267,8 @@ void Bus::Participant::on_publisher_discovery(dds::DomainParticipant*, rtps::Wri
   changed_.notify_all();
 }
 
-/// Who we are, in the user data of a writer: unlike the participant's own these are encrypted, for those who are
-/// authenticated.
+/// Who we are, in the user data of a writer: unlike the participant's own these are encrypted, for those who
+/// are authenticated.
 void Bus::Participant::announce_protected() {
   dds::DataWriterQos qos = bus::writer_qos(bus::Intent::kSlow);
   qos.user_data().data_vec(bus::presence_bytes(self_.presence));
@@ -292,6 +287,16 @@ std::vector<PresenceMessage> Bus::Participant::others() const {
   const std::lock_guard lock(mutex_);
   std::vector<PresenceMessage> list;
   for (const auto& [key, other] : others_) list.push_back(other.presence);
+  return list;
+}
+
+std::vector<Bus::Seen> Bus::Participant::seen() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Bus::Seen> list;
+  for (const auto& [key, other] : others_) {
+    const auto address = addresses_.find(key);
+    list.push_back({other.presence, address == addresses_.end() ? "unknown" : address->second});
+  }
   return list;
 }
 
@@ -316,7 +321,8 @@ std::vector<std::string> Bus::Participant::strangers() const {
   std::vector<std::string> sentences;
   for (const auto& [key, sentence] : strangers_) sentences.push_back(sentence);
   if (protection_.on() && protection_.gate()->refused() > 0)
-    sentences.push_back(fmt::format("somebody without keys of cell '{}' sends to it, and is not let in", settings_.cell));
+    sentences.push_back(
+        fmt::format("somebody without keys of cell '{}' sends to it, and is not let in", settings_.cell));
   return sentences;
 }
 

@@ -11,10 +11,12 @@
 
 #include "common/bus/bus.h"
 #include "common/bus/lookout.h"
+#include "common/bus/roll_call.h"
 #include "common/protocol/events.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/periodic.h"
 #include "common/runtime/status_reporter.h"
+#include "common/runtime/supervision.h"
 
 namespace telekerf {
 
@@ -28,6 +30,8 @@ class Process {
   StatusReporter& status() noexcept { return status_; }
   /// What the loop misses is said by a thread of the process' own.
   Lookout& lookout() noexcept { return lookout_; }
+  /// Wait-free: a loop other than run() says at every turn that it goes on; see Supervision.
+  void alive() noexcept { supervision_.step(); }
   /// "cell 'cell-1' of domain 0"
   std::string place() const;
 
@@ -52,6 +56,8 @@ class Process {
   StatusReporter status_;
   Lookout lookout_;
   std::atomic<bool> ended_{false};
+  Supervision supervision_;
+  ClockTeller clock_;
   Periodic looking_;  ///< last: starts when everything else is there, ends first
 };
 

@@ -56,7 +56,8 @@ void Protection::read_keys() {
 
 void Protection::read_dates(security::Time own_end) {
   until_ = security::text_of(own_end);
-  std::vector<Expiry::Date> dates{{fmt::format("the identity of this {}", settings_.role), own_end, true, true}};
+  std::vector<Expiry::Date> dates{
+      {fmt::format("the identity of this {}", settings_.role), own_end, true, true}};
   // Keys that were made together end together, and are told of in one sentence.
   for (const auto& [prefix, identity] : identities_) {
     if (identity.cell != settings_.cell || identity.role == settings_.role || !identity.end) continue;
@@ -122,10 +123,12 @@ bool Protection::fits(const Key& prefix, const PresenceMessage& presence) const 
 
 std::string Protection::sentence() const {
   if (on())
-    return fmt::format("secured: messages are {}, and only who has keys of cell '{}' is heard; the keys end on {}",
-                       settings_.wan ? "encrypted" : "signed", settings_.cell, until_);
+    return fmt::format(
+        "secured: messages are {}, and only who has keys of cell '{}' is heard; the keys end on {}",
+        settings_.wan ? "encrypted" : "signed", settings_.cell, until_);
   if (!settings_.outside && !inner_addresses().empty())
-    return "not secured, so it works within this computer alone: --security DIR opens it to the network, --insecure "
+    return "not secured, so it works within this computer alone: --security DIR opens it to the network, "
+           "--insecure "
            "does so for whoever is there";
   return "not secured: whoever reaches this network can command it (--security DIR)";
 }

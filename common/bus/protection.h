@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who a participant lets in: with DDS Security whoever proves to have keys of its cell, without it whoever its networks
-// reach. Inside the bus only.
+// Who a participant lets in: with DDS Security whoever proves to have keys of its cell, without it whoever
+// its networks reach. Inside the bus only.
 #pragma once
 
 #include <array>
@@ -32,8 +32,8 @@ class Protection {
     std::optional<security::Time> end;  ///< of its certificate, where this computer has it
   };
 
-  /// Throws StartupError for whatever the middleware would fail on without saying why, and for keys that end so
-  /// soon that a work begun now would.
+  /// Throws StartupError for whatever the middleware would fail on without saying why, and for keys that end
+  /// so soon that a work begun now would.
   explicit Protection(const BusSettings& settings);
 
   bool on() const noexcept { return gate_ != nullptr; }

@@ -24,8 +24,8 @@ class ReceiveFilter {
   ReceiveFilter(const ReceiveFilter&) = delete;
   ReceiveFilter& operator=(const ReceiveFilter&) = delete;
 
-  /// `below` (UDPv4) with this filter on its receiving side; called once, before the participant is made. `sites`: how
-  /// participants' prefixes tell where they are.
+  /// `below` (UDPv4) with this filter on its receiving side; called once, before the participant is made.
+  /// `sites`: how participants' prefixes tell where they are.
   virtual std::shared_ptr<Transport> over(std::shared_ptr<Transport> below, const SiteTable& sites) = 0;
 };
 

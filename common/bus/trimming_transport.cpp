@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/trimming_transport.h"
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#if __has_include(<fastdds/rtps/network/SenderResource.h>)
-#include <fastdds/rtps/network/SenderResource.h>
-#else
-#include <fastdds/rtps/transport/SenderResource.h>
-#endif
-#include <fastrtps/utils/IPLocator.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 #include <unistd.h>
-#include <fastdds/rtps/common/LocatorList.hpp>
 
 #include <array>
 #include <atomic>
@@ -32,12 +23,12 @@ namespace telekerf::bus {
 namespace {
 
 namespace dds_rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
-using eprosima::fastrtps::rtps::Locator_t;
-using eprosima::fastrtps::rtps::Locators;
-using eprosima::fastrtps::rtps::LocatorsIterator;
-using eprosima::fastrtps::rtps::octet;
-using eprosima::fastrtps::rtps::SenderResource;
+using middleware::rtps::IPLocator;
+using middleware::rtps::Locator_t;
+using middleware::rtps::Locators;
+using middleware::rtps::LocatorsIterator;
+using middleware::rtps::octet;
+using middleware::rtps::SenderResource;
 
 // RTPS 2.x, 8.3 and 9.4.
 constexpr std::size_t kHeader = 20;
@@ -124,19 +115,21 @@ class Transport : public dds_rtps::ChainingTransport {
   dds_rtps::TransportDescriptorInterface* get_configuration() override { return descriptor_.get(); }
 
   /// Called once for each of the sockets below (an interface each), always with the same bytes and addresses.
-  bool send(SenderResource* below, const octet* buffer, std::uint32_t size, LocatorsIterator* begin,
+  /// A participant sends one datagram at a time.
+  bool send(SenderResource* below, middleware::Datagram whole, std::uint32_t size, LocatorsIterator* begin,
             LocatorsIterator* end, const std::chrono::steady_clock::time_point& timeout) override {
-    if (!unicast_.is_open()) return below->send(buffer, size, begin, end, timeout);
+    const std::span<const std::byte> bytes = middleware::in_one_piece(whole, size, room_);
+    if (!unicast_.is_open() || bytes.empty()) return below->send(whole, size, begin, end, timeout);
     SenderResource* first = nullptr;
     const bool leads = first_.compare_exchange_strong(first, below) || first == below;
     bool sent = true;
-    const TrimmedDatagram datagram = trimmed(std::as_bytes(std::span(buffer, size)));
+    const TrimmedDatagram datagram = trimmed(bytes);
     for (; !(*begin == *end); ++*begin) {
       if (IPLocator::isMulticast(**begin)) {
         const std::vector<Locator_t> address(1, **begin);  // discovery's alone
         Locators at(address.begin());
         Locators behind(address.end());
-        sent = below->send(buffer, size, &at, &behind, timeout) && sent;
+        sent = below->send(whole, size, &at, &behind, timeout) && sent;
       } else if (leads) {
         sent = unicast_.send(datagram, **begin) && sent;
       }
@@ -158,6 +151,7 @@ class Transport : public dds_rtps::ChainingTransport {
   std::shared_ptr<dds_rtps::TransportDescriptorInterface> descriptor_;
   std::shared_ptr<Gate> gate_;
   UnicastSocket unicast_;
+  std::vector<std::byte> room_ = std::vector<std::byte>(middleware::kDatagramRoom);
   std::atomic<SenderResource*> first_{nullptr};
 };
 

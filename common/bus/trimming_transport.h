@@ -8,12 +8,12 @@
 // submessages are optional.
 #pragma once
 
-#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 #include <cstddef>
 #include <memory>
 #include <span>
 
 #include "common/bus/gate.h"
+#include "common/bus/middleware.h"
 
 namespace telekerf::bus {
 
@@ -23,8 +23,8 @@ struct TrimmedDatagram {
   std::span<const std::byte> rest;
 };
 
-/// Whatever is not known for certain stays whole: everything is in `head`. Of a protected message the statistics alone
-/// are left out, which stand behind what is signed.
+/// Whatever is not known for certain stays whole: everything is in `head`. Of a protected message the
+/// statistics alone are left out, which stand behind what is signed.
 TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept;
 
 /// `below` (UDPv4): what is meant for one host is trimmed and sent by a socket of our own, multicast goes on

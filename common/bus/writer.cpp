@@ -10,14 +10,14 @@
 #include <thread>
 #include <vector>
 
+#include "common/bus/middleware.h"
 #include "common/bus/outbox.h"
 #include "common/bus/qos.h"
 #include "common/bus/topic.h"
 #include "common/bus/wire.h"
 
 namespace telekerf {
-namespace dds = eprosima::fastdds::dds;
-using eprosima::fastrtps::types::ReturnCode_t;
+namespace dds = middleware::dds;
 
 template <class T>
 struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
@@ -80,7 +80,7 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   };
   bool send(Wire& value) {
     next = (next + 1) % lanes.size();
-    if (lanes[next] == nullptr || !lanes[next]->write(&value)) return false;
+    if (lanes[next] == nullptr || !middleware::succeeded(lanes[next]->write(&value))) return false;
     if constexpr (kLatched) {
       if (kept.size() == bus::kept_samples(Topic::kIntent)) kept.erase(kept.begin());
       kept.push_back(value);
@@ -93,9 +93,7 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
     const Release end{busy};
     return send(value);
   }
-  bool prepare(const T& value, Wire& into) {
-    return to_wire(value, participant->settings().contract, into);
-  }
+  bool prepare(const T& value, Wire& into) { return to_wire(value, participant->settings().contract, into); }
 
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
     matched.fetch_add(status.current_count_change, std::memory_order_relaxed);
@@ -106,9 +104,9 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   std::size_t next = 0;
   std::atomic_flag busy = ATOMIC_FLAG_INIT;  // written, or made anew
   bus::ToWire<T> to_wire;
-  Wire wire;                    // reused, so that a stream allocates nothing
-  std::vector<Wire> kept;       // as many of the latched as whoever comes late gets
-  std::atomic<int> matched{0};  // over all lanes
+  Wire wire;                                // reused, so that a stream allocates nothing
+  std::vector<Wire> kept;                   // as many of the latched as whoever comes late gets
+  std::atomic<int> matched{0};              // over all lanes
   std::optional<bus::Outbox<Wire>> outbox;  // of a stream, with security
 };
 
@@ -160,10 +158,8 @@ bool Writer<T>::wait_until_received(std::chrono::nanoseconds timeout) const {
   for (dds::DataWriter* lane : impl_->lanes) {
     const std::chrono::duration<double> left = end - std::chrono::steady_clock::now();
     if (lane == nullptr) return false;
-    if (lane->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(std::max(left.count(), 1e-3))) !=
-        ReturnCode_t::RETCODE_OK) {
-      return false;
-    }
+    const middleware::Duration_t at_most(std::max(left.count(), 1e-3));
+    if (!middleware::succeeded(lane->wait_for_acknowledgments(at_most))) return false;
   }
   return true;
 }
@@ -173,6 +169,7 @@ template class Writer<StateBlock>;
 template class Writer<ContourMessage>;
 template class Writer<EventMessage>;
 template class Writer<StopMessage>;
+template class Writer<PreviewMessage>;
 template class Writer<TelemetryMessage>;
 
 }  // namespace telekerf

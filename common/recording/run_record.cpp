@@ -61,12 +61,13 @@ void add_figures(const LoopStatistics& loop, Metrics& figures) {
 
 void refuse_record_folder(const std::string& option, const fs::path& folder, const std::string& site) {
   refuse_unwritable(option, folder);
-  const fs::path there = folder / (site + ".json");
-  std::error_code ignored;
-  if (fs::exists(there, ignored)) {
-    throw environment_error(
-        fmt::format("{} {}: holds the record of another run ({}.json); name another folder", option,
-                    folder.string(), site));
+  for (const char* extension : {".json", ".h5"}) {
+    std::error_code ignored;
+    if (fs::exists(folder / (site + extension), ignored)) {
+      throw environment_error(
+          fmt::format("{} {}: holds the record of another run ({}{}); name another folder", option,
+                      folder.string(), site, extension));
+    }
   }
 }
 

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "netem/drivers/receive_path_emulator.h"
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#if __has_include(<fastdds/rtps/network/SenderResource.h>)
-#include <fastdds/rtps/network/SenderResource.h>
-#else
-#include <fastdds/rtps/transport/SenderResource.h>
-#endif
 #include <sys/prctl.h>
 
 #include <algorithm>
@@ -17,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/bus/middleware.h"
 #include "common/runtime/clock.h"
 #include "netem/core/emulator.h"
 #include "netem/drivers/datagram.h"
@@ -25,10 +19,10 @@ namespace telekerf::netem {
 namespace {
 
 namespace rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::Locator_t;
-using eprosima::fastrtps::rtps::LocatorsIterator;
-using eprosima::fastrtps::rtps::octet;
-using eprosima::fastrtps::rtps::SenderResource;
+using middleware::rtps::Locator_t;
+using middleware::rtps::LocatorsIterator;
+using middleware::rtps::octet;
+using middleware::rtps::SenderResource;
 
 // Room for a large contour on a long link: 16 MB.
 constexpr Capacity kCapacity{.packets = 16384, .bytes = 16U << 20, .largest_packet = 65536};
@@ -261,9 +255,9 @@ class Transport : public rtps::ChainingTransport {
 
   rtps::TransportDescriptorInterface* get_configuration() override { return descriptor_.get(); }
 
-  bool send(SenderResource* below, const octet* buffer, std::uint32_t size, LocatorsIterator* begin,
+  bool send(SenderResource* below, middleware::Datagram datagram, std::uint32_t size, LocatorsIterator* begin,
             LocatorsIterator* end, const std::chrono::steady_clock::time_point& timeout) override {
-    return below->send(buffer, size, begin, end, timeout);
+    return below->send(datagram, size, begin, end, timeout);
   }
 
   void receive(rtps::TransportReceiverInterface* next, const octet* buffer, std::uint32_t size,

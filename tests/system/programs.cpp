@@ -105,6 +105,6 @@ std::filesystem::path Program::scratch() {
   return folder.path;
 }
 
-std::string own_domain() { return std::to_string(100 + ::getpid() % 100); }
+std::string own_domain() { return std::to_string(1 + ::getpid() % 100); }
 
 }  // namespace telekerf::integration

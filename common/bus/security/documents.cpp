@@ -19,7 +19,8 @@ constexpr const char* kHead = R"(<?xml version="1.0" encoding="UTF-8"?>
 )";
 
 std::string domains() {
-  return fmt::format("<domains><id_range><min>0</min><max>{}</max></id_range></domains>", kHighestSecuredDomain);
+  return fmt::format("<domains><id_range><min>0</min><max>{}</max></id_range></domains>",
+                     kHighestSecuredDomain);
 }
 
 /// One topic a rule: of several in one, any topic goes with any partition.
@@ -27,7 +28,8 @@ std::string rules(const char* kind, const std::vector<const char*>& topics, cons
   std::string text;
   for (const char* topic : topics)
     text += fmt::format(
-        "<allow_rule>{0}<{1}><topics><topic>{2}</topic></topics><partitions><partition>{3}</partition></partitions>"
+        "<allow_rule>{0}<{1}><topics><topic>{2}</topic></topics><partitions><partition>{3}</partition></"
+        "partitions>"
         "</{1}></allow_rule>\n",
         domains(), kind, topic, cell);
   return text;
@@ -48,7 +50,8 @@ std::string text_of(const tinyxml2::XMLElement* parent, const char* name) {
 std::vector<std::string> texts_of(const tinyxml2::XMLElement* list, const char* name) {
   std::vector<std::string> texts;
   if (list == nullptr) return texts;
-  for (const auto* each = list->FirstChildElement(name); each != nullptr; each = each->NextSiblingElement(name))
+  for (const auto* each = list->FirstChildElement(name); each != nullptr;
+       each = each->NextSiblingElement(name))
     texts.emplace_back(each->GetText() == nullptr ? "" : each->GetText());
   return texts;
 }
@@ -71,8 +74,7 @@ int highest_domain(const tinyxml2::XMLElement* rule) {
 }  // namespace
 
 std::string governance_text(bool wan) {
-  return fmt::format(kHead, "governance") +
-         fmt::format(R"(<domain_access_rules><domain_rule>{}
+  return fmt::format(kHead, "governance") + fmt::format(R"(<domain_access_rules><domain_rule>{}
 <allow_unauthenticated_participants>false</allow_unauthenticated_participants>
 <enable_join_access_control>true</enable_join_access_control>
 <discovery_protection_kind>ENCRYPT</discovery_protection_kind>
@@ -87,7 +89,7 @@ std::string governance_text(bool wan) {
 <data_protection_kind>NONE</data_protection_kind>
 </topic_rule></topic_access_rules></domain_rule></domain_access_rules></dds>
 )",
-                     domains(), wan ? "ENCRYPT" : "SIGN");
+                                                        domains(), wan ? "ENCRYPT" : "SIGN");
 }
 
 std::string permissions_text(const std::string& cell, const Role& role,
@@ -123,7 +125,7 @@ std::optional<std::string> verified_document(const std::filesystem::path& file, 
   if (!read) return std::nullopt;
   const std::unique_ptr<X509_STORE, Freed<X509_STORE_free>> none(X509_STORE_new());
   const std::unique_ptr<STACK_OF(X509), void (*)(STACK_OF(X509)*)> signers(
-      sk_X509_new_null(), [](STACK_OF(X509)* stack) { sk_X509_free(stack); });
+      sk_X509_new_null(), [](STACK_OF(X509) * stack) { sk_X509_free(stack); });
   sk_X509_push(signers.get(), authority);
   const BioPointer out(BIO_new(BIO_s_mem()));
   if (PKCS7_verify(read.get(), signers.get(), none.get(), content, out.get(),
@@ -144,8 +146,8 @@ std::optional<std::vector<Grant>> read_permissions(const std::string& text) {
   for (const auto* each = list->FirstChildElement("grant"); each != nullptr;
        each = each->NextSiblingElement("grant")) {
     const auto* const validity = each->FirstChildElement("validity");
-    Grant grant{text_of(each, "subject_name"), text_of(validity, "not_before"), text_of(validity, "not_after"),
-                {}};
+    Grant grant{
+        text_of(each, "subject_name"), text_of(validity, "not_before"), text_of(validity, "not_after"), {}};
     for (const auto* rule = each->FirstChildElement("allow_rule"); rule != nullptr;
          rule = rule->NextSiblingElement("allow_rule")) {
       for (const bool publish : {true, false}) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Governance and permissions of DDS Security 1.1: their text, their signature, and what is read back from them.
+// Governance and permissions of DDS Security 1.1: their text, their signature, and what is read back from
+// them.
 #pragma once
 
 #include <openssl/types.h>
@@ -14,8 +15,8 @@
 
 namespace telekerf::security {
 
-/// How all messages of a domain are protected: against whoever is none of us, and against a reader that signs as the writer
-/// that it hears. `wan`: encrypted as well.
+/// How all messages of a domain are protected: against whoever is none of us, and against a reader that signs
+/// as the writer that it hears. `wan`: encrypted as well.
 std::string governance_text(bool wan);
 
 /// What a role may. The library reads the dates as local time.

@@ -27,7 +27,8 @@ using std::chrono::seconds;
 constexpr auto kOwnerOnly = fs::perms::owner_read | fs::perms::owner_write;
 
 [[noreturn]] void cannot(const std::string& what, const fs::path& file) {
-  throw environment_error(fmt::format("{}: {}; look at the folder's rights and its disk", file.string(), what));
+  throw environment_error(
+      fmt::format("{}: {}; look at the folder's rights and its disk", file.string(), what));
 }
 
 /// Makes what is written in its scope readable by its owner alone from the beginning.
@@ -91,14 +92,16 @@ struct Authority {
   KeyPointer key;
 };
 
-void write_pair(const fs::path& certificate_file, const fs::path& key_file, X509* certificate, EVP_PKEY* key) {
+void write_pair(const fs::path& certificate_file, const fs::path& key_file, X509* certificate,
+                EVP_PKEY* key) {
   write_file(certificate_file, [&](BIO* out) { return PEM_write_bio_X509(out, certificate); });
   write_file(key_file, [&](BIO* out) {
     return PEM_write_bio_PrivateKey(out, key, nullptr, nullptr, 0, nullptr, nullptr);
   });
 }
 
-Authority make_authority(const fs::path& store, const std::string& name, const char* title, const char* usage) {
+Authority make_authority(const fs::path& store, const std::string& name, const char* title,
+                         const char* usage) {
   Authority made;
   made.key.reset(EVP_EC_gen("P-256"));
   const X509NamePointer subject = subject_name("", title);
@@ -235,14 +238,15 @@ void make_keystore(const fs::path& store, const std::vector<std::string>& cells,
   refuse_names(cells);
   in_store(store, [&] {
     if (fs::exists(store) && (!fs::is_directory(store) || !fs::is_empty(store)))
-      throw input_error(fmt::format(
-          "{}: is not an empty folder; --check looks at the keys in it, --renew makes new ones from its authorities",
-          store.string()));
+      throw input_error(
+          fmt::format("{}: is not an empty folder; --check looks at the keys in it, --renew makes new ones "
+                      "from its authorities",
+                      store.string()));
     make_folder(store);
     fs::permissions(store, kOwnerOnly | fs::perms::owner_exec);
-    const Authorities by{
-        make_authority(store, "identity_ca", "identity CA", "critical,keyCertSign,cRLSign"),
-        make_authority(store, "permissions_ca", "permissions CA", "critical,keyCertSign,cRLSign,digitalSignature")};
+    const Authorities by{make_authority(store, "identity_ca", "identity CA", "critical,keyCertSign,cRLSign"),
+                         make_authority(store, "permissions_ca", "permissions CA",
+                                        "critical,keyCertSign,cRLSign,digitalSignature")};
     write_governance(store, by);
     write_device_key(store);
     write_cells(store, cells, by, life);

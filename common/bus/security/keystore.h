@@ -2,7 +2,8 @@
 // The folder with everything that a secured cell needs, made in one call.
 //
 //   identity_ca.pem .key       says who somebody is
-//   permissions_ca.pem .key    says what they may: another authority, or an identity could sign its own permissions
+//   permissions_ca.pem .key    says what they may: another authority, or an identity could sign its own
+//   permissions
 //                              (CVE-2023-24010)
 //   governance.smime           how messages are protected: signed; governance_wan.smime: encrypted
 //   device.key                 seals the datagrams of drive, laser and button (common/runtime/datagram_seal.h)
@@ -16,7 +17,8 @@
 
 namespace telekerf::security {
 
-inline constexpr int kHighestSecuredDomain = 230;  // Cyclone DDS takes no higher one in governance and permissions
+inline constexpr int kHighestSecuredDomain =
+    230;  // Cyclone DDS takes no higher one in governance and permissions
 inline constexpr std::chrono::hours kDay{24};
 inline constexpr std::chrono::hours kAuthorityLife{3650 * 24};
 
@@ -28,14 +30,14 @@ std::filesystem::path governance_file(const std::filesystem::path& store, bool w
 /// Cells that have keys in this store, in order.
 std::vector<std::string> cells_of(const std::filesystem::path& store);
 
-/// Makes it: authorities, governance, an identity for each role in each cell. What is valid is so from a day (at
-/// most `life`) before now on: clocks differ. Files can be read by their owner alone. Throws StartupError: a
-/// name, a folder that is not empty or cannot be written.
+/// Makes it: authorities, governance, an identity for each role in each cell. What is valid is so from a day
+/// (at most `life`) before now on: clocks differ. Files can be read by their owner alone. Throws
+/// StartupError: a name, a folder that is not empty or cannot be written.
 void make_keystore(const std::filesystem::path& store, const std::vector<std::string>& cells,
                    std::chrono::seconds life);
 
-/// New identities and permissions from the authorities that are there, for all its cells and for `more` cells.
-/// Each role's folder is replaced whole. Throws StartupError.
+/// New identities and permissions from the authorities that are there, for all its cells and for `more`
+/// cells. Each role's folder is replaced whole. Throws StartupError.
 void renew_keystore(const std::filesystem::path& store, const std::vector<std::string>& more,
                     std::chrono::seconds life);
 

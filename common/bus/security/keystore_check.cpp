@@ -41,11 +41,12 @@ class Check {
     identity_ca_ = authority("identity_ca.pem");
     permissions_ca_ = authority("permissions_ca.pem");
     if (!identity_ca_ || !permissions_ca_) return;
-    if (X509_NAME_cmp(X509_get_subject_name(identity_ca_.get()), X509_get_subject_name(permissions_ca_.get())) ==
-            0 ||
+    if (X509_NAME_cmp(X509_get_subject_name(identity_ca_.get()),
+                      X509_get_subject_name(permissions_ca_.get())) == 0 ||
         EVP_PKEY_eq(X509_get0_pubkey(identity_ca_.get()), X509_get0_pubkey(permissions_ca_.get())) == 1)
       fault(store_ / "permissions_ca.pem",
-            "is the identities' authority as well, so that every identity could sign its own permissions; make two "
+            "is the identities' authority as well, so that every identity could sign its own permissions; "
+            "make two "
             "with ./telekerf keys");
   }
 
@@ -62,8 +63,9 @@ class Check {
     const std::string wanted = wan ? "ENCRYPT_WITH_ORIGIN_AUTHENTICATION" : "SIGN_WITH_ORIGIN_AUTHENTICATION";
     if (rules->rtps != wanted || rules->discovery != "ENCRYPT" || rules->liveliness != "ENCRYPT" ||
         rules->topics != "*" || !rules->topic_access_control || !rules->join_access_control)
-      fault(file, fmt::format("does not protect what it should: rtps {}, discovery {}, liveliness {}, topics {}; {}",
-                              rules->rtps, rules->discovery, rules->liveliness, rules->topics, kRenew));
+      fault(file, fmt::format(
+                      "does not protect what it should: rtps {}, discovery {}, liveliness {}, topics {}; {}",
+                      rules->rtps, rules->discovery, rules->liveliness, rules->topics, kRenew));
   }
 
   void role(const std::string& cell, const Role& role) {
@@ -80,7 +82,8 @@ class Check {
 
   void private_file(const fs::path& file) {
     std::error_code error;
-    if (const auto status = fs::status(file, error); !error && (status.permissions() & kOthers) != fs::perms::none)
+    if (const auto status = fs::status(file, error);
+        !error && (status.permissions() & kOthers) != fs::perms::none)
       fault(file, fmt::format("can be read by others than its owner (mode {:o}); remedy: chmod 600 {}",
                               static_cast<unsigned>(status.permissions()), file.string()));
   }
@@ -122,16 +125,17 @@ class Check {
     }
     signature(file, certificate.get());
     if (X509_check_ca(certificate.get()) != 1) fault(file, "is not made to sign others; make new keys");
-    ends(file, time_of(X509_get0_notBefore(certificate.get())), time_of(X509_get0_notAfter(certificate.get())),
-         "make new keys in another folder");
+    ends(file, time_of(X509_get0_notBefore(certificate.get())),
+         time_of(X509_get0_notAfter(certificate.get())), "make new keys in another folder");
     return certificate;
   }
 
   void signature(const fs::path& file, X509* certificate) {
     const int kind = X509_get_signature_nid(certificate);
     if (kind != NID_ecdsa_with_SHA256 && kind != NID_sha256WithRSAEncryption)
-      fault(file, fmt::format("is signed with {}; the middleware takes ECDSA or RSA with SHA-256 and nothing else",
-                              OBJ_nid2sn(kind)));
+      fault(file,
+            fmt::format("is signed with {}; the middleware takes ECDSA or RSA with SHA-256 and nothing else",
+                        OBJ_nid2sn(kind)));
   }
 
   void identity(const fs::path& file, X509* certificate, const std::string& cell, const Role& role,
@@ -140,8 +144,10 @@ class Check {
     const std::string said = security::text_of(X509_get_subject_name(certificate));
     if (said != subject) {
       fault(file, fmt::format("names {} and must name {}, in this order; {}", said, subject, kRenew));
-    } else if (prefix_of(X509_get_subject_name(certificate)) != prefix_of(cell, common_name(cell, role.name))) {
-      fault(file, fmt::format("names {} in another encoding than UTF-8, and would not be known by it; {}", said, kRenew));
+    } else if (prefix_of(X509_get_subject_name(certificate)) !=
+               prefix_of(cell, common_name(cell, role.name))) {
+      fault(file, fmt::format("names {} in another encoding than UTF-8, and would not be known by it; {}",
+                              said, kRenew));
     }
     ends(file, time_of(X509_get0_notBefore(certificate)), time_of(X509_get0_notAfter(certificate)), kRenew);
     if (identity_ca_ && (X509_check_issued(identity_ca_.get(), certificate) != X509_V_OK ||
@@ -167,7 +173,8 @@ class Check {
       fault(file, fmt::format("does not belong to the certificate beside it; {}", kRenew));
   }
 
-  void permissions(const fs::path& file, const std::string& cell, const Role& role, const std::string& subject) {
+  void permissions(const fs::path& file, const std::string& cell, const Role& role,
+                   const std::string& subject) {
     if (!readable(file) || !permissions_ca_) return;
     const auto text = verified_document(file, permissions_ca_.get());
     if (!text) return fault(file, fmt::format("is not signed by permissions_ca.pem; {}", kRenew));

@@ -29,8 +29,8 @@ struct KeystoreReport {
 KeystoreReport check_keystore(const std::filesystem::path& store, Time now);
 
 /// What a process of this role needs.
-KeystoreReport check_role(const std::filesystem::path& store, const std::string& cell, const std::string& role,
-                          bool wan, Time now);
+KeystoreReport check_role(const std::filesystem::path& store, const std::string& cell,
+                          const std::string& role, bool wan, Time now);
 
 /// Until when this certificate is valid; nullopt: there is none.
 std::optional<Time> certificate_end(const std::filesystem::path& file);

@@ -7,9 +7,7 @@
 namespace telekerf::security {
 namespace {
 
-BioPointer reading(const std::filesystem::path& file) {
-  return BioPointer(BIO_new_file(file.c_str(), "rb"));
-}
+BioPointer reading(const std::filesystem::path& file) { return BioPointer(BIO_new_file(file.c_str(), "rb")); }
 
 }  // namespace
 

@@ -13,6 +13,7 @@ namespace {
 constexpr const char* kCommand = "telekerf/command";
 constexpr const char* kState = "telekerf/state";
 constexpr const char* kContour = "telekerf/contour";
+constexpr const char* kPreview = "telekerf/preview";
 constexpr const char* kEvent = "telekerf/event";
 constexpr const char* kStop = "telekerf/stop";
 constexpr const char* kTelemetry = "telekerf/telemetry";
@@ -23,14 +24,21 @@ constexpr std::size_t kMaxName = 64;
 
 std::span<const Role> roles() {
   static const std::vector<Role> all = {
-      {"master", Site::kOperator, {kPresenceTopic, kCommand, kEvent, kStop, kTelemetry},
+      {"master",
+       Site::kOperator,
+       {kPresenceTopic, kCommand, kEvent, kStop, kTelemetry},
        {kState, kContour, kEvent, kStop, kTelemetry}},
-      {"slave", Site::kSlave, {kPresenceTopic, kState, kEvent, kStop, kTelemetry},
+      {"slave",
+       Site::kSlave,
+       {kPresenceTopic, kState, kEvent, kStop, kTelemetry},
        {kCommand, kContour, kEvent, kStop, kTelemetry}},
-      {"vision", Site::kSlave, {kPresenceTopic, kContour, kEvent, kTelemetry}, {kEvent, kStop}},
-      {"console", Site::kOperator, {kPresenceTopic, kEvent, kStop}, {kCommand, kState, kContour, kEvent, kStop, kTelemetry}},
-      {"ctl", Site::kOperator, {kPresenceTopic, kEvent, kStop}, {kEvent, kStop}},
-      {"plant", Site::kSlave, {kPresenceTopic}, {kContour, kEvent}},
+      {"vision", Site::kSlave, {kPresenceTopic, kContour, kPreview, kEvent, kTelemetry}, {kEvent, kStop}},
+      {"console",
+       Site::kOperator,
+       {kPresenceTopic, kEvent, kStop, kTelemetry},
+       {kCommand, kState, kContour, kPreview, kEvent, kStop, kTelemetry}},
+      {"ctl", Site::kOperator, {kPresenceTopic, kEvent, kStop}, {kEvent, kStop, kTelemetry}},
+      {"plant", Site::kSlave, {kPresenceTopic, kTelemetry}, {kContour, kEvent}},
       {"recorder", Site::kOperator, {kPresenceTopic}, {kState, kContour, kTelemetry}},
       {kPeer, Site::kOperator, {}, {kState, kContour, kTelemetry}},
   };

@@ -50,19 +50,6 @@ TEST(RunRecord, ContoursThatWereInForceBeforeAreKept) {
   fs::remove_all(folder);
 }
 
-TEST(RunRecord, ARecorderGoesOnWhereRoomIsMade) {
-  Recorder<SlaveRow> recorder(2);
-  SlaveRow row;
-  for (row.tick = 0; row.tick < 7; ++row.tick) {
-    if (row.tick < 2) recorder.make_room(3);  // twice is once
-    recorder.push(row);
-  }
-  const std::vector<SlaveRow> rows = recorder.rows();
-  ASSERT_EQ(rows.size(), 5u);
-  for (std::size_t n = 0; n < rows.size(); ++n) EXPECT_EQ(rows[n].tick, n);
-  EXPECT_EQ(recorder.dropped(), 2u);
-}
-
 TEST(RunRecord, ARecorderCountsWhatItHasNoRoomFor) {
   Recorder<SlaveRow> recorder(2);
   for (std::uint64_t tick = 0; tick < 5; ++tick) recorder.push({.tick = tick});
