@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <cstring>
 
+#include "common/bus/rtps_message.h"
+
 namespace telekerf::bus {
 namespace {
 
-// RTPS 2.x, 8.3 and 9.4; DDS Security 1.1, 7.3.
-constexpr std::size_t kHeader = 20;
-constexpr std::size_t kPrefix = 8;
-constexpr std::size_t kSubmessageHeader = 4;
-constexpr std::uint8_t kLittleEndian = 0x01;
+// DDS Security 1.1, 7.3.
 constexpr std::uint8_t kSecureMessage = 0x33;  // SRTPS_PREFIX
 constexpr std::uint32_t kAnnouncements = 0x000100c2, kHandshakes = 0x000201c3, kKeys = 0xff0202c3;
 
@@ -37,29 +35,21 @@ bool is_harmless(std::uint8_t kind) {
   return kind == 0x01 || kind == 0x09 || kind == 0x0e || kind >= 0x80 || (kind >= 0x30 && kind <= 0x32);
 }
 
-std::uint8_t octet_at(std::span<const std::byte> bytes, std::size_t at) {
-  return std::to_integer<std::uint8_t>(bytes[at]);
-}
-
 /// All of it is what must be sent before there are keys.
 bool comes_before_keys(std::span<const std::byte> datagram) {
-  for (std::size_t at = kHeader; at < datagram.size();) {
-    if (at + kSubmessageHeader > datagram.size()) return false;
-    const std::uint8_t kind = octet_at(datagram, at);
-    const unsigned first = octet_at(datagram, at + 2), second = octet_at(datagram, at + 3);
-    const bool little = (octet_at(datagram, at + 1) & kLittleEndian) != 0;
-    const std::size_t length = little ? first | second << 8 : second | first << 8;
-    const std::size_t end = length == 0 ? datagram.size() : at + kSubmessageHeader + length;
-    if (end > datagram.size()) return false;
+  for (std::size_t at = kRtpsHeader; at < datagram.size();) {
+    const auto part = submessage(datagram, at);
+    if (!part) return false;
+    const std::uint8_t kind = octet_at(*part, 0);
     if (const std::size_t writer = writer_at(kind); writer != 0) {
-      if (at + writer + 4 > end) return false;
+      if (writer + 4 > part->size()) return false;
       std::uint32_t entity = 0;
-      for (std::size_t i = 0; i < 4; ++i) entity = entity << 8 | octet_at(datagram, at + writer + i);
+      for (std::size_t i = 0; i < 4; ++i) entity = entity << 8 | octet_at(*part, writer + i);
       if (entity != kAnnouncements && entity != kHandshakes && entity != kKeys) return false;
     } else if (!is_harmless(kind)) {
       return false;
     }
-    at = end;
+    at += part->size();
   }
   return true;
 }
@@ -83,19 +73,19 @@ bool Gate::admits(std::span<const std::byte> datagram, std::uint32_t from, std::
 bool Gate::lets_in(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept {
   Identity* const identity = identity_of(datagram);
   if (identity == nullptr) return false;
-  if (datagram.size() < kHeader + kSubmessageHeader) return false;
+  if (datagram.size() < kRtpsHeader + kSubmessageHeader) return false;
   // The middleware has the keys, and judges it whole.
-  if (octet_at(datagram, kHeader) == kSecureMessage) return true;
+  if (octet_at(datagram, kRtpsHeader) == kSecureMessage) return true;
   if (!comes_before_keys(datagram)) return false;
   Prefix prefix;
-  std::memcpy(prefix.data(), datagram.data() + kPrefix, prefix.size());
+  std::memcpy(prefix.data(), datagram.data() + kRtpsPrefix, prefix.size());
   return has_room(*identity, prefix, now_ns);
 }
 
 Gate::Identity* Gate::identity_of(std::span<const std::byte> datagram) noexcept {
-  if (datagram.size() < kHeader || std::memcmp(datagram.data(), "RTPS", 4) != 0) return nullptr;
+  if (!is_rtps(datagram)) return nullptr;
   security::SubjectPrefix subject;
-  std::memcpy(subject.data(), datagram.data() + kPrefix, subject.size());
+  std::memcpy(subject.data(), datagram.data() + kRtpsPrefix, subject.size());
   const auto at =
       std::lower_bound(identities_.begin(), identities_.end(), subject,
                        [](const Identity& each, const auto& wanted) { return each.subject < wanted; });

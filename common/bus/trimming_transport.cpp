@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/bus/participant_qos.h"
+#include "common/bus/rtps_message.h"
 #include "common/protocol/site.h"
 #include "common/runtime/clock.h"
 
@@ -31,31 +32,12 @@ using middleware::rtps::octet;
 using middleware::rtps::SenderResource;
 
 // RTPS 2.x, 8.3 and 9.4.
-constexpr std::size_t kHeader = 20;
-constexpr std::size_t kSubmessageHeader = 4;
-constexpr std::uint8_t kLittleEndian = 0x01;
 constexpr std::uint8_t kInfoTimestamp = 0x09;
 constexpr std::uint8_t kInfoDestination = 0x0e;
 constexpr std::uint8_t kData = 0x15;
 constexpr std::uint8_t kStatistics = 0x80;
 constexpr std::size_t kStatisticsBytes = 60;
 constexpr std::size_t kWriterEntity = 12;  // in a DATA submessage
-
-std::uint8_t octet_at(std::span<const std::byte> bytes, std::size_t at) {
-  return std::to_integer<std::uint8_t>(bytes[at]);
-}
-
-/// The submessage at `at`, its head included; none: it is not whole.
-std::optional<std::span<const std::byte>> submessage(std::span<const std::byte> datagram, std::size_t at) {
-  if (at + kSubmessageHeader > datagram.size()) return std::nullopt;
-  const unsigned first = octet_at(datagram, at + 2);
-  const unsigned second = octet_at(datagram, at + 3);
-  const bool little = (octet_at(datagram, at + 1) & kLittleEndian) != 0;
-  const std::size_t length = little ? first | second << 8 : second | first << 8;
-  if (length == 0) return datagram.subspan(at);  // to the end
-  if (at + kSubmessageHeader + length > datagram.size()) return std::nullopt;
-  return datagram.subspan(at, kSubmessageHeader + length);
-}
 
 bool is_stream_data(std::span<const std::byte> submessage) {
   return octet_at(submessage, 0) == kData && submessage.size() > kWriterEntity + 1 &&
@@ -161,12 +143,12 @@ dds_rtps::TransportInterface* Descriptor::create_transport() const { return new 
 
 TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept {
   const TrimmedDatagram whole{datagram, {}};
-  if (datagram.size() < kHeader || std::memcmp(datagram.data(), "RTPS", 4) != 0) return whole;
+  if (!is_rtps(datagram)) return whole;
   std::size_t end = datagram.size();
   std::optional<std::size_t>
       stream;  // of the first submessage that is no address or stamp, if it is a stream's
   bool only_addressed = true;
-  for (std::size_t at = kHeader; at < datagram.size();) {
+  for (std::size_t at = kRtpsHeader; at < datagram.size();) {
     const auto part = submessage(datagram, at);
     if (!part) return whole;
     const std::uint8_t kind = octet_at(*part, 0);
@@ -176,9 +158,9 @@ TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept {
     only_addressed = only_addressed && (kind == kInfoDestination || kind == kInfoTimestamp);
     at += part->size();
   }
-  if (end == kHeader) return whole;
+  if (end == kRtpsHeader) return whole;
   if (!stream) return {datagram.first(end), {}};
-  return {datagram.first(kHeader), datagram.subspan(*stream, end - *stream)};
+  return {datagram.first(kRtpsHeader), datagram.subspan(*stream, end - *stream)};
 }
 
 std::shared_ptr<dds_rtps::TransportDescriptorInterface> trimming_over(

@@ -22,7 +22,8 @@ constexpr std::size_t kStampBytes = 8;
 constexpr std::uint8_t kInnerPad = 0x36, kOuterPad = 0x5c;
 
 std::int64_t wall_ns() noexcept {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
       .count();
 }
 
@@ -37,13 +38,14 @@ int digit(char c) {
 
 std::vector<std::uint8_t> DatagramSeal::read(const std::string& key_file) {
   std::ifstream in(key_file);
-  if (!in) throw configuration_error(fmt::format("key = {}: cannot be read; ./telekerf keys makes one", key_file));
+  if (!in)
+    throw configuration_error(fmt::format("key = {}: cannot be read; ./telekerf keys makes one", key_file));
   std::error_code error;
   const auto status = std::filesystem::status(key_file, error);
   using std::filesystem::perms;
   if (!error && (status.permissions() & (perms::group_all | perms::others_all)) != perms::none)
-    throw configuration_error(
-        fmt::format("key = {}: can be read by others than its owner; remedy: chmod 600 {}", key_file, key_file));
+    throw configuration_error(fmt::format(
+        "key = {}: can be read by others than its owner; remedy: chmod 600 {}", key_file, key_file));
   std::string text;
   in >> text;
   std::vector<std::uint8_t> key;
@@ -53,7 +55,8 @@ std::vector<std::uint8_t> DatagramSeal::read(const std::string& key_file) {
     key.push_back(static_cast<std::uint8_t>(high << 4 | low));
   }
   if (text.size() != 2 * kKeyBytes || key.size() != kKeyBytes)
-    throw configuration_error(fmt::format("key = {}: must hold {} hexadecimal digits", key_file, 2 * kKeyBytes));
+    throw configuration_error(
+        fmt::format("key = {}: must hold {} hexadecimal digits", key_file, 2 * kKeyBytes));
   return key;
 }
 

@@ -13,8 +13,8 @@
 namespace telekerf {
 
 /// Behind a datagram stand its sender's wall clock (ns since 1970, little endian, 8 octets) and the first 8
-/// octets of HMAC-SHA256 over both. What is older than kMaxAge_ns, or as far ahead, was recorded. Order is the
-/// datagram's own affair: each one has a number.
+/// octets of HMAC-SHA256 over both. What is older than kMaxAge_ns, or as far ahead, was recorded. Order is
+/// the datagram's own affair: each one has a number.
 class DatagramSeal {
  public:
   static constexpr std::size_t kBytes = 16;

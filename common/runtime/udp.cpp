@@ -34,7 +34,8 @@ std::string validate_udp(std::string_view text) {
 
 std::string validate_sealed_udp(std::string_view text) {
   const UdpAddress address = udp_address(text);
-  if (text.find(",key=") != text.npos && address.key.empty()) return "key needs a file: ./telekerf keys makes one";
+  if (text.find(",key=") != text.npos && address.key.empty())
+    return "key needs a file: ./telekerf keys makes one";
   if (!address.host.empty() && address.port != 0) return "";
   return "udp needs a host and a port within [1, 65535], as in udp:127.0.0.1:7000";
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all devices behind a UDP address share: HOST:PORT as users write it, with the key that seals their datagrams, and
-// a socket that never waits.
+// What all devices behind a UDP address share: HOST:PORT as users write it, with the key that seals their
+// datagrams, and a socket that never waits.
 #pragma once
 
 #include <boost/asio/ip/udp.hpp>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What DDS Security costs: round trips of blocks with and without it, in turns within one run, and the processor's share
-// at the blocks' rate. Both ends in one process, over loopback; whoever hears a block answers from the middleware's thread.
-// Usage: bench_security [STORE]   a folder made by telekerf-keys; without: one is made for the run
+// What DDS Security costs: round trips of blocks with and without it, in turns within one run, and the
+// processor's share at the blocks' rate. Both ends in one process, over loopback; whoever hears a block
+// answers from the middleware's thread. Usage: bench_security [STORE]   a folder made by telekerf-keys;
+// without: one is made for the run
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -150,8 +151,10 @@ int run(std::string store) {
         double write_us = 0.0;
         const double trip = way.pair->trip_us(&write_us);
         way.writes.push_back(write_us);
-        if (trip < 0.0) ++way.lost;
-        else way.trips.push_back(trip);
+        if (trip < 0.0)
+          ++way.lost;
+        else
+          way.trips.push_back(trip);
       }
     }
   }
@@ -159,10 +162,12 @@ int run(std::string store) {
     for (Way& way : ways) way.shares.push_back(share(way.pair.get()));
   }
   const double idle = share(nullptr);
-  fmt::print("{:<8} {:>9} {:>9} {:>11} {:>6} {:>22}\n", "", "p50 us", "p99 us", "write p50", "lost", "core %, both ends");
+  fmt::print("{:<8} {:>9} {:>9} {:>11} {:>6} {:>22}\n", "", "p50 us", "p99 us", "write p50", "lost",
+             "core %, both ends");
   for (const Way& way : ways)
     fmt::print("{:<8} {:>9.1f} {:>9.1f} {:>11.1f} {:>6} {:>22.2f}\n", way.name, quantile(way.trips, 0.5),
-               quantile(way.trips, 0.99), quantile(way.writes, 0.5), way.lost, 100 * (quantile(way.shares, 0.0) - idle));
+               quantile(way.trips, 0.99), quantile(way.writes, 0.5), way.lost,
+               100 * (quantile(way.shares, 0.0) - idle));
   fmt::print("p50 with it / without: {:.2f}\n", quantile(ways[1].trips, 0.5) / quantile(ways[0].trips, 0.5));
   ways.clear();
   if (!made.empty()) std::filesystem::remove_all(made);

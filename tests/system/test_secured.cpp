@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cell with keys and one without: what each says at its start, what it refuses, and how a work ends with its keys.
+// A cell with keys and one without: what each says at its start, what it refuses, and how a work ends with
+// its keys.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -28,10 +29,11 @@ class SecuredCell : public testing::Test {
 TEST_F(SecuredCell, CutsAcrossAnEmulatedNetworkAndHearsItsOperator) {
   const Store store;
   const std::string out = (Program::scratch() / "secured").string();
-  Program vision("telekerf-vision", secured(store, {"--image", "heart", "--netem", "thesis-constant", "--wan"}));
+  Program vision("telekerf-vision",
+                 secured(store, {"--image", "heart", "--netem", "thesis-constant", "--wan"}));
   Program slave("telekerf-slave", secured(store, {"--record", out, "--netem", "thesis-constant", "--wan"}));
-  Program master("telekerf-master", secured(store, {"--record", out, "--engage", "--duration-s", "12", "--netem",
-                                                    "thesis-constant", "--wan"}));
+  Program master("telekerf-master", secured(store, {"--record", out, "--engage", "--duration-s", "12",
+                                                    "--netem", "thesis-constant", "--wan"}));
   ASSERT_TRUE(slave.says("beam on", seconds(30))) << slave.output() << master.output();
   Program stop("telekerf-ctl", secured(store, {"disengage", "--wan"}));
   EXPECT_EQ(stop.wait(seconds(20)), 0) << stop.output();
@@ -43,7 +45,8 @@ TEST_F(SecuredCell, CutsAcrossAnEmulatedNetworkAndHearsItsOperator) {
   Program inspect("telekerf-inspect", {"run", out});
   ASSERT_EQ(inspect.wait(seconds(30)), 0) << inspect.output();
   const auto report = nlohmann::json::parse(std::ifstream(out + "/report.json"));
-  EXPECT_GE(report["link"]["rtt_ms"]["p50"].get<double>(), 100.0) << "no sample is younger than the network lets it be";
+  EXPECT_GE(report["link"]["rtt_ms"]["p50"].get<double>(), 100.0)
+      << "no sample is younger than the network lets it be";
   EXPECT_LE(report["link"]["rtt_ms"]["p50"].get<double>(), 110.0);
   EXPECT_GT(report["cut"]["coverage"].get<double>(), 0.5);
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
@@ -79,7 +82,8 @@ TEST_F(SecuredCell, AWorkEndsInOrderBeforeItsKeysDo) {
   EXPECT_LT(std::chrono::system_clock::now(), *end) << "let go before the end";
   EXPECT_EQ(master.wait(seconds(20)), 2) << master.output();
   EXPECT_EQ(slave.wait(seconds(20)), 2) << slave.output();
-  EXPECT_NE(master.output().find("telekerf-master: the identity of this master has ended on"), std::string::npos)
+  EXPECT_NE(master.output().find("telekerf-master: the identity of this master has ended on"),
+            std::string::npos)
       << master.output();
   Program again("telekerf-master", secured(store, {}));
   EXPECT_EQ(again.wait(seconds(20)), 2) << again.output();

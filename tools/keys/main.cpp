@@ -28,8 +28,10 @@ struct Options {
   bool renew = false;
 
   void validate() const {
-    if (check && renew) throw usage_error("--check and --renew do not go together: one looks, the other writes");
-    if (check && !cells.empty()) throw usage_error("--cells has no effect with --check: all cells are looked at");
+    if (check && renew)
+      throw usage_error("--check and --renew do not go together: one looks, the other writes");
+    if (check && !cells.empty())
+      throw usage_error("--cells has no effect with --check: all cells are looked at");
   }
 };
 
@@ -51,13 +53,14 @@ std::string complaint_about_cells(const std::string& list) {
 std::string lasting(const KeystoreReport& report) {
   if (!report.first_to_end) return "";
   const auto& first = *report.first_to_end;
-  return fmt::format("{} days left (until {})",
-                     days_left(first.end, std::chrono::system_clock::now()), text_of(first.end));
+  return fmt::format("{} days left (until {})", days_left(first.end, std::chrono::system_clock::now()),
+                     text_of(first.end));
 }
 
 int look(const Options& options) {
   if (!std::filesystem::is_directory(options.dir))
-    throw input_error(fmt::format("{}: is no folder; ./telekerf keys {} makes the keys", options.dir, options.dir));
+    throw input_error(
+        fmt::format("{}: is no folder; ./telekerf keys {} makes the keys", options.dir, options.dir));
   const KeystoreReport report = check_keystore(options.dir, std::chrono::system_clock::now());
   for (const std::string& fault : report.faults) fmt::print("keys: {}\n", fault);
   for (const std::string& note : report.notes) fmt::print("keys: {}\n", note);
@@ -88,20 +91,27 @@ int run(const Options& options) {
   fmt::print("keys: {} identities in cells {} are in {}, {}\n", report.identities,
              fmt::join(cells_of(options.dir), ", "), options.dir, lasting(report));
   fmt::print(
-      "keys: keep {0}/*.key here; copy the rest to each computer, of the private keys (cells/CELL/ROLE/key.pem) only "
+      "keys: keep {0}/*.key here; copy the rest to each computer, of the private keys "
+      "(cells/CELL/ROLE/key.pem) only "
       "those of the roles that run there; start every process with --security {0}\n",
       options.dir);
   return 0;
 }
 
 void add_parameters(Options& options, Settings& settings) {
-  settings.add("dir", options.dir, TextForm{.form = "DIR", .complaint = [](const std::string&) { return ""; }},
-               "folder of the keys").as_argument();
-  settings.add("cells", options.cells, TextForm{.form = "CELL,CELL...", .complaint = complaint_about_cells},
-               "cells that get keys, separated by commas; none named: cell-1, and with renew those that have some");
-  settings.add("days", options.days, {.min = 1, .max = 3650, .unit = "days"}, "how long identities are valid");
-  settings.add("check", options.check, "looks for what the middleware would fail on without a message; changes nothing");
-  settings.add("renew", options.renew, "new identities and permissions from the authorities that are in the folder");
+  settings
+      .add("dir", options.dir, TextForm{.form = "DIR", .complaint = [](const std::string&) { return ""; }},
+           "folder of the keys")
+      .as_argument();
+  settings.add(
+      "cells", options.cells, TextForm{.form = "CELL,CELL...", .complaint = complaint_about_cells},
+      "cells that get keys, separated by commas; none named: cell-1, and with renew those that have some");
+  settings.add("days", options.days, {.min = 1, .max = 3650, .unit = "days"},
+               "how long identities are valid");
+  settings.add("check", options.check,
+               "looks for what the middleware would fail on without a message; changes nothing");
+  settings.add("renew", options.renew,
+               "new identities and permissions from the authorities that are in the folder");
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 //   permissions
 //                              (CVE-2023-24010)
 //   governance.smime           how messages are protected: signed; governance_wan.smime: encrypted
-//   device.key                 seals the datagrams of drive, laser and button (common/runtime/datagram_seal.h)
-//   cells/CELL/ROLE/           cert.pem, key.pem, permissions.smime
+//   device.key                 seals the datagrams of drive, laser and button
+//   (common/runtime/datagram_seal.h) cells/CELL/ROLE/           cert.pem, key.pem, permissions.smime
 #pragma once
 
 #include <chrono>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Somebody with a DDS library and some keys, who commands a slave: nothing is checked beforehand, all is tried.
-// Usage: rogue DOMAIN CELL TRIES [property=value ..]
-// Writes TRIES blocks to telekerf/command and says "commanded N, readers M"; or what the library refused it.
+// Somebody with a DDS library and some keys, who commands a slave: nothing is checked beforehand, all is
+// tried. Usage: rogue DOMAIN CELL TRIES [property=value ..] Writes TRIES blocks to telekerf/command and says
+// "commanded N, readers M"; or what the library refused it.
 #include <telekerf.h>
 #include <telekerfPubSubTypes.h>
 
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +14,6 @@
 #include <fastdds/dds/log/Log.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <string>
 #include <thread>
 
@@ -35,12 +35,12 @@ int refused(const char* what) {
 /// A master that has joined, in the name of which it speaks.
 std::vector<std::uint8_t> lie(const std::string& cell) {
   return bus::presence_bytes({.contract = kContractVersion,
-                                        .cell = cell,
-                                        .role = "master",
-                                        .name = "rogue",
-                                        .epoch = 1,
-                                        .joined = true,
-                                        .version = "rogue"});
+                              .cell = cell,
+                              .role = "master",
+                              .name = "rogue",
+                              .epoch = 1,
+                              .joined = true,
+                              .version = "rogue"});
 }
 
 int run(int argc, char** argv) {
@@ -67,7 +67,8 @@ int run(int argc, char** argv) {
   dds::PublisherQos in_cell;
   in_cell.partition().push_back(cell.c_str());
   auto* const publisher = participant->create_publisher(in_cell);
-  auto* const topic = participant->create_topic("telekerf/command", type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  auto* const topic =
+      participant->create_topic("telekerf/command", type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
   if (topic == nullptr) return refused("topic");
   dds::DataWriterQos writing;
   writing.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A secured cell cuts while whoever may not tries to command it: nothing is heard of them, and the cut is complete.
-// TELEKERF_TRIES: of each kind (./telekerf check rogues asks for 10,000).
+// A secured cell cuts while whoever may not tries to command it: nothing is heard of them, and the cut is
+// complete. TELEKERF_TRIES: of each kind (./telekerf check rogues asks for 10,000).
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -32,12 +32,16 @@ struct Keys {
 
   static Keys of(const Store& store, const std::string& cell, const std::string& role) {
     const security::RoleFiles files = security::role_files(store.folder(), cell, role);
-    return {store.folder() / "identity_ca.pem",    files.certificate, files.key,
-            store.folder() / "permissions_ca.pem", security::governance_file(store.folder(), false),
+    return {store.folder() / "identity_ca.pem",
+            files.certificate,
+            files.key,
+            store.folder() / "permissions_ca.pem",
+            security::governance_file(store.folder(), false),
             files.permissions};
   }
   std::vector<std::string> properties() const {
-    const std::string identity = "dds.sec.auth.builtin.PKI-DH.", access = "dds.sec.access.builtin.Access-Permissions.";
+    const std::string identity = "dds.sec.auth.builtin.PKI-DH.",
+                      access = "dds.sec.access.builtin.Access-Permissions.";
     const auto file = [](const fs::path& path) { return "=file://" + path.string(); };
     return {"dds.sec.auth.plugin=builtin.PKI-DH",
             "dds.sec.access.plugin=builtin.Access-Permissions",
@@ -63,11 +67,11 @@ Keys self_granted(const Store& store) {
   const auto now = std::chrono::system_clock::now();
   keys.permissions = folder / "permissions.smime";
   std::ofstream(keys.permissions) << security::signed_document(
-      security::permissions_text("cell-1", greedy, now - security::kDay, now + security::kDay), certificate.get(),
-      key.get());
+      security::permissions_text("cell-1", greedy, now - security::kDay, now + security::kDay),
+      certificate.get(), key.get());
   keys.governance = folder / "governance.smime";
-  std::ofstream(keys.governance) << security::signed_document(security::governance_text(false), certificate.get(),
-                                                              key.get());
+  std::ofstream(keys.governance) << security::signed_document(security::governance_text(false),
+                                                              certificate.get(), key.get());
   keys.permissions_ca = keys.certificate;
   return keys;
 }
@@ -143,7 +147,8 @@ TEST_F(Rogues, NothingIsHeardOfThemAndTheCutIsComplete) {
   for (const auto& [kind, each] : rogues) {
     EXPECT_EQ(each->wait(seconds(60)), 0) << kind << each->output();
     const std::string said = each->output();
-    EXPECT_TRUE(said.find("refused") != said.npos || said.find("readers 0") != said.npos) << kind << ": " << said;
+    EXPECT_TRUE(said.find("refused") != said.npos || said.find("readers 0") != said.npos)
+        << kind << ": " << said;
     std::printf("%s: %s", kind.c_str(), said.substr(said.rfind('\n', said.size() - 2) + 1).c_str());
   }
   Program second("telekerf-master", secured({}));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Participants with keys: what they are told, what they let in, what it costs the control loop, and what the emulated
-// network makes of prefixes that DDS Security has chosen.
+// Participants with keys: what they are told, what they let in, what it costs the control loop, and what the
+// emulated network makes of prefixes that DDS Security has chosen.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -62,7 +62,9 @@ TEST_P(Secured, BlocksContoursEventsAndPresenceCross) {
   Reader<ContourMessage> late(master);
   Writer<EventMessage> events(master);
   Reader<EventMessage> told(slave);
-  ASSERT_TRUE(soon([&] { return commands.readers() > 0 && heard.writers() > 0 && states.readers() > 0 && seen.writers() > 0; }));
+  ASSERT_TRUE(soon([&] {
+    return commands.readers() > 0 && heard.writers() > 0 && states.readers() > 0 && seen.writers() > 0;
+  }));
   ASSERT_TRUE(events.wait_for_reader(kPatience));
   EXPECT_TRUE(events.write(event(7)));
   const auto one = take_soon(told);
@@ -144,8 +146,7 @@ TEST(Security, KeysThatDoNotFitAreRefusedWithAReason) {
   EXPECT_NE(refusal(wrong).find("no keys for a nobody"), std::string::npos) << refusal(wrong);
   const Store brief({"cell-1"}, std::chrono::seconds(30));
   security::renew_keystore(brief.folder(), {}, std::chrono::seconds(3));
-  std::this_thread::sleep_until(
-      *security::certificate_end(brief.role("master") / "cert.pem") - 300ms);
+  std::this_thread::sleep_until(*security::certificate_end(brief.role("master") / "cert.pem") - 300ms);
   wrong = secured("master");
   wrong.security = brief.folder().string();
   EXPECT_NE(refusal(wrong).find("too soon to begin anything"), std::string::npos) << refusal(wrong);
@@ -193,7 +194,9 @@ TEST(Security, NoSampleIsYoungerThanItsDrawnDelay) {
   Reader<StateBlock> seen(master);
   Writer<EventMessage> events(vision);  // the slave's own site
   Reader<EventMessage> near(slave);
-  ASSERT_TRUE(soon([&] { return commands.readers() > 0 && heard.writers() > 0 && states.readers() > 0 && seen.writers() > 0; }));
+  ASSERT_TRUE(soon([&] {
+    return commands.readers() > 0 && heard.writers() > 0 && states.readers() > 0 && seen.writers() > 0;
+  }));
   std::int64_t least_forward = 1'000'000'000, least_backward = least_forward, least_near = least_forward;
   for (std::uint32_t i = 1; i <= 50; ++i) {
     CommandBlock command;
@@ -230,11 +233,14 @@ TEST(Security, NoSampleIsYoungerThanItsDrawnDelay) {
 TEST(Expiry, IsToldOfThirtyDaysAndADayBeforeAndAtTheEnd) {
   using std::chrono::hours;
   const security::Time end = security::Time() + hours(24 * 400);
-  bus::Expiry expiry({{"the identity of this master", end, true, true}, {"the identity of console", end + hours(2), false, false}});
+  bus::Expiry expiry({{"the identity of this master", end, true, true},
+                      {"the identity of console", end + hours(2), false, false}});
   EXPECT_TRUE(expiry.due(end - hours(24 * 31)).empty());
   const auto month = expiry.due(end - hours(24 * 30 - 2));
   ASSERT_EQ(month.size(), 2u);
-  EXPECT_NE(month.front().find("the identity of this master ends on 1971-02-05 00:00 UTC, in 29 days"), std::string::npos) << month.front();
+  EXPECT_NE(month.front().find("the identity of this master ends on 1971-02-05 00:00 UTC, in 29 days"),
+            std::string::npos)
+      << month.front();
   EXPECT_TRUE(expiry.due(end - hours(24 * 20)).empty()) << "said once";
   EXPECT_EQ(expiry.due(end - hours(23)).size(), 1u);
   EXPECT_FALSE(expiry.lets_go(end - std::chrono::seconds(4)));
@@ -256,7 +262,8 @@ TEST(Expiry, AWorkThatWouldOutliveItsKeysIsNotBegun) {
 }
 
 /// A datagram of this prefix with one submessage: its kind and the octets behind its head.
-std::vector<std::byte> datagram(const bus::Gate::Prefix& prefix, std::uint8_t kind, std::vector<std::uint8_t> rest) {
+std::vector<std::byte> datagram(const bus::Gate::Prefix& prefix, std::uint8_t kind,
+                                std::vector<std::uint8_t> rest) {
   std::vector<std::uint8_t> octets{'R', 'T', 'P', 'S', 2, 3, 1, 15};
   octets.insert(octets.end(), prefix.begin(), prefix.end());
   octets.insert(octets.end(), {kind, 1, static_cast<std::uint8_t>(rest.size()), 0});
@@ -275,7 +282,8 @@ std::vector<std::uint8_t> data_of(std::uint32_t entity) {
 
 TEST(Gate, LetsInWhatIsProtectedAndWhatComesBeforeKeysAndNothingElse) {
   bus::Gate gate({{0x90, 1, 2, 3, 4, 5}, {0x80, 9, 9, 9, 9, 9}});
-  const bus::Gate::Prefix ours{0x90, 1, 2, 3, 4, 5, 7, 7, 7, 7, 7, 7}, none{0x90, 1, 2, 3, 4, 6, 7, 7, 7, 7, 7, 7};
+  const bus::Gate::Prefix ours{0x90, 1, 2, 3, 4, 5, 7, 7, 7, 7, 7, 7},
+      none{0x90, 1, 2, 3, 4, 6, 7, 7, 7, 7, 7, 7};
   const auto admits = [&](const std::vector<std::byte>& bytes) { return gate.admits(bytes, 1, 1); };
   const std::vector<std::uint8_t> secured{1, 2, 3, 4};
   EXPECT_TRUE(admits(datagram(ours, 0x33, secured)));

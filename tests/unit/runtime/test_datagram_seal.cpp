@@ -44,8 +44,8 @@ TEST_F(Seal, IsTheFirstOctetsOfAnHmacOverDatagramAndTime) {
   key.push_back(0x07);
   unsigned char mac[32];
   unsigned length = 0;
-  HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), reinterpret_cast<const unsigned char*>(&sealed),
-       sizeof(Told) + 8, mac, &length);
+  HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()),
+       reinterpret_cast<const unsigned char*>(&sealed), sizeof(Told) + 8, mac, &length);
   EXPECT_EQ(std::memcmp(mac, sealed.seal.data() + 8, 8), 0);
   EXPECT_EQ(seal_.open(sealed, size), sizeof(Told));
 }
@@ -84,16 +84,19 @@ TEST_F(Seal, WhatWasRecordedIsTooOld) {
   const std::size_t size = seal_.close(sealed);
   std::vector<unsigned char> key(31, 0xaa);
   key.push_back(0x07);
-  for (const auto& [off_ns, good] :
-       {std::pair<std::int64_t, bool>{0, true}, {1'500'000'000, true}, {-1'500'000'000, true}, {2'500'000'000, false}, {-2'500'000'000, false}}) {
+  for (const auto& [off_ns, good] : {std::pair<std::int64_t, bool>{0, true},
+                                     {1'500'000'000, true},
+                                     {-1'500'000'000, true},
+                                     {2'500'000'000, false},
+                                     {-2'500'000'000, false}}) {
     auto moved = sealed;
     std::int64_t sent_ns = 0;
     std::memcpy(&sent_ns, moved.seal.data(), sizeof sent_ns);
     sent_ns -= off_ns;
     std::memcpy(moved.seal.data(), &sent_ns, sizeof sent_ns);
     unsigned char mac[32];
-    HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), reinterpret_cast<const unsigned char*>(&moved),
-         sizeof(Told) + 8, mac, nullptr);
+    HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()),
+         reinterpret_cast<const unsigned char*>(&moved), sizeof(Told) + 8, mac, nullptr);
     std::memcpy(moved.seal.data() + 8, mac, 8);
     EXPECT_EQ(seal_.open(moved, size), good ? sizeof(Told) : 0u) << off_ns;
   }

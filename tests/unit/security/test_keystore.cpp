@@ -64,8 +64,10 @@ TEST(Keystore, AnIdentityThatIsNotItsRolesIsFound) {
   store.copy(store.role("master") / "cert.pem", store.role("slave") / "cert.pem");
   expect_fault(store, store.role("slave") / "cert.pem", "must name CN=slave,OU=cell-1,O=Telekerf");
   expect_fault(store, store.role("slave") / "key.pem", "does not belong to the certificate");
-  store.copy(store.role("vision", "cell-2") / "permissions.smime", store.role("vision") / "permissions.smime");
-  expect_fault(store, store.role("vision") / "permissions.smime", "nothing to CN=vision,OU=cell-1,O=Telekerf");
+  store.copy(store.role("vision", "cell-2") / "permissions.smime",
+             store.role("vision") / "permissions.smime");
+  expect_fault(store, store.role("vision") / "permissions.smime",
+               "nothing to CN=vision,OU=cell-1,O=Telekerf");
   fs::remove(store.role("ctl") / "permissions.smime");
   expect_fault(store, store.role("ctl") / "permissions.smime", "is not there");
 }
@@ -97,14 +99,17 @@ TEST(Keystore, DatesAreFoundInAnyZone) {
     tzset();
     EXPECT_TRUE(check_keystore(store.folder(), now()).faults.empty()) << where;
     // Permissions outlast their identity wherever they are read.
-    EXPECT_TRUE(check_keystore(store.folder(), now() + hours(24 * 40) - std::chrono::minutes(1)).faults.empty())
+    EXPECT_TRUE(
+        check_keystore(store.folder(), now() + hours(24 * 40) - std::chrono::minutes(1)).faults.empty())
         << where;
     // The same text, far from here.
     const auto read = local_time("2026-11-29T12:00:00");
     ASSERT_TRUE(read);
     const auto utc = std::chrono::system_clock::from_time_t(1795953600);
-    EXPECT_EQ(std::chrono::duration_cast<hours>(*read - utc).count(),
-              where == std::string("UTC") ? 0 : where == std::string("Etc/GMT+12") ? 12 : -14);
+    EXPECT_EQ(std::chrono::duration_cast<hours>(*read - utc).count(), where == std::string("UTC") ? 0
+                                                                      : where == std::string("Etc/GMT+12")
+                                                                          ? 12
+                                                                          : -14);
   }
   zone.empty() ? unsetenv("TZ") : setenv("TZ", zone.c_str(), 1);
   tzset();
@@ -127,12 +132,12 @@ void write_odd(const Store& store, bool usage, bool order, const EVP_MD* digest)
   if (!order) {
     const X509NamePointer name(X509_NAME_new());
     for (const auto& [field, value] : {std::pair{"CN", "master"}, {"OU", "cell-1"}, {"O", "Telekerf"}})
-      X509_NAME_add_entry_by_txt(name.get(), field, MBSTRING_UTF8, reinterpret_cast<const unsigned char*>(value), -1, -1, 0);
+      X509_NAME_add_entry_by_txt(name.get(), field, MBSTRING_UTF8,
+                                 reinterpret_cast<const unsigned char*>(value), -1, -1, 0);
     X509_set_subject_name(made.get(), name.get());
   }
   if (!usage)
-    X509_EXTENSION_free(
-        X509_delete_ext(made.get(), X509_get_ext_by_NID(made.get(), NID_ext_key_usage, -1)));
+    X509_EXTENSION_free(X509_delete_ext(made.get(), X509_get_ext_by_NID(made.get(), NID_ext_key_usage, -1)));
   X509_sign(made.get(), by.get(), digest);
   const BioPointer out(BIO_new_file((store.role("master") / "cert.pem").c_str(), "wb"));
   PEM_write_bio_X509(out.get(), made.get());
@@ -186,7 +191,8 @@ TEST(Keystore, PartitionsDomainsRightsAndProtectionAreFound) {
   expect_fault(store, file, "grants nothing");
   write_document(store, file, text);
   const fs::path governance = governance_file(store.folder(), false);
-  write_document(store, governance, replaced(governance_text(false), "SIGN_WITH_ORIGIN_AUTHENTICATION", "NONE"));
+  write_document(store, governance,
+                 replaced(governance_text(false), "SIGN_WITH_ORIGIN_AUTHENTICATION", "NONE"));
   expect_fault(store, governance, "does not protect what it should: rtps NONE");
   // An identity cannot sign for the authority, though the name in it is of the same house.
   const CertificatePointer master = read_certificate(store.role("master") / "cert.pem");
@@ -208,7 +214,8 @@ TEST(Keystore, RenewedIdentitiesAreNewAndFromTheSameAuthorities) {
   EXPECT_NE(contents(store.role("master") / "key.pem"), key);
   fs::remove(store.folder() / "identity_ca.key");
   EXPECT_THROW(renew_keystore(store.folder(), {}, hours(24)), StartupError);
-  EXPECT_TRUE(check_keystore(store.folder(), now()).faults.empty()) << "a computer need not have the authorities' keys";
+  EXPECT_TRUE(check_keystore(store.folder(), now()).faults.empty())
+      << "a computer need not have the authorities' keys";
   EXPECT_THROW(make_keystore(store.folder(), {"cell-1"}, hours(24)), StartupError);
 }
 
@@ -235,7 +242,8 @@ TEST(Roles, ThePeersPrefixIsTheLowestSoThatItBeginsTheHandshake) {
 }
 
 TEST(Roles, NamesThatWouldBePathsOrPatternsAreRefused) {
-  for (const char* bad : {"", "..", ".x", "a/b", "a b", "*", "a,b"}) EXPECT_FALSE(complaint_about_secured_cell(bad).empty()) << bad;
+  for (const char* bad : {"", "..", ".x", "a/b", "a b", "*", "a,b"})
+    EXPECT_FALSE(complaint_about_secured_cell(bad).empty()) << bad;
   EXPECT_TRUE(complaint_about_secured_cell("cell_1.b-2").empty());
 }
 
