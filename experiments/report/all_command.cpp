@@ -120,7 +120,9 @@ void add_parameters(Options& o, Settings& s) {
   s.add("quick", o.quick, "short forms: fewer pictures and runs; some claims are then not assessed");
   s.add("seed", o.seed, kSeeds, "of everything random");
   s.add("jobs", o.jobs, {.min = 1, .max = 64}, "experiments at a time");
-  s.add("only", o.only, TextForm{}, "these experiments alone, by the manifest's names");
+  TextForm experiment{"EXPERIMENT"};
+  experiment.complaint = [](const std::string&) { return std::string(); };  // the manifest knows them
+  s.add("only", o.only, experiment, "these experiments alone, by the manifest's names");
   s.add("claims", o.claims, kFile, "another manifest than the shipped one");
   s.add("against", o.against, kFolder,
         "--out of another run: says which claims have another figure, and by how much");

@@ -107,7 +107,7 @@ nlohmann::ordered_json plot_data(const TimedPanel& panel) {
   nlohmann::ordered_json data{{"x", panel.x_axis}, {"y", panel.y_axis}, {"labels", {panel.x_axis}}};
   std::map<double, std::vector<double>> rows;
   for (std::size_t n = 0; n < panel.lines.size(); ++n) {
-    const TimedLine line = thinned(panel.lines[n], 150);
+    const TimedLine line = thinned(panel.lines[n], 120);
     data["labels"].push_back(line.label);
     for (std::size_t i = 0; i < line.x.size(); ++i) {
       auto& row = rows[rounded(line.x[i])];
@@ -156,7 +156,7 @@ std::string picture_address(const fs::path& png, int width_px) {
   if (picture.cols > width_px)
     cv::resize(picture, picture, {width_px, picture.rows * width_px / picture.cols}, 0, 0, cv::INTER_AREA);
   std::vector<unsigned char> bytes;
-  cv::imencode(".webp", picture, bytes, {cv::IMWRITE_WEBP_QUALITY, 60});
+  cv::imencode(".webp", picture, bytes, {cv::IMWRITE_WEBP_QUALITY, 50});
   std::vector<unsigned char> text(4 * (bytes.size() / 3 + 1) + 1);  // and the zero that ends it
   const int length = EVP_EncodeBlock(text.data(), bytes.data(), static_cast<int>(bytes.size()));
   return "data:image/webp;base64," + std::string(text.begin(), text.begin() + length);
