@@ -11,6 +11,7 @@
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
+#include "common/runtime/version.h"
 #include "experiments/commands.h"
 #include "experiments/report/judgement.h"
 #include "experiments/report/manifest.h"
@@ -78,7 +79,8 @@ int run(const Options& options) {
 
   const std::vector<std::string> changes =
       options.against.empty() ? std::vector<std::string>() : differences(judged, before);
-  write_json(out / "claims.json", ordered_json{{"commit", plan.commit},
+  write_json(out / "claims.json", ordered_json{{"version", kVersion},
+                                               {"commit", plan.commit},
                                                {"seed", options.seed},
                                                {"quick", options.quick},
                                                {"claims", claims_json(judged)}});
