@@ -17,7 +17,8 @@
 
 namespace telekerf::bus {
 
-/// Into `room`; the number of bytes written. Throws eprosima::fastcdr::exception::Exception where it is too small.
+/// Into `room`; the number of bytes written. Throws eprosima::fastcdr::exception::Exception where it is too
+/// small.
 template <class Wire>
 std::size_t write_cdr(const Wire& wire, std::span<char> room) {
   using eprosima::fastcdr::Cdr;

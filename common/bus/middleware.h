@@ -39,6 +39,7 @@
 #include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/rtps/common/LocatorList.hpp>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace telekerf::middleware {
@@ -49,7 +50,7 @@ namespace dds = eprosima::fastdds::dds;
 
 namespace rtps = eprosima::fastdds::rtps;
 using eprosima::fastdds::dds::Duration_t;
-using Payload = rtps::SerializedPayload_t&;            ///< as a type's deserializer gets it
+using Payload = rtps::SerializedPayload_t&;                ///< as a type's deserializer gets it
 using Datagram = const std::vector<rtps::NetworkBuffer>&;  ///< as a transport gets it
 
 /// The datagram's bytes; where it comes in parts, they are put together in `room`. Empty: it does not fit.
@@ -71,9 +72,11 @@ inline constexpr std::size_t kDatagramRoom = 65536;  ///< for in_one_piece(): th
 inline bool succeeded(dds::ReturnCode_t code) { return code == dds::RETCODE_OK; }
 bool succeeded(bool) = delete;
 
-inline void deliver_between_processes_only() {
+/// Whether what a process says to itself goes without datagrams.
+inline void deliver_within_a_process(bool shortly) {
   eprosima::fastdds::LibrarySettings library;
-  library.intraprocess_delivery = eprosima::fastdds::INTRAPROCESS_OFF;
+  library.intraprocess_delivery =
+      shortly ? eprosima::fastdds::INTRAPROCESS_FULL : eprosima::fastdds::INTRAPROCESS_OFF;
   dds::DomainParticipantFactory::get_instance()->set_library_settings(library);
 }
 
@@ -94,9 +97,10 @@ inline bool succeeded(const eprosima::fastrtps::types::ReturnCode_t& code) {
 }
 inline bool succeeded(bool done) { return done; }
 
-inline void deliver_between_processes_only() {
+inline void deliver_within_a_process(bool shortly) {
   eprosima::fastrtps::LibrarySettingsAttributes library;
-  library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  library.intraprocess_delivery =
+      shortly ? eprosima::fastrtps::INTRAPROCESS_FULL : eprosima::fastrtps::INTRAPROCESS_OFF;
   eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
 }
 
@@ -138,23 +142,53 @@ class Discovery : public dds::DomainParticipantListener {
     const rtps::RemoteLocatorList& data_locators;
     const rtps::RemoteLocatorList& discovery_locators;
   };
-  /// In a thread of the middleware.
+  struct DiscoveredWriter {
+    const rtps::GUID_t& guid;
+    bool gone;
+    std::string_view topic;
+    std::span<const rtps::octet> user_data;
+  };
+  /// All in threads of the middleware.
   virtual void discovered(const Discovered& participant) = 0;
+  virtual void discovered(const DiscoveredWriter& writer) = 0;
+  /// With security: a participant has proved who it is, or has failed to.
+  virtual void authenticated(const rtps::GUID_t& guid, bool proven) = 0;
 
  private:
+  void onParticipantAuthentication(dds::DomainParticipant*,
+                                   rtps::ParticipantAuthenticationInfo&& info) final {
+    authenticated(info.guid, info.status == rtps::ParticipantAuthenticationInfo::AUTHORIZED_PARTICIPANT);
+  }
 #ifdef TELEKERF_FASTDDS_3
   void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryStatus status,
                                 const dds::ParticipantBuiltinTopicData& data, bool&) final {
     using Status = rtps::ParticipantDiscoveryStatus;
-    discovered({data.guid, status == Status::REMOVED_PARTICIPANT || status == Status::DROPPED_PARTICIPANT,
-          data.user_data, data.default_locators, data.metatraffic_locators});
+    discovered(Discovered{data.guid,
+                          status == Status::REMOVED_PARTICIPANT || status == Status::DROPPED_PARTICIPANT,
+                          data.user_data, data.default_locators, data.metatraffic_locators});
+  }
+  void on_data_writer_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryStatus status,
+                                const dds::PublicationBuiltinTopicData& data, bool&) final {
+    discovered(DiscoveredWriter{data.guid,
+                                status == rtps::WriterDiscoveryStatus::REMOVED_WRITER,
+                                data.topic_name.c_str(),
+                                { data.user_data.data(),
+                                  data.user_data.size() }});
   }
 #else
   void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) final {
     using Status = rtps::ParticipantDiscoveryInfo;
-    discovered({info.info.m_guid,
-          info.status == Status::REMOVED_PARTICIPANT || info.status == Status::DROPPED_PARTICIPANT,
-          info.info.m_userData, info.info.default_locators, info.info.metatraffic_locators});
+    discovered(
+        Discovered{info.info.m_guid,
+                   info.status == Status::REMOVED_PARTICIPANT || info.status == Status::DROPPED_PARTICIPANT,
+                   info.info.m_userData, info.info.default_locators, info.info.metatraffic_locators});
+  }
+  void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) final {
+    const auto& user_data = info.info.m_qos.m_userData;
+    discovered(DiscoveredWriter{info.info.guid(),
+                                info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER,
+                                info.info.topicName().c_str(),
+                                {user_data.data(), user_data.size()}});
   }
 #endif
 };

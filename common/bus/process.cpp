@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "common/runtime/real_time.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -20,11 +21,21 @@ Process::Process(const BusSettings& settings, const std::string& who, const char
       status_(who, initial_state),
       lookout_(bus_, status_),
       clock_(bus_),
-      looking_(std::chrono::milliseconds(100), [this] {
-        lookout_.look();
-        supervision_.tell();
-        clock_.tell();
-      }) {}
+      looking_(std::chrono::milliseconds(100), [this] { look(); }) {
+  status_.say(bus_.protection());
+}
+
+void Process::look() {
+  lookout_.look();
+  supervision_.tell();
+  clock_.tell();
+  for (const std::string& sentence : bus_.dates()) status_.say(sentence);
+  ended_.store(!bus_.ended().empty(), std::memory_order_relaxed);
+}
+
+void Process::refuse_ended() const {
+  if (const std::string why = bus_.ended(); !why.empty()) throw environment_error(why);
+}
 
 std::string Process::place() const {
   return fmt::format("cell '{}' of domain {}", bus_.settings().cell, bus_.settings().domain);
@@ -36,7 +47,7 @@ LoopStatistics Process::run(double rate_hz, const std::function<bool(std::int64_
   if (const std::string refusal = real_time_refusal(); !refusal.empty()) status_.say(refusal);
   const LoopStatistics loop = run_loop(rate_hz, [&](std::int64_t now_ns) {
     supervision_.step();
-    return step(now_ns) && !stop_requested();
+    return step(now_ns) && !stop_requested() && !ended();
   });
   supervision_.over();
   return loop;

@@ -10,9 +10,7 @@
 
 namespace telekerf::bus {
 
-inline middleware::Duration_t milliseconds(double value) {
-  return {static_cast<long double>(value * 1e-3)};
-}
+inline middleware::Duration_t milliseconds(double value) { return {static_cast<long double>(value * 1e-3)}; }
 
 /// That a writer keeps for whoever comes late, or is behind.
 std::size_t kept_samples(Intent intent);

@@ -173,6 +173,7 @@ template class Reader<StateBlock>;
 template class Reader<ContourMessage>;
 template class Reader<EventMessage>;
 template class Reader<StopMessage>;
+template class Reader<PreviewMessage>;
 template class Reader<TelemetryMessage>;
 
 }  // namespace telekerf

@@ -15,7 +15,8 @@
 
 namespace telekerf {
 
-/// Every process' side: says now and then what this computer's clock shows. Nothing is sent while nobody asks.
+/// Every process' side: says now and then what this computer's clock shows. Nothing is sent while nobody
+/// asks.
 class ClockTeller {
  public:
   explicit ClockTeller(Bus& bus) : writer_(bus), epoch_(bus.settings().epoch) {}
@@ -36,7 +37,8 @@ class RollCall {
   struct Present {
     PresenceMessage who;
     std::string address;  ///< IPv4
-    /// How far its clock is ahead of this computer's, less the time that the way here takes; none: it has not said.
+    /// How far its clock is ahead of this computer's, less the time that the way here takes; none: it has not
+    /// said.
     std::optional<double> clock_ahead_s;
   };
   /// Everyone else in the cell, by role and name.

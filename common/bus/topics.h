@@ -66,6 +66,11 @@ struct Topic<ContourMessage> : TopicOf<wire::ContourPubSubType, Intent::kLatched
   static constexpr const char* kFrom = "vision";
 };
 template <>
+struct Topic<PreviewMessage> : TopicOf<wire::PreviewPubSubType, Intent::kLatched> {
+  static constexpr const char* kName = "telekerf/preview";
+  static constexpr const char* kFrom = "vision";
+};
+template <>
 struct Topic<EventMessage> : TopicOf<wire::EventPubSubType, Intent::kEvent> {
   static constexpr const char* kName = "telekerf/event";
 };

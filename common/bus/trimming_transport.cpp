@@ -17,6 +17,7 @@
 
 #include "common/bus/participant_qos.h"
 #include "common/protocol/site.h"
+#include "common/runtime/clock.h"
 
 namespace telekerf::bus {
 namespace {
@@ -36,8 +37,6 @@ constexpr std::uint8_t kLittleEndian = 0x01;
 constexpr std::uint8_t kInfoTimestamp = 0x09;
 constexpr std::uint8_t kInfoDestination = 0x0e;
 constexpr std::uint8_t kData = 0x15;
-constexpr std::uint8_t kFirstSecure = 0x30;  // SEC_BODY to SRTPS_POSTFIX
-constexpr std::uint8_t kLastSecure = 0x34;
 constexpr std::uint8_t kStatistics = 0x80;
 constexpr std::size_t kStatisticsBytes = 60;
 constexpr std::size_t kWriterEntity = 12;  // in a DATA submessage
@@ -102,15 +101,16 @@ class UnicastSocket {
 };
 
 struct Descriptor : dds_rtps::ChainingTransportDescriptor {
-  explicit Descriptor(std::shared_ptr<dds_rtps::TransportDescriptorInterface> below)
-      : ChainingTransportDescriptor(std::move(below)) {}
+  Descriptor(std::shared_ptr<dds_rtps::TransportDescriptorInterface> below, std::shared_ptr<Gate> at)
+      : ChainingTransportDescriptor(std::move(below)), gate(std::move(at)) {}
   dds_rtps::TransportInterface* create_transport() const override;
+  std::shared_ptr<Gate> gate;
 };
 
 class Transport : public dds_rtps::ChainingTransport {
  public:
   explicit Transport(const Descriptor& descriptor)
-      : ChainingTransport(descriptor), descriptor_(descriptor.low_level_descriptor) {}
+      : ChainingTransport(descriptor), descriptor_(descriptor.low_level_descriptor), gate_(descriptor.gate) {}
 
   dds_rtps::TransportDescriptorInterface* get_configuration() override { return descriptor_.get(); }
 
@@ -139,11 +139,17 @@ class Transport : public dds_rtps::ChainingTransport {
 
   void receive(dds_rtps::TransportReceiverInterface* next, const octet* buffer, std::uint32_t size,
                const Locator_t& local, const Locator_t& remote) override {
+    if (gate_) {
+      std::uint32_t from = 0;
+      std::memcpy(&from, IPLocator::getIPv4(remote), sizeof from);
+      if (!gate_->admits(std::as_bytes(std::span(buffer, size)), from, monotonic_ns())) return;
+    }
     next->OnDataReceived(buffer, size, local, remote);
   }
 
  private:
   std::shared_ptr<dds_rtps::TransportDescriptorInterface> descriptor_;
+  std::shared_ptr<Gate> gate_;
   UnicastSocket unicast_;
   std::vector<std::byte> room_ = std::vector<std::byte>(middleware::kDatagramRoom);
   std::atomic<SenderResource*> first_{nullptr};
@@ -164,7 +170,6 @@ TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept {
     const auto part = submessage(datagram, at);
     if (!part) return whole;
     const std::uint8_t kind = octet_at(*part, 0);
-    if (kind >= kFirstSecure && kind <= kLastSecure) return whole;
     if (kind == kStatistics && part->size() == kStatisticsBytes && at + part->size() == datagram.size())
       end = at;
     if (only_addressed && is_stream_data(*part)) stream = at;
@@ -177,8 +182,8 @@ TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept {
 }
 
 std::shared_ptr<dds_rtps::TransportDescriptorInterface> trimming_over(
-    std::shared_ptr<dds_rtps::TransportDescriptorInterface> below) {
-  return std::make_shared<Descriptor>(std::move(below));
+    std::shared_ptr<dds_rtps::TransportDescriptorInterface> below, std::shared_ptr<Gate> gate) {
+  return std::make_shared<Descriptor>(std::move(below), std::move(gate));
 }
 
 }  // namespace telekerf::bus

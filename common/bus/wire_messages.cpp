@@ -85,6 +85,28 @@ Verdict from_wire(const wire::Contour& wire, std::uint16_t contract, ContourMess
   return left.empty() ? Verdict::kGood : Verdict::kDamaged;
 }
 
+bool to_wire(const PreviewMessage& value, std::uint16_t contract, wire::Preview& wire) {
+  if (value.jpeg.size() > kMaxPreviewBytes) return false;
+  wire.contract(contract);
+  wire.contour_id(value.contour_id);
+  wire.left_m(value.left_m);
+  wire.top_m(value.top_m);
+  wire.width_m(value.width_m);
+  wire.height_m(value.height_m);
+  wire.jpeg() = value.jpeg;
+  return true;
+}
+
+Verdict from_wire(const wire::Preview& wire, std::uint16_t contract, PreviewMessage& value) {
+  if (wire.contract() != contract) return Verdict::kForeignContract;
+  if (wire.jpeg().size() > kMaxPreviewBytes || !std::isfinite(wire.left_m()) ||
+      !std::isfinite(wire.top_m()) || !(std::isfinite(wire.width_m()) && wire.width_m() > 0.0) ||
+      !(std::isfinite(wire.height_m()) && wire.height_m() > 0.0))
+    return Verdict::kDamaged;
+  value = {wire.contour_id(), wire.left_m(), wire.top_m(), wire.width_m(), wire.height_m(), wire.jpeg()};
+  return Verdict::kGood;
+}
+
 bool to_wire(const EventMessage& value, std::uint16_t contract, wire::Event& wire) {
   if (value.text.size() > kLongText) return false;
   wire.contract(contract);
@@ -97,7 +119,7 @@ bool to_wire(const EventMessage& value, std::uint16_t contract, wire::Event& wir
 
 Verdict from_wire(const wire::Event& wire, std::uint16_t contract, EventMessage& value) {
   if (wire.contract() != contract) return Verdict::kForeignContract;
-  if (wire.kind() > static_cast<std::uint8_t>(EventMessage::Kind::kRefocus) || !std::isfinite(wire.value()))
+  if (wire.kind() > static_cast<std::uint8_t>(EventMessage::Kind::kLook) || !std::isfinite(wire.value()))
     return Verdict::kDamaged;
   value.epoch = wire.epoch();
   value.kind = static_cast<EventMessage::Kind>(wire.kind());

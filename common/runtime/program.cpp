@@ -125,6 +125,7 @@ int Program::dispatch(std::vector<std::string> words) {
   }
   settings.require_given();
   settings.refuse_without_effect();
+  command->remember(settings.toml());
   return command->run();
 }
 

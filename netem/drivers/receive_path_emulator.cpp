@@ -65,7 +65,7 @@ class ReceivePathEmulator::State {
  public:
   State(const Profile& profile, std::uint64_t seed, Site own)
       : own_(own),
-        other_(static_cast<std::uint8_t>(other_site(own))),
+        other_(other_site(own)),
         emulator_(into(own, profile),
                   {.seed = seed,
                    .flow = 0,
@@ -92,6 +92,7 @@ class ReceivePathEmulator::State {
             .latest_ns = latest_ns_};
   }
 
+  void know(const SiteTable& sites) { sites_ = sites; }
   void start() {
     thread_ = std::thread([this] { deliver_until_stopped(); });
   }
@@ -108,7 +109,7 @@ class ReceivePathEmulator::State {
   /// In the middleware's receiving thread.
   void receive(rtps::TransportReceiverInterface* next, std::span<const std::byte> datagram,
                const Locator_t& local, const Locator_t& remote) {
-    if (site_of(datagram) != other_) {
+    if (site_of(datagram, sites_) != other_) {
       Channel* channel = nullptr;
       {
         const std::lock_guard lock(mutex_);
@@ -224,7 +225,8 @@ class ReceivePathEmulator::State {
   }
 
   const Site own_;
-  const std::uint8_t other_;
+  const Site other_;
+  SiteTable sites_;  // set before the first datagram
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   Emulator emulator_;
@@ -291,7 +293,9 @@ ReceivePathEmulator::~ReceivePathEmulator() = default;
 void ReceivePathEmulator::set_profile(const Profile& profile) { state_->set_profile(profile); }
 TransportCounters ReceivePathEmulator::counters() const { return state_->counters(); }
 
-std::shared_ptr<ReceiveFilter::Transport> ReceivePathEmulator::over(std::shared_ptr<Transport> below) {
+std::shared_ptr<ReceiveFilter::Transport> ReceivePathEmulator::over(std::shared_ptr<Transport> below,
+                                                                    const SiteTable& sites) {
+  state_->know(sites);
   return std::make_shared<Descriptor>(std::move(below), state_);
 }
 

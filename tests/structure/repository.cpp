@@ -73,6 +73,17 @@ std::vector<std::string> lines_of(std::string_view text) {
   return lines;
 }
 
+std::string code_of(std::string_view text) {
+  static const std::regex kText(R"re("(\\.|[^"\\])*"|'(\\.|[^'\\])')re");
+  std::string code;
+  for (std::string line : lines_of(text)) {
+    if (line.starts_with('#')) continue;
+    line = std::regex_replace(line, kText, "0");
+    code += line.substr(0, line.find("//")) + '\n';
+  }
+  return code;
+}
+
 std::vector<Include> includes_of(const Repository& repository, const std::string& path) {
   static const std::regex kInclude(R"(^\s*#\s*include\s*[<"]([^">]+)[">].*)");
   std::vector<Include> includes;

@@ -194,5 +194,18 @@ int main(int argc, char** argv) {
   Options refocus = saying(Kind::kRefocus);
   refocus.roles = {"vision"};
   program.add("refocus", "The imaging unit searches its focus anew", refocus, add_parameters, run);
+  Options look = saying(Kind::kLook);
+  look.roles = {"vision"};
+  program.add(
+      "look", "Says what is meant in vision's picture; the contour that comes of it waits to be taken", look,
+      [](Options& options, Settings& settings) {
+        settings
+            .add("what", options.event.text,
+                 TextForm{.form = "TEXT", .complaint = [](const std::string&) { return std::string(); }},
+                 "'at X,Y', 'start X,Y', 'end X,Y' (metres on the workpiece), 'mode WORD' or anew")
+            .as_argument();
+        add_parameters(options, settings);
+      },
+      run);
   return program.run(argc, argv);
 }
