@@ -22,7 +22,7 @@ bootstrap() {
   local at=$folder/$1
   if [[ ! -e $at/.whole ]]; then
     rm -rf "$at"
-    debootstrap --variant=minbase --cache-dir="$folder/archives" "$2" "$at" http://deb.debian.org/debian
+    debootstrap --variant=minbase --include=systemd --cache-dir="$folder/archives" "$2" "$at" http://deb.debian.org/debian
     # Packages stay cached.
     printf 'APT::Keep-Downloaded-Packages "true";\nAPT::Install-Recommends "false";\n' >"$at/etc/apt/apt.conf.d/90telekerf"
     rm -f "$at/etc/apt/apt.conf.d/docker-clean"
@@ -140,10 +140,10 @@ across() {
   ip -n $right link set telekerf-r up
   ip -n $left route add 239.0.0.0/8 dev telekerf-l
   ip -n $right route add 239.0.0.0/8 dev telekerf-r
-  ns=$right within "bare-$2" 'exec telekerf-vision' & pids+=($!)
-  ns=$right within "bare-$2" 'exec telekerf-slave --record /root/record' & pids+=($!)
-  (sleep 8; ns=$left within "bare-$1" 'telekerf-ctl look') &
-  ns=$left within "bare-$1" 'telekerf-master --engage --duration-s 20 --record /root/record' || bad "the master of $1 failed"
+  ns=$right within "bare-$2" 'exec telekerf-vision --insecure' & pids+=($!)
+  ns=$right within "bare-$2" 'exec telekerf-slave --insecure --record /root/record' & pids+=($!)
+  (sleep 8; ns=$left within "bare-$1" 'telekerf-ctl look --insecure') &
+  ns=$left within "bare-$1" 'telekerf-master --insecure --engage --duration-s 20 --record /root/record' || bad "the master of $1 failed"
   kill -TERM "${pids[@]}" || true
   wait "${pids[@]}" || true
   rm -rf "$out"
