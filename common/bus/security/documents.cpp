@@ -39,7 +39,7 @@ std::string date(std::chrono::system_clock::time_point time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
 }
 
-std::string text_of(const tinyxml2::XMLElement* parent, const char* name) {
+std::string child_text(const tinyxml2::XMLElement* parent, const char* name) {
   const auto* const child = parent == nullptr ? nullptr : parent->FirstChildElement(name);
   if (child == nullptr || child->GetText() == nullptr) return "";
   std::string text = child->GetText();
@@ -147,7 +147,7 @@ std::optional<std::vector<Grant>> read_permissions(const std::string& text) {
        each = each->NextSiblingElement("grant")) {
     const auto* const validity = each->FirstChildElement("validity");
     Grant grant{
-        text_of(each, "subject_name"), text_of(validity, "not_before"), text_of(validity, "not_after"), {}};
+        child_text(each, "subject_name"), child_text(validity, "not_before"), child_text(validity, "not_after"), {}};
     for (const auto* rule = each->FirstChildElement("allow_rule"); rule != nullptr;
          rule = rule->NextSiblingElement("allow_rule")) {
       for (const bool publish : {true, false}) {
@@ -176,15 +176,15 @@ std::optional<Governance> read_governance(const std::string& text) {
   const auto* const topic = topics == nullptr ? nullptr : topics->FirstChildElement("topic_rule");
   return Governance{
       .highest_domain = highest_domain(rule),
-      .join_access_control = text_of(rule, "enable_join_access_control") == "true",
-      .rtps = text_of(rule, "rtps_protection_kind"),
-      .discovery = text_of(rule, "discovery_protection_kind"),
-      .liveliness = text_of(rule, "liveliness_protection_kind"),
-      .topics = text_of(topic, "topic_expression"),
-      .metadata = text_of(topic, "metadata_protection_kind"),
-      .data = text_of(topic, "data_protection_kind"),
-      .topic_access_control = text_of(topic, "enable_read_access_control") == "true" &&
-                              text_of(topic, "enable_write_access_control") == "true",
+      .join_access_control = child_text(rule, "enable_join_access_control") == "true",
+      .rtps = child_text(rule, "rtps_protection_kind"),
+      .discovery = child_text(rule, "discovery_protection_kind"),
+      .liveliness = child_text(rule, "liveliness_protection_kind"),
+      .topics = child_text(topic, "topic_expression"),
+      .metadata = child_text(topic, "metadata_protection_kind"),
+      .data = child_text(topic, "data_protection_kind"),
+      .topic_access_control = child_text(topic, "enable_read_access_control") == "true" &&
+                              child_text(topic, "enable_write_access_control") == "true",
   };
 }
 
