@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cstring>
 
+#include "common/bus/rtps_bytes.h"
+
 namespace telekerf::bus {
 namespace {
 
 // RTPS 2.x, 8.3 and 9.4; DDS Security 1.1, 7.3.
-constexpr std::size_t kHeader = 20;
 constexpr std::size_t kPrefix = 8;
-constexpr std::size_t kSubmessageHeader = 4;
-constexpr std::uint8_t kLittleEndian = 0x01;
 constexpr std::uint8_t kSecureMessage = 0x33;  // SRTPS_PREFIX
 constexpr std::uint32_t kAnnouncements = 0x000100c2, kHandshakes = 0x000201c3, kKeys = 0xff0202c3;
 
@@ -35,10 +34,6 @@ std::size_t writer_at(std::uint8_t kind) {
 /// May stand unprotected: it addresses, stamps or fills; a vendor's own; or it is protected by itself.
 bool is_harmless(std::uint8_t kind) {
   return kind == 0x01 || kind == 0x09 || kind == 0x0e || kind >= 0x80 || (kind >= 0x30 && kind <= 0x32);
-}
-
-std::uint8_t octet_at(std::span<const std::byte> bytes, std::size_t at) {
-  return std::to_integer<std::uint8_t>(bytes[at]);
 }
 
 /// All of it is what must be sent before there are keys.

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/bus/participant_qos.h"
+#include "common/bus/rtps_bytes.h"
 #include "common/protocol/site.h"
 #include "common/runtime/clock.h"
 
@@ -31,19 +32,12 @@ using middleware::rtps::octet;
 using middleware::rtps::SenderResource;
 
 // RTPS 2.x, 8.3 and 9.4.
-constexpr std::size_t kHeader = 20;
-constexpr std::size_t kSubmessageHeader = 4;
-constexpr std::uint8_t kLittleEndian = 0x01;
 constexpr std::uint8_t kInfoTimestamp = 0x09;
 constexpr std::uint8_t kInfoDestination = 0x0e;
 constexpr std::uint8_t kData = 0x15;
 constexpr std::uint8_t kStatistics = 0x80;
 constexpr std::size_t kStatisticsBytes = 60;
 constexpr std::size_t kWriterEntity = 12;  // in a DATA submessage
-
-std::uint8_t octet_at(std::span<const std::byte> bytes, std::size_t at) {
-  return std::to_integer<std::uint8_t>(bytes[at]);
-}
 
 /// The submessage at `at`, its head included; none: it is not whole.
 std::optional<std::span<const std::byte>> submessage(std::span<const std::byte> datagram, std::size_t at) {
