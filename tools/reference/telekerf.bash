@@ -7,7 +7,7 @@ _telekerf_commands() {
   case $1 in
     telekerf-ctl) echo 'stop clear-stop engage disengage beta take-contour zoom refocus ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
-    telekerf-experiment) echo 'autofocus chaos closed-contour codec constraint contours delay kinematics lap open-contour robots space-contour ' ;;
+    telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor kinematics lap open-contour remote-machining robots space-contour ' ;;
     telekerf-inspect) echo 'codec contour drive efd robot run ' ;;
   esac
 }
@@ -36,16 +36,19 @@ _telekerf_flags() {
     'telekerf-netem switch') echo '--domain --cell --name --peers --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-robot ') echo '--robot --mismatch --seed --port --config --print-config --help --version' ;;
     'telekerf-plant ') echo '--robot --mismatch --seed --drive-port --laser-port --max-w --stuck-after-j --record --domain --cell --name --peers --config --print-config --help --version' ;;
+    'telekerf-experiment all') echo '--quick --seed --jobs --only --claims --against --readme --page --out --config --print-config --help --version' ;;
     'telekerf-experiment autofocus') echo '--law --starts --seed --jobs --out --page --config --print-config --help --version' ;;
     'telekerf-experiment chaos') echo '--runs --seed --duration-s --mode --faults --beam-age-s --no-shrink --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --page --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
-    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --seed --page --out --config --print-config --help --version' ;;
+    'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --only-rtt-ms --seed --page --out --config --print-config --help --version' ;;
+    'telekerf-experiment hall-sensor') echo '--robot --path-mm --sensors --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
     'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --record --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
+    'telekerf-experiment remote-machining') echo '--netem --all-profiles --duration-s --laser-w --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
@@ -325,6 +328,14 @@ _telekerf_values() {
     'telekerf-plant  --cell') echo "" ;;
     'telekerf-plant  --name') echo "" ;;
     'telekerf-plant  --peers') echo "" ;;
+    'telekerf-experiment all --seed') echo "" ;;
+    'telekerf-experiment all --jobs') echo "" ;;
+    'telekerf-experiment all --only') echo "" ;;
+    'telekerf-experiment all --claims') echo "-f" ;;
+    'telekerf-experiment all --against') echo "-d" ;;
+    'telekerf-experiment all --readme') echo "-f" ;;
+    'telekerf-experiment all --page') echo "-f" ;;
+    'telekerf-experiment all --out') echo "-d" ;;
     'telekerf-experiment autofocus --law') echo "-W 'search thesis'" ;;
     'telekerf-experiment autofocus --starts') echo "" ;;
     'telekerf-experiment autofocus --seed') echo "" ;;
@@ -401,9 +412,15 @@ _telekerf_values() {
     'telekerf-experiment delay --slave-dose-max-j') echo "" ;;
     'telekerf-experiment delay --slave-dose-max-j-per-mm2') echo "" ;;
     'telekerf-experiment delay --duration-s') echo "" ;;
+    'telekerf-experiment delay --only-rtt-ms') echo "" ;;
     'telekerf-experiment delay --seed') echo "" ;;
     'telekerf-experiment delay --page') echo "-f" ;;
     'telekerf-experiment delay --out') echo "-d" ;;
+    'telekerf-experiment hall-sensor --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
+    'telekerf-experiment hall-sensor --path-mm') echo "" ;;
+    'telekerf-experiment hall-sensor --sensors') echo "" ;;
+    'telekerf-experiment hall-sensor --seed') echo "" ;;
+    'telekerf-experiment hall-sensor --out') echo "-d" ;;
     'telekerf-experiment kinematics --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-experiment kinematics --step-m') echo "" ;;
     'telekerf-experiment kinematics --out') echo "-d" ;;
@@ -475,6 +492,11 @@ _telekerf_values() {
     'telekerf-experiment open-contour --across-rad-s') echo "" ;;
     'telekerf-experiment open-contour --seed') echo "" ;;
     'telekerf-experiment open-contour --out') echo "-d" ;;
+    'telekerf-experiment remote-machining --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
+    'telekerf-experiment remote-machining --duration-s') echo "" ;;
+    'telekerf-experiment remote-machining --laser-w') echo "" ;;
+    'telekerf-experiment remote-machining --seed') echo "" ;;
+    'telekerf-experiment remote-machining --out') echo "-d" ;;
     'telekerf-experiment robots --runs') echo "" ;;
     'telekerf-experiment robots --seed') echo "" ;;
     'telekerf-experiment robots --duration-s') echo "" ;;
