@@ -98,7 +98,7 @@ TEST(Plot, ASinglePlaceIsSeen) {
   const auto points = [](const Line& line) {
     const std::string svg = svg_of({.panels = {{.lines = {line}}}});
     std::size_t n = 0;
-    for (std::size_t at = svg.find("xlink:href='#gpPt"); at != svg.npos;
+    for (std::size_t at = svg.find("xlink:href='#gpPt", svg.find("</defs>")); at != svg.npos;
          at = svg.find("xlink:href='#gpPt", at + 1))
       ++n;
     return n;
