@@ -16,6 +16,7 @@ void add_delay_command(Program& program);
 void add_kinematics_command(Program& program);
 void add_lap_command(Program& program);
 void add_open_contour_command(Program& program);
+void add_replay_command(Program& program);
 void add_robots_command(Program& program);
 void add_space_contour_command(Program& program);
 
