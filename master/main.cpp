@@ -112,11 +112,11 @@ int run(Flags& flags) {
     rivals.look();
     if (const std::string said = link.due(std::chrono::steady_clock::now()); !said.empty()) status.say(said);
   });
-  double engaged_s = 0.0;
-  double waited_s = 0.0;
+  double engaged_s = 0.0, waited_s = 0.0;
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(states, arrived_states);
     drain(events, arrived_events);
+    process.let_go_with_keys(arrived_events);
     GuidedContour* const task = contour.current();
     const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events, emergency.order());
     recording.step(now_ns, arrived_states, arrived_events, out);
@@ -163,6 +163,7 @@ int run(Flags& flags) {
   }
   if (const std::string why = rivals.sentence(); !why.empty()) throw environment_error(why);
   if (contour.refused()) throw input_error(contour.refusal());
+  process.refuse_ended();
   if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !failed) {
     throw environment_error(fmt::format(
         "nobody to work with for {:.0f} s in {}: are telekerf-vision and telekerf-slave running there?",

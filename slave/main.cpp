@@ -136,6 +136,7 @@ int run(Flags& flags) {
   if (contour.refused()) throw input_error(contour.refusal());
   if (station.machine().failed()) throw hardware_error(station.machine().failure());
   if (station.beam().failed()) throw hardware_error(station.beam().failure());
+  process.refuse_ended();
   process.status().say("ended in order, laser off");
   return 0;
 }

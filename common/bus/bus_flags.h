@@ -17,6 +17,9 @@ struct BusFlags {
   std::string cell = "cell-1";
   std::string name;
   std::string peers;
+  std::string security;
+  bool wan = false;
+  bool insecure = false;
 
   void add_parameters(Settings& settings);
   /// Settings for a process of this role; the epoch is taken from the wall clock, so that a later start has a

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Line plots into a PNG: several panels with axes, ticks, labels and legend.
+// Line plots by gnuplot: several panels with axes, ticks, labels and legend.
 #pragma once
 
 #include <array>
@@ -28,7 +28,8 @@ struct Panel {
   std::optional<std::array<double, 2>> y_range = {};
   bool log_x = false;
   bool log_y = false;
-  bool equal_axes = false;  ///< one unit is as long in x as in y (paths in the plane)
+  bool equal_axes = false;             ///< one unit is as long in x as in y (paths in the plane)
+  std::filesystem::path picture = {};  ///< a PNG instead of lines, without axes
 };
 
 struct Figure {
@@ -39,7 +40,15 @@ struct Figure {
   int panel_height_px = 320;
 };
 
-/// Writes the figure; the folder must exist. Throws StartupError if the file cannot be written.
+/// Writes the figure, the same as SVG, and what it shows as CSV: NAME.png, NAME.svg, NAME.csv; the folder
+/// must exist. The same figure leaves the same bytes. Throws StartupError if gnuplot is missing or a file
+/// cannot be written.
 void draw_figure(const Figure& figure, const std::filesystem::path& png);
+
+/// What gnuplot is told, all but the data's drawing surface (terminal and output).
+std::string gnuplot_script(const Figure& figure);
+
+/// A row a point: panel, labels of its axes, line, x, y.
+std::string figure_csv(const Figure& figure);
 
 }  // namespace telekerf::reporting

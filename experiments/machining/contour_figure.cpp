@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "common/reporting/picture_file.h"
 #include "common/reporting/plot.h"
@@ -44,33 +42,10 @@ Line trace_line(const ContourRun& run, const std::string& label, int colour,
   return line;
 }
 
-/// The picture that the contour came from, to the left of the finished panels (A of the thesis' figures).
-void put_beside(const cv::Mat& picture, const std::filesystem::path& png) {
-  const cv::Mat panels = cv::imread(png.string(), cv::IMREAD_COLOR);
-  const int side = panels.rows / 2;
-  const double scale = static_cast<double>(side) / std::max(picture.cols, picture.rows);
-  cv::Mat small, colour;
-  cv::resize(picture, small, {}, scale, scale, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
-  if (small.channels() == 1) {
-    cv::cvtColor(small, colour, cv::COLOR_GRAY2BGR);
-  } else if (small.channels() == 4) {
-    cv::cvtColor(small, colour, cv::COLOR_BGRA2BGR);
-  } else {
-    colour = small;
-  }
-  cv::Mat all(panels.rows, panels.cols + side + 40, CV_8UC3, cv::Scalar::all(255));
-  colour.copyTo(all(
-      cv::Rect(20 + (side - colour.cols) / 2, (panels.rows - colour.rows) / 2, colour.cols, colour.rows)));
-  cv::putText(all, "source picture", {20, (panels.rows - side) / 2 - 12}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
-              cv::Scalar::all(40), 1, cv::LINE_AA);
-  panels.copyTo(all(cv::Rect(side + 40, 0, panels.cols, panels.rows)));
-  reporting::write_picture(png, all);
-}
-
 }  // namespace
 
 void draw_runs(const std::string& title, const std::vector<NamedRun>& runs, const cv::Mat& picture,
-               const std::filesystem::path& png) {
+               const std::filesystem::path& mark, const std::filesystem::path& png) {
   const ContourRun& first = *runs.front().run;
   const auto reference = [](const machining::PassRow& row) { return row.reference.position_m; };
   const auto tool = [](const machining::PassRow& row) { return row.tool_m; };
@@ -86,6 +61,8 @@ void draw_runs(const std::string& title, const std::vector<NamedRun>& runs, cons
   Panel plane{.title = "contour", .x_label = "x [mm]", .y_label = "y [mm]", .equal_axes = true};
   Panel zoom{
       .title = "where the error is largest", .x_label = "x [mm]", .y_label = "y [mm]", .equal_axes = true};
+  zoom.x_range = {{1e3 * (place.x() - kReach), 1e3 * (place.x() + kReach)}};
+  zoom.y_range = {{1e3 * (place.y() - kReach), 1e3 * (place.y() + kReach)}};
   Panel speed{.title = "tangential speed", .x_label = "time [s]", .y_label = "[mm/s]"};
   Panel normal{.title = "error across the contour", .x_label = "time [s]", .y_label = "[um]"};
   plane.lines.push_back(path_line(first, "reference", Line::Style::kDashed, 7, reference));
@@ -106,13 +83,20 @@ void draw_runs(const std::string& title, const std::vector<NamedRun>& runs, cons
       return 1e6 * row.error_in_frame_m[1];
     }));
   }
-  draw_figure({.title = title,
-               .panels = {plane, zoom, speed, normal},
-               .columns = 2,
-               .panel_width_px = 560,
-               .panel_height_px = 400},
-              png);
-  if (!picture.empty()) put_beside(picture, png);
+  reporting::Figure figure{.title = title,
+                           .panels = {plane, zoom, speed, normal, {.title = "laser mark", .picture = mark}},
+                           .columns = 2,
+                           .panel_width_px = 560,
+                           .panel_height_px = 400};
+  if (!picture.empty()) {
+    // A of the thesis' figures.
+    const std::filesystem::path source = std::filesystem::path(png).replace_filename("source.png");
+    reporting::write_picture(source, picture);
+    figure.panels.insert(figure.panels.begin(), {.title = "source picture", .picture = source});
+    figure.columns = 3;
+    figure.panel_width_px = 480;
+  }
+  draw_figure(figure, png);
 }
 
 }  // namespace telekerf::experiments

@@ -16,9 +16,11 @@ struct NamedRun {
   const ContourRun* run;
 };
 
-/// The contour, the place where the last run is farthest off, speed and error across the contour; to their
-/// left the picture, unless it is empty. The first run's reference is drawn. Throws StartupError.
+/// The picture, unless it is empty, which is left beside as source.png; the contour, the place where the last
+/// run is farthest off, speed and error across the contour. The first run's reference is drawn. Throws
+/// StartupError.
+/// `mark`: a picture of what the laser left, the last panel.
 void draw_runs(const std::string& title, const std::vector<NamedRun>& runs, const cv::Mat& picture,
-               const std::filesystem::path& png);
+               const std::filesystem::path& mark, const std::filesystem::path& png);
 
 }  // namespace telekerf::experiments

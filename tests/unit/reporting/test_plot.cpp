@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a figure shows: the curves that gnuplot drew, read out of its SVG, and the rows of its CSV.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "common/reporting/plot.h"
+#include "common/runtime/startup_error.h"
+
+namespace telekerf::reporting {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path file_named(const std::string& name) {
+  return fs::path(testing::TempDir()) / ("plot-" + std::to_string(getpid()) + "-" + name);
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string svg_of(const Figure& figure) {
+  draw_figure(figure, file_named("figure.png"));
+  return text_of(file_named("figure.svg"));
+}
+
+using Stroke = std::vector<cv::Point2d>;
+
+/// The strokes of one colour, without the sample in the legend (a horizontal stroke of two points).
+std::vector<Stroke> strokes(const std::string& svg, const std::string& rgb) {
+  static const std::regex kPath(
+      R"re(<path +stroke='rgb\(([ 0-9,]+)\)' +(?:stroke-dasharray='[^']*' *)? *d='([^']*)')re");
+  std::vector<Stroke> found;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), kPath), end; at != end; ++at) {
+    std::string colour = (*at)[1];
+    colour.erase(std::remove(colour.begin(), colour.end(), ' '), colour.end());
+    if (colour != rgb) continue;
+    std::istringstream numbers(std::regex_replace(std::string((*at)[2]), std::regex("[ML,]"), " "));
+    std::string path = (*at)[2];
+    std::vector<Stroke> parts;
+    std::regex step(R"(([ML])([-0-9.]+),([-0-9.]+))");
+    for (std::sregex_iterator s(path.begin(), path.end(), step), none; s != none; ++s) {
+      if ((*s)[1] == "M") parts.emplace_back();
+      parts.back().emplace_back(std::stod((*s)[2]), std::stod((*s)[3]));
+    }
+    for (const Stroke& part : parts)
+      if (part.size() > 2 || (part.size() == 2 && part[0].y != part[1].y)) found.push_back(part);
+  }
+  return found;
+}
+
+const std::string kBlue = "0,114,178", kOrange = "213,94,0";
+
+TEST(Plot, ALineRunsWhereItsValuesAre) {
+  Panel panel;
+  panel.lines = {{.x = {0, 1, 2, 2}, .y = {0, 10, 0, 20}}};
+  panel.x_range = {{0, 2}};
+  panel.y_range = {{0, 20}};
+  const auto drawn = strokes(svg_of({.panels = {panel}}), kBlue);
+  ASSERT_EQ(drawn.size(), 1u);
+  ASSERT_EQ(drawn[0].size(), 4u);
+  const Stroke& s = drawn[0];
+  EXPECT_NEAR(s[1].x, 0.5 * (s[0].x + s[2].x), 0.2);
+  EXPECT_NEAR(s[1].y, 0.5 * (s[2].y + s[3].y), 0.2) << "ten is half way to twenty";
+  EXPECT_LT(s[3].y, s[2].y) << "upwards";
+}
+
+TEST(Plot, LogarithmicAxesAndGaps) {
+  Panel panel;
+  panel.lines = {{.x = {1, 10, 100, 100}, .y = {1, 1000, 1, 1e6}}};
+  panel.log_x = panel.log_y = true;
+  const auto logarithmic = strokes(svg_of({.panels = {panel}}), kBlue);
+  ASSERT_EQ(logarithmic.size(), 1u);
+  const Stroke& s = logarithmic[0];
+  EXPECT_NEAR(s[1].x, 0.5 * (s[0].x + s[2].x), 0.2);
+  EXPECT_NEAR(s[1].y, 0.5 * (s[2].y + s[3].y), 0.2);
+  panel.log_x = panel.log_y = false;
+  panel.lines = {{.x = {0, 1, 2, NAN, 4, 5, 6}, .y = {1, 2, 1, 1, 1, 2, 1}}};
+  const auto gap = strokes(svg_of({.panels = {panel}}), kBlue);
+  ASSERT_EQ(gap.size(), 2u) << "a NaN leaves a gap";
+  EXPECT_EQ(gap[0].size(), 3u);
+  EXPECT_LT(gap[0].back().x + 10, gap[1].front().x);
+}
+
+TEST(Plot, EqualAxesShowACircleRound) {
+  Panel panel;
+  Line circle;
+  for (int i = 0; i <= 360; ++i) {
+    circle.x.push_back(3.0 + std::cos(i * M_PI / 180));
+    circle.y.push_back(std::sin(i * M_PI / 180));
+  }
+  panel.lines = {circle};
+  const auto roundness = [&] {
+    const Stroke s = strokes(svg_of({.panels = {panel}}), kBlue).at(0);
+    const auto [left, right] =
+        std::minmax_element(s.begin(), s.end(), [](auto& a, auto& b) { return a.x < b.x; });
+    const auto [top, bottom] =
+        std::minmax_element(s.begin(), s.end(), [](auto& a, auto& b) { return a.y < b.y; });
+    return (right->x - left->x) / (bottom->y - top->y);
+  };
+  EXPECT_GT(roundness(), 1.3) << "the panel is wider than high";
+  panel.equal_axes = true;
+  EXPECT_NEAR(roundness(), 1.0, 0.02);
+}
+
+TEST(Plot, ColoursGoByPlaceOrAsAskedAndDashesAreTold) {
+  Panel panel;
+  const std::vector<double> x{0, 1, 2}, y{0, 1, 0};
+  panel.lines = {{.label = "first", .x = x, .y = y}, {.label = "second", .x = x, .y = y}};
+  std::string svg = svg_of({.panels = {panel}});
+  EXPECT_EQ(strokes(svg, kBlue).size(), 1u);
+  EXPECT_EQ(strokes(svg, kOrange).size(), 1u);
+  const auto dashes = [](const std::string& drawing) {
+    std::size_t n = 0;
+    for (std::size_t at = drawing.find("stroke-dasharray"); at != drawing.npos;
+         at = drawing.find("stroke-dasharray", at + 1))
+      ++n;
+    return n;
+  };
+  const std::size_t before = dashes(svg);
+  panel.lines[0].colour = 9;  // colours go round
+  panel.lines[1].style = Line::Style::kDashed;
+  svg = svg_of({.panels = {panel}});
+  EXPECT_EQ(strokes(svg, kBlue).size(), 0u);
+  EXPECT_GT(dashes(svg), before);
+}
+
+TEST(Plot, TitlesLabelsAndLegendAreWrittenAsTheyAre) {
+  Panel panel{.title = "it's a_b^c", .x_label = "along [mm]", .y_label = "error [um]"};
+  panel.lines = {{.label = "the \"tool\"", .x = {0, 1}, .y = {0, 1}}, {.x = {0, 1}, .y = {1, 0}}};
+  const std::string svg = svg_of({.title = "a {figure}", .panels = {panel}});
+  for (const char* words : {"it's a_b^c", "along [mm]", "error [um]", "a {figure}"})
+    EXPECT_NE(svg.find(words), svg.npos) << words;
+  EXPECT_TRUE(svg.find("the \"tool\"") != svg.npos || svg.find("the &quot;tool&quot;") != svg.npos);
+}
+
+TEST(Plot, ThePicturesSizeIsThePanels) {
+  const auto png = file_named("size.png");
+  draw_figure({.title = "t",
+               .panels = std::vector<Panel>(5),
+               .columns = 2,
+               .panel_width_px = 300,
+               .panel_height_px = 200},
+              png);
+  EXPECT_EQ(cv::imread(png.string()).size(), cv::Size(600, 634));
+  draw_figure({.panels = std::vector<Panel>(2), .columns = 2}, png);
+  EXPECT_EQ(cv::imread(png.string()).size(), cv::Size(960, 320));
+}
+
+TEST(Plot, APanelMayShowAPicture) {
+  const auto picture = file_named("it's a picture.png");
+  cv::imwrite(picture.string(), cv::Mat(60, 60, CV_8UC3, cv::Scalar(20, 30, 250)));
+  const auto png = file_named("with-picture.png");
+  draw_figure({.panels = {{.title = "red", .picture = picture}}}, png);
+  const cv::Mat drawn = cv::imread(png.string());
+  EXPECT_EQ(drawn.at<cv::Vec3b>(drawn.rows / 2, drawn.cols / 2), cv::Vec3b(20, 30, 250));
+}
+
+TEST(Plot, TheSameFigureLeavesTheSameBytes) {
+  const Figure figure{.panels = {{.title = "a", .lines = {{.x = {0, 1}, .y = {0, 1}}}}}};
+  draw_figure(figure, file_named("a.png"));
+  draw_figure(figure, file_named("b.png"));
+  for (const char* kind : {"png", "svg", "csv"})
+    EXPECT_EQ(text_of(file_named(std::string("a.") + kind)), text_of(file_named(std::string("b.") + kind)))
+        << kind;
+}
+
+TEST(Plot, TheDataStandInTheCsv) {
+  Figure figure{.panels = {{.title = "speed, \"true\"", .x_label = "time [s]", .y_label = "[mm/s]"}}};
+  figure.panels[0].lines = {{.label = "tool", .x = {0.5, 1}, .y = {-2, 1e-7}}, {.x = {0}, .y = {3}}};
+  EXPECT_EQ(figure_csv(figure),
+            "panel,x_axis,y_axis,line,x,y\n"
+            "\"speed, \"\"true\"\"\",\"time [s]\",\"[mm/s]\",\"tool\",0.5,-2\n"
+            "\"speed, \"\"true\"\"\",\"time [s]\",\"[mm/s]\",\"tool\",1,1e-07\n"
+            "\"speed, \"\"true\"\"\",\"time [s]\",\"[mm/s]\",\"line 2\",0,3\n");
+}
+
+TEST(Plot, WhatCannotBeDrawnIsSaid) {
+  EXPECT_THROW(draw_figure({.panels = std::vector<Panel>(1)}, "/nowhere/at/all.png"), StartupError);
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  std::string said;
+  try {
+    draw_figure({.panels = std::vector<Panel>(1)}, file_named("never.png"));
+  } catch (const StartupError& error) {
+    said = error.what();
+  }
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_NE(said.find("install gnuplot-nox"), said.npos) << said;
+}
+
+}  // namespace
+}  // namespace telekerf::reporting
