@@ -4,6 +4,7 @@
 
 int main(int argc, char** argv) {
   telekerf::Program program("telekerf-experiment", "Experiments in virtual time");
+  telekerf::experiments::add_all_command(program);
   telekerf::experiments::add_autofocus_command(program);
   telekerf::experiments::add_chaos_command(program);
   telekerf::experiments::add_closed_contour_command(program);
@@ -11,9 +12,11 @@ int main(int argc, char** argv) {
   telekerf::experiments::add_constraint_command(program);
   telekerf::experiments::add_contours_command(program);
   telekerf::experiments::add_delay_command(program);
+  telekerf::experiments::add_hall_sensor_command(program);
   telekerf::experiments::add_kinematics_command(program);
   telekerf::experiments::add_lap_command(program);
   telekerf::experiments::add_open_contour_command(program);
+  telekerf::experiments::add_replay_command(program);
   telekerf::experiments::add_remote_machining_command(program);
   telekerf::experiments::add_robots_command(program);
   telekerf::experiments::add_space_contour_command(program);

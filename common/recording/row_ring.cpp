@@ -113,9 +113,10 @@ std::optional<RowRing::Left> RowRing::read(const std::filesystem::path& file, st
     const std::uint64_t oldest = head + 1 > header->capacity ? head + 1 - header->capacity : 0;
     left->overwritten = oldest > from ? oldest - from : 0;
     const auto* slots = reinterpret_cast<const double*>(static_cast<const std::byte*>(memory) + kHeaderBytes);
-    for (std::uint64_t n = std::max(from, oldest); n < head; ++n) {
+    for (std::uint64_t n = oldest; n < head; ++n) {
       const double* slot = slots + (n % header->capacity) * columns;
-      left->numbers.insert(left->numbers.end(), slot, slot + columns);
+      left->last.insert(left->last.end(), slot, slot + columns);
+      if (n >= from) left->numbers.insert(left->numbers.end(), slot, slot + columns);
     }
   }
   ::munmap(memory, bytes);

@@ -57,6 +57,7 @@ class RowRing {
     std::uint64_t elsewhere = 0;  ///< rows of the other place that were acknowledged
     std::vector<double> numbers;  ///< all rows after these, in order
     std::uint64_t overwritten = 0;  ///< rows between the two that nobody has
+    std::vector<double> last;       ///< all rows that the memory holds
   };
   /// None: there is no such ring of so many columns.
   static std::optional<Left> read(const std::filesystem::path& file, std::size_t columns);

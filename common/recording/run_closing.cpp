@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
+#include "common/recording/flight.h"
 #include "common/recording/row_ring.h"
 #include "common/recording/run_reader.h"
 
@@ -45,6 +47,7 @@ RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end) {
   for (const auto& [name, word] : end.words) identity.words[name] = word;
   ClosedFile to(file, identity, end.state);
   std::vector<std::filesystem::path> rings;
+  std::vector<SeriesData> last;
   for (std::size_t n = 0; n < from.series().size(); ++n) {
     const RunReader::Series& series = from.series()[n];
     const std::size_t there = to.add(series.schema);
@@ -63,6 +66,7 @@ RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end) {
       kept.rows_from_memory += left->numbers.size() / series.schema.width();
       kept.overwritten_rows += left->overwritten;
       dropped += left->overwritten;
+      last.push_back({series.schema, std::move(left->last)});
     }
     to.set_dropped(there, dropped);
   }
@@ -74,6 +78,10 @@ RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end) {
     to.append(contour);
     ++kept.contours;
   }
+  kept.memory = !last.empty();
+  if (!last.empty())
+    write_flight(file.parent_path() / ("flight-" + identity.role + "-killed.h5"), identity, last,
+                 {.kind = "fault", .text = "the process was killed"});
   kept.series = to.finish();
   for (const std::filesystem::path& ring : rings) {
     std::error_code ignored;

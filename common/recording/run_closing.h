@@ -24,6 +24,7 @@ struct RunKept {
   std::uint64_t rows_from_memory = 0;  ///< that the file did not hold yet when its process was killed
   std::uint64_t damaged_rows = 0;      ///< that could not be read
   std::uint64_t overwritten_rows = 0;  ///< that nobody has any more
+  bool memory = false;  ///< that the process had left was there: what is not kept never was
   std::size_t events = 0;
   std::size_t contours = 0;
   std::uint64_t rows() const;

@@ -222,8 +222,14 @@ void Settings::load_keys(const ConfigFile& file, const std::string& table) {
   for (Entry& entry : entries_) {
     const std::string key = table + entry.setting.name;
     if (entry.setting.positional || !file.has(key)) continue;
-    const auto value = file.value(key);
-    const std::string wrong = take(entry, value.value_or(std::vector<double>{}), file.name());
+    const Type type = entry.setting.type;
+    // What no setting can be, a date for instance, is refused as another kind.
+    ConfigValue value = file.value(key).value_or(type == Type::kNumbers ? ConfigValue(std::string())
+                                                                         : std::vector<double>{});
+    // An empty list does not say of what.
+    if (type == Type::kTexts && file.value(key) == ConfigValue(std::vector<double>{}))
+      value = std::vector<std::string>{};
+    const std::string wrong = take(entry, value, file.name());
     if (!wrong.empty()) file.refuse(key, wrong);
   }
   for (const Gone& gone : gone_) {
@@ -372,6 +378,16 @@ std::string Settings::help() const { return help_text(declared()); }
 std::string Settings::toml() const {
   std::vector<Setting> now = declared();
   for (std::size_t i = 0; i < now.size(); ++i) now[i].initial = entries_[i].get();
+  return toml_text(now);
+}
+
+std::string Settings::given_toml() const {
+  std::vector<Setting> now;
+  for (const Entry& entry : entries_) {
+    if (entry.given.empty()) continue;
+    now.push_back(entry.setting);
+    now.back().initial = entry.get();
+  }
   return toml_text(now);
 }
 

@@ -25,6 +25,7 @@ struct Options {
   std::string netem;
   std::optional<double> rtt_ms, jitter_ms, loss;  // without them: no condition
   std::optional<double> duration_s;
+  std::vector<double> only_rtt_ms;
   std::uint64_t seed = 1;
   std::string page;
   std::string out = "out/delay";
@@ -48,6 +49,8 @@ void add_parameters(Options& o, Settings& s) {
   add_conditions(o, s);
   s.add("duration_s", o.duration_s, {.min = 2, .max = 600, .unit = "s"},
         "length of a run; without it 8, on the shipped profiles 30");
+  s.add("only_rtt_ms", o.only_rtt_ms, 0, {.min = 0, .max = 1000, .unit = "ms"},
+        "all rivals at these round trips, 10 % jitter and 1 % loss, and no tables; none: everything");
   s.add("seed", o.seed, kSeeds, "of everything random");
   s.add("page", o.page, kFile, "results page whose tables are written anew; one run has none");
   s.add("out", o.out, kFolder, "folder for the results");
@@ -91,6 +94,7 @@ Run one_run(const Options& options) {
 std::vector<Run> all_runs(const Options& options) {
   Length length;
   if (options.duration_s) length.grid_s = length.profile_s = *options.duration_s;
+  length.only_rtt_ms = options.only_rtt_ms;
   return full_benchmark(length, options.seed, [](std::size_t done, std::size_t of) {
     fmt::print("{} of {}\n", done, of);
     std::fflush(stdout);
@@ -114,6 +118,10 @@ int run(Options& options) {
   const std::filesystem::path folder = options.out;
   refuse_unwritable("--out", folder);
   const bool one = asks_for_one(options);
+  const bool some = !options.only_rtt_ms.empty();
+  if (one && some)
+    throw usage_error("--only-rtt-ms is of all rivals: leave it out, or what asks for one run");
+  if (some && !options.page.empty()) throw usage_error("--page wants all runs: leave --only-rtt-ms out");
   const std::vector<Run> runs = one ? std::vector<Run>{one_run(options)} : all_runs(options);
   make_folder("--out", folder);
   nlohmann::ordered_json json;
@@ -125,7 +133,8 @@ int run(Options& options) {
     draw_rtt(runs, folder / "delay.png");
     draw_stability(folder / "stability.png");
     draw_start(folder / "start.png");
-    const std::vector<reporting::PageTable> tables = delay_tables(runs);
+    const std::vector<reporting::PageTable> tables =
+        some ? std::vector<reporting::PageTable>() : delay_tables(runs);
     if (!options.page.empty()) reporting::write_tables(options.page, tables);
     for (const auto& table : tables) fmt::print("{}\n{}\n", table.name, table.markdown);
   }
@@ -134,7 +143,7 @@ int run(Options& options) {
              nlohmann::ordered_json{{"seconds", took.count()}, {"runs", runs.size()}});
   bool good = true;
   for (const Run& run : runs) {
-    if (one || !run.condition.empty()) print_row(run);
+    if (one || some || !run.condition.empty()) print_row(run);
     // The bar of its own: the default law is stable everywhere.
     if (one || same(run.rival, rivals().front())) good = good && run.result.stable;
   }

@@ -36,8 +36,11 @@ void draw_rtt(const std::vector<Run>& runs, const std::filesystem::path& png) {
       for (const double rtt_ms : kRttMs) {
         line.x.push_back(rtt_ms);
         const Run* run = find_run(runs, rival, rtt_ms, rtt_ms > 0.0 ? 0.1 : 0.0, 0.01);
-        const bool stable = run != nullptr && run->result.stable;
-        line.y.push_back(stable ? std::clamp(run->result.*what, kLeast_um, kMost_um) : kMost_um);
+        if (run == nullptr) {
+          line.x.pop_back();
+          continue;
+        }
+        line.y.push_back(run->result.stable ? std::clamp(run->result.*what, kLeast_um, kMost_um) : kMost_um);
       }
       panel.lines.push_back(line);
     }

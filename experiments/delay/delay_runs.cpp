@@ -87,13 +87,17 @@ struct Tuning {
 };
 
 /// Each rival for each round trip, and for each profile where it is run on it.
-std::vector<Tuning> tune(const HandRecord& hand, std::uint64_t seed, const Said& said) {
+std::vector<Tuning> tune(const HandRecord& hand, const std::vector<double>& only_rtt_ms, std::uint64_t seed,
+                         const Said& said) {
   std::vector<Tuning> all;
+  const std::vector<double> every(kRttMs.begin(), kRttMs.end());
   for (const Rival& rival : rivals()) {
-    for (const double rtt_ms : kRttMs) all.push_back({rival, rtt_ms, "", {}});
+    for (const double rtt_ms : only_rtt_ms.empty() ? every : only_rtt_ms)
+      all.push_back({rival, rtt_ms, "", {}});
   }
   for (const Rival& rival : profile_rivals()) {
-    for (const char* profile : kProfiles) all.push_back({rival, 0.0, profile, {}});
+    for (const char* profile : kProfiles)
+      if (only_rtt_ms.empty()) all.push_back({rival, 0.0, profile, {}});
   }
   std::atomic<std::size_t> done{0};
   for_each_parallel(all.size(), [&](std::size_t i) {
@@ -119,16 +123,20 @@ void take_tuning(const std::vector<Tuning>& all, Run& run) {
 
 std::vector<Run> full_benchmark(const Length& length, std::uint64_t seed, const Said& said) {
   const HandRecord short_hand = record_hand("heart", length.grid_s, seed);
-  const std::vector<Tuning> tunings = tune(short_hand, seed, said);
+  const std::vector<Tuning> tunings = tune(short_hand, length.only_rtt_ms, seed, said);
 
+  const bool all = length.only_rtt_ms.empty();
   std::vector<Run> runs;
   for (const Rival& rival : rivals()) {
+    for (const double rtt_ms : length.only_rtt_ms)
+      runs.push_back(make_run(rival, rtt_ms, kTunedShare * rtt_ms, kTunedLoss, seed));
+    if (!all) continue;
     add_grid(rival, seed, runs);
     add_conditions(rival, seed, length.grid_s, runs);
   }
   const std::size_t of_grid = runs.size();
   std::vector<HandRecord> hands;
-  for (int i = 0; i < length.profile_seeds; ++i) {
+  for (int i = 0; all && i < length.profile_seeds; ++i) {
     const std::uint64_t its_seed = seed + static_cast<std::uint64_t>(i);
     hands.push_back(record_hand("heart", length.profile_s, its_seed));
     for (const Rival& rival : profile_rivals()) {

@@ -32,6 +32,8 @@ struct Length {
   double grid_s = 8.0;      ///< of the runs over round trip, jitter and loss, and of those that tune
   double profile_s = 30.0;  ///< of the runs on the shipped profiles
   int profile_seeds = 5;
+  /// These round trips alone, at the jitter and loss that rivals are tuned for; empty: everything.
+  std::vector<double> only_rtt_ms = {};
 };
 
 /// All of them; rivals are tuned for each round trip (at 10 % jitter and 1 % loss) and for each profile.

@@ -8,7 +8,12 @@ void add_closed_contour_command(Program& program) {
   add_contour_experiment(
       program, {.name = "closed-contour",
                 .help = "Thesis 8.2: outlines by contouring control; result.json, trace.csv, figures",
-                .pictures = {"cam", "gear", "octagon", "outline-1", "outline-2", "outline-3"},
+                .subjects = {{"eight-leg-cam"},
+                             {"gear"},
+                             {"octagon"},
+                             {"melanoma-like", &workpiece::kFibreglass},
+                             {"tissue-like", &workpiece::kFibreglass},
+                             {"hand-drawn"}},
                 .speed_mm_s = 8.0,
                 .closed = true});
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 
 #include "common/reporting/plot.h"
 #include "common/runtime/results.h"
@@ -30,7 +31,7 @@ struct Options {
   machining::ControllerKind controller = machining::ControllerKind::kAuto;
   machining::CornerPolicy corner = machining::CornerPolicy::kRounded;
   bool ideal = false;
-  const workpiece::Material* material = &workpiece::kWood;
+  std::optional<const workpiece::Material*> material;  ///< none: wood, or what the thesis' figure has
   std::string out;
   double tolerance_um = 10.0;
   double along_rad_s = 0.0;
@@ -70,8 +71,9 @@ ContourRunSettings run_settings(const Options& options, const robot::RobotModel&
   return s;
 }
 
-ordered_json one_picture(const std::string& image, const Options& options,
+ordered_json one_picture(const ContourExperiment::Subject& subject, const Options& options,
                          const ContourExperiment& experiment, const std::filesystem::path& out) {
+  const std::string& image = subject.picture;
   const robot::RobotModel model = robot::load_robot(options.robot);
   const ContourRunSettings settings = run_settings(options, model);
   const ContourSource source =
@@ -93,7 +95,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
                       {"control_hz", settings.plan.control_hz}};
   result.update(measure(run, settings));
   result["tuning"] = tuning(settings);
-  result["burn"] = machining::burn({&run.pass, 1}, *options.material, out);
+  result["burn"] = machining::burn({&run.pass, 1}, *options.material.value_or(subject.material), out);
   write_contour_trace(run, out / "trace.csv");
 
   std::vector<NamedRun> runs{{std::string(machining::kControllers.word(options.controller)), &run}};
@@ -109,7 +111,7 @@ ordered_json one_picture(const std::string& image, const Options& options,
     result["normal_error_ratio"] = normal_error_ratio(result, measured);
     result["equal_terms"] = equal_terms(*plan, contour, settings);
   }
-  draw_runs(fmt::format("{} at {:g} mm/s", image, options.speed_mm_s), runs, source.picture,
+  draw_runs(fmt::format("{} at {:g} mm/s", image, options.speed_mm_s), runs, source.picture, out / "mark.png",
             out / "panels.png");
 
   if (options.sweep) {
@@ -151,16 +153,17 @@ int run(const Options& options, const ContourExperiment& experiment) {
   const std::filesystem::path out = options.out;
   ordered_json result;
   if (!options.image.empty()) {
-    result = one_picture(options.image, options, experiment, out);
+    result = one_picture({options.image}, options, experiment, out);
   } else {
     // All pictures: each in its folder; the top level repeats the first one's measures and lists all.
     ordered_json all = ordered_json::array();
-    for (const auto& picture : experiment.pictures) {
-      all.push_back(one_picture(picture, options, experiment, out / picture));
-      write_json(out / picture / "result.json", all.back());
+    for (const auto& subject : experiment.subjects) {
+      const std::filesystem::path folder = out / subject.picture;
+      all.push_back(one_picture(subject, options, experiment, folder));
+      write_json(folder / "result.json", all.back());
     }
     result = all.front();
-    std::filesystem::copy_file(out / experiment.pictures.front() / "trace.csv", out / "trace.csv",
+    std::filesystem::copy_file(out / experiment.subjects.front().picture / "trace.csv", out / "trace.csv",
                                std::filesystem::copy_options::overwrite_existing);
     result["pictures"] = all;
   }
@@ -181,7 +184,8 @@ void add_parameters(Options& o, Settings& s) {
   s.add("corner", o.corner, machining::kCorners, "what to do at corners");
   s.add("tolerance_um", o.tolerance_um, {.min = 0, .max = 1000, .unit = "um"}, "rounding of corners");
   s.add("plant", o.ideal, kPlants, "what is machined with");
-  s.add("material", o.material, workpiece::kMaterials, "what the beam meets");
+  s.add("material", o.material, workpiece::kMaterials,
+        "what the beam meets; none: wood, of the thesis' set what its figure has");
   s.add("mismatch", o.mismatch, {.min = 0, .max = 0.5}, "how far the plant is off its file, as a share");
   s.add("loop_delay", o.loop_delay, {.min = 0, .max = control::kMaxLoopDelay},
         "samples from a reading to the effect of its currents");

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/workpiece/material.h"
 #include "experiments/commands.h"
 
 namespace telekerf::experiments {
@@ -13,7 +14,11 @@ namespace telekerf::experiments {
 struct ContourExperiment {
   std::string name;  ///< of the subcommand
   std::string help;
-  std::vector<std::string> pictures;  ///< without --image
+  struct Subject {
+    std::string picture;
+    const workpiece::Material* material = &workpiece::kWood;
+  };
+  std::vector<Subject> subjects;  ///< without --image
   double speed_mm_s = 8.0;
   bool closed = true;  ///< what kind of contour is expected
 };

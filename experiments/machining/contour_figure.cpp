@@ -45,7 +45,7 @@ Line trace_line(const ContourRun& run, const std::string& label, int colour,
 }  // namespace
 
 void draw_runs(const std::string& title, const std::vector<NamedRun>& runs, const cv::Mat& picture,
-               const std::filesystem::path& png) {
+               const std::filesystem::path& mark, const std::filesystem::path& png) {
   const ContourRun& first = *runs.front().run;
   const auto reference = [](const machining::PassRow& row) { return row.reference.position_m; };
   const auto tool = [](const machining::PassRow& row) { return row.tool_m; };
@@ -84,7 +84,7 @@ void draw_runs(const std::string& title, const std::vector<NamedRun>& runs, cons
     }));
   }
   reporting::Figure figure{.title = title,
-                           .panels = {plane, zoom, speed, normal},
+                           .panels = {plane, zoom, speed, normal, {.title = "laser mark", .picture = mark}},
                            .columns = 2,
                            .panel_width_px = 560,
                            .panel_height_px = 400};

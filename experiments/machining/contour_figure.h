@@ -19,7 +19,8 @@ struct NamedRun {
 /// The picture, unless it is empty, which is left beside as source.png; the contour, the place where the last
 /// run is farthest off, speed and error across the contour. The first run's reference is drawn. Throws
 /// StartupError.
+/// `mark`: a picture of what the laser left, the last panel.
 void draw_runs(const std::string& title, const std::vector<NamedRun>& runs, const cv::Mat& picture,
-               const std::filesystem::path& png);
+               const std::filesystem::path& mark, const std::filesystem::path& png);
 
 }  // namespace telekerf::experiments

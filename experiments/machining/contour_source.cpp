@@ -4,56 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
-#include <opencv2/imgproc.hpp>
-#include <random>
-#include <string_view>
 #include <vector>
 
 #include "common/geometry/cutting_order.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/startup_error.h"
 #include "common/vision/load.h"
+#include "experiments/machining/drawn_pictures.h"
 
 namespace telekerf::experiments {
 namespace {
-
-/// An irregular outline like the ones of figure 8.5: a circle with eleven seeded harmonics, dark on a grey
-/// ground with noise.
-cv::Mat irregular_outline(std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  const auto spread = [&] { return 2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0; };
-  std::array<double, 12> even{}, odd{};
-  for (std::size_t k = 2; k < even.size(); ++k) {
-    even[k] = 0.35 * spread() / std::pow(static_cast<double>(k), 1.3);
-    odd[k] = 0.35 * spread() / std::pow(static_cast<double>(k), 1.3);
-  }
-  constexpr int kSide = 480;
-  constexpr int kShift = 8;
-  std::vector<cv::Point> points;
-  for (int i = 0; i < 1440; ++i) {
-    const double t = 2.0 * std::numbers::pi * i / 1440;
-    double r = 1.0;
-    for (std::size_t k = 2; k < even.size(); ++k) {
-      r += even[k] * std::cos(static_cast<double>(k) * t) + odd[k] * std::sin(static_cast<double>(k) * t);
-    }
-    r = 130.0 * std::max(r, 0.3);
-    points.emplace_back(static_cast<int>((0.5 * kSide + r * std::cos(t)) * (1 << kShift)),
-                        static_cast<int>((0.5 * kSide + r * std::sin(t)) * (1 << kShift)));
-  }
-  cv::Mat image(kSide, kSide, CV_8UC1, cv::Scalar(205));
-  cv::fillPoly(image, std::vector<std::vector<cv::Point>>{points}, cv::Scalar(60), cv::LINE_AA, kShift);
-  cv::GaussianBlur(image, image, {}, 0.8);
-  for (int row = 0; row < kSide; ++row) {
-    for (int column = 0; column < kSide; ++column) {
-      auto& v = image.at<std::uint8_t>(row, column);
-      v = cv::saturate_cast<std::uint8_t>(v + 3.0 * spread());
-    }
-  }
-  return image;
-}
 
 /// What the lines enclose, holes taken out.
 double area_m2(const std::vector<geometry::Polyline>& contours) {
@@ -75,13 +36,11 @@ ContourSource find_contour(const std::string& image, double width_mm, double wor
   vision::LoadRequest request;
   request.scale.workspace_radius_m = workspace_radius_m;
   if (width_mm > 0.0) request.scale.picture_width_m = width_mm * 1e-3;
-  constexpr std::string_view kDrawn = "outline-";
-  const bool drawn = image.starts_with(kDrawn) && image.size() > kDrawn.size() && image.size() < 25 &&
-                     image.find_first_not_of("0123456789", kDrawn.size()) == image.npos;
+  const cv::Mat drawing = drawn_picture(image);
+  const bool drawn = !drawing.empty();
   const std::string file = drawn ? image : find_resource("pictures", image, ".png").string();
   const auto load = [&] {
-    return drawn ? vision::contours_of(irregular_outline(std::stoull(image.substr(kDrawn.size()))), request)
-                 : vision::load_contours(file, request);
+    return drawn ? vision::contours_of(drawing, request) : vision::load_contours(file, request);
   };
   const auto found = load();
   if (!found) throw input_error(drawn ? fmt::format("{}: {}", file, found.error()) : found.error());

@@ -16,7 +16,7 @@ struct ContourSource {
 
 /// The largest contour of the expected kind; if the picture shows none at first sight, it is looked at as
 /// strokes or as outlines. Failing that the largest contour is taken as it is. `image`: a shipped name, a
-/// file, or outline-N for the seeded irregular outline N, like the ones of figure 8.5. `width_mm` of the
+/// file, or one that is drawn here (drawn_pictures.h). `width_mm` of the
 /// whole picture, 0: fitted to the workspace. Throws StartupError.
 ContourSource find_contour(const std::string& image, double width_mm, double workspace_radius_m, bool closed);
 

@@ -8,7 +8,7 @@ void add_open_contour_command(Program& program) {
   add_contour_experiment(
       program, {.name = "open-contour",
                 .help = "Thesis 8.1: drawn strokes by preview control; result.json, trace.csv, figures",
-                .pictures = {"letter-e", "letter-s"},
+                .subjects = {{"letter-e"}, {"letter-s"}, {"script-e"}},
                 .speed_mm_s = 2.0,
                 .closed = false});
 }

@@ -17,12 +17,12 @@ mkdir -p "$folder/archives" "$folder/ccache"
 good() { echo "packages: $*"; }
 bad() { echo "packages: NOT GOOD: $*" >&2; exit 1; }
 
-# bootstrap NAME RELEASE: a bare root, as it is installed from the archive.
+# bootstrap NAME RELEASE [PACKAGES]: a bare root, as it is installed from the archive.
 bootstrap() {
   local at=$folder/$1
   if [[ ! -e $at/.whole ]]; then
     rm -rf "$at"
-    debootstrap --variant=minbase --cache-dir="$folder/archives" "$2" "$at" http://deb.debian.org/debian
+    debootstrap --variant=minbase "--include=systemd${3:+,$3}" --cache-dir="$folder/archives" "$2" "$at" http://deb.debian.org/debian
     # Packages stay cached.
     printf 'APT::Keep-Downloaded-Packages "true";\nAPT::Install-Recommends "false";\n' >"$at/etc/apt/apt.conf.d/90telekerf"
     rm -f "$at/etc/apt/apt.conf.d/docker-clean"
@@ -48,7 +48,8 @@ within() {
 # build RELEASE: its packages, into FOLDER/debs-RELEASE.
 build() {
   bootstrap "build-$1" "$1"
-  within "build-$1" 'apt-get update -q; TELEKERF_BUILD=/build/telekerf /source/telekerf package'
+  within "build-$1" 'apt-get update -q; TELEKERF_BUILD=/build/telekerf /source/telekerf package
+    lintian --pedantic --fail-on error,warning /build/telekerf-package/*.deb'
   rm -rf "$folder/debs-$1"
   mkdir -p "$folder/debs-$1"
   cp "$folder/build-$1"/build/telekerf-package/*.deb "$folder/debs-$1"
@@ -124,6 +125,29 @@ life() {
   good "$1: removed and purged, nothing left but data"
 }
 
+# services RELEASE: both sites under systemd, in a container that is booted.
+services() {
+  local name=booted-$1 at=$folder/booted-$1
+  if [[ $1 != bookworm && $(stat -fc %T /sys/fs/cgroup) != cgroup2fs ]]; then
+    good "$1: its systemd needs cgroups of version 2, which this computer does not have: services not tried"
+    return
+  fi
+  rm -rf "$at"
+  bootstrap "$name" "$1" systemd-sysv,dbus,procps
+  within "$name" 'apt-get update -q'
+  cp "$folder/debs-$1"/*.deb "$at/debs"
+  within "$name" 'apt-get install -y -q --download-only /debs/*.deb'
+  cp "$folder/archives"/*.deb "$at/var/cache/apt/archives" # it boots without a network
+  newer "$folder/debs-$1" "$at/newer"
+  cp "$source/tests/packages/services.bash" "$at/services.bash"
+  printf '[Unit]\nAfter=multi-user.target\n[Service]\nExecStart=/bin/bash /services.bash\n' >"$at/etc/systemd/system/try.service"
+  mkdir -p "$at/etc/systemd/system/multi-user.target.wants"
+  ln -sf ../try.service "$at/etc/systemd/system/multi-user.target.wants/try.service"
+  timeout 600 systemd-nspawn --register=no --keep-unit --capability=all -b -D "$at" --private-network || true
+  [[ $(tail -n 1 "$at/result.txt") == GOOD ]] || { cat "$at/result.txt"; bad "$1: services, see above"; }
+  good "$1: both sites as services; upgraded during a cut, nothing lost"
+}
+
 # across MASTER SLAVE: two releases, two network namespaces, one cut.
 across() {
   local left=telekerf-left right=telekerf-right out=$folder/across-$1-$2 pids=() name
@@ -140,10 +164,10 @@ across() {
   ip -n $right link set telekerf-r up
   ip -n $left route add 239.0.0.0/8 dev telekerf-l
   ip -n $right route add 239.0.0.0/8 dev telekerf-r
-  ns=$right within "bare-$2" 'exec telekerf-vision' & pids+=($!)
-  ns=$right within "bare-$2" 'exec telekerf-slave --record /root/record' & pids+=($!)
-  (sleep 8; ns=$left within "bare-$1" 'telekerf-ctl look') &
-  ns=$left within "bare-$1" 'telekerf-master --engage --duration-s 20 --record /root/record' || bad "the master of $1 failed"
+  ns=$right within "bare-$2" 'exec telekerf-vision --insecure' & pids+=($!)
+  ns=$right within "bare-$2" 'exec telekerf-slave --insecure --record /root/record' & pids+=($!)
+  (sleep 8; ns=$left within "bare-$1" 'telekerf-ctl look --insecure') &
+  ns=$left within "bare-$1" 'telekerf-master --insecure --engage --duration-s 20 --record /root/record' || bad "the master of $1 failed"
   kill -TERM "${pids[@]}" || true
   wait "${pids[@]}" || true
   rm -rf "$out"
@@ -160,6 +184,7 @@ across() {
 for release in "${releases[@]}"; do
   build "$release"
   life "$release"
+  services "$release"
 done
 if ((${#releases[@]} > 1)); then across "${releases[0]}" "${releases[1]}"; fi
 good "good"

@@ -81,7 +81,8 @@ std::string cell_file(const Json& programs) {
   std::string text =
       "# Telekerf: the settings of one cell on this machine. The file's name is the cell's name; another cell has a\n"
       "# copy of this file under its own. Every line that begins with '#' and a key shows a default: take the '#' away\n"
-      "# and change it. Both sites of a cell must agree on its name and its domain.\n"
+      "# and change it. Both sites of a cell must agree on its name and its domain, and beyond this computer a cell is\n"
+      "# heard only with keys (security) or where it is said that none are wanted (insecure).\n"
       "#\n"
       "#   at the workpiece:   systemctl enable --now telekerf-cell@cell-1.target\n"
       "#   at the operator:    systemctl enable --now telekerf-operator@cell-1.target\n"

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "common/runtime/program.h"
 #include "common/runtime/results.h"
@@ -49,7 +50,9 @@ nlohmann::ordered_json description_of(const std::filesystem::path& program) {
 /// Of the programs that are built.
 int write_package(const Options& options) {
   nlohmann::ordered_json programs;
-  for (const char* name : kPrograms) {
+  std::vector<const char*> names(kPrograms.begin(), kPrograms.end());
+  names.push_back("telekerf-keys");
+  for (const char* name : names) {
     const auto program = std::filesystem::path(options.programs) / name;
     if (std::filesystem::exists(program)) programs.push_back(description_of(program));
   }

@@ -163,6 +163,8 @@ TEST_F(RecordingFile, OfAKilledProcessNoRowIsLost) {
     const RunReader reader(file_);
     EXPECT_EQ(reader.state(), RunState::kRecovered);
     expect_rows(reader, kept.rows());
+    EXPECT_EQ(RunReader(folder_ / "flight-master-killed.h5").data("master")->rows(), kept.rows())
+        << "the last ten seconds are all of it";
     if (killed.acknowledged > 0) {
       EXPECT_EQ(reader.contours().size(), 1U);
     }

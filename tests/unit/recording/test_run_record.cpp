@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "common/recording/run_folder.h"
 #include "common/recording/run_record.h"
 #include "common/runtime/startup_error.h"
 

@@ -281,6 +281,15 @@ TEST(Settings, ThePrintedFileReadsBackAsItWas) {
   EXPECT_EQ(second.colour, Colour::kGreen);
 }
 
+TEST(Settings, ThePrintedDefaultsReadBackToo) {
+  Sample first, second;
+  Settings settings, again;
+  declare(first, settings);
+  declare(second, again);
+  again.load(ConfigFile(settings.toml(), "printed"));  // its lists are empty
+  EXPECT_EQ(again.toml(), settings.toml());
+}
+
 TEST(Settings, HelpShowsTypeUnitBoundsAndDefaultOfEverything) {
   Sample sample;
   Settings settings;

@@ -1,0 +1,18 @@
+# Writes OUT, a header with the commit of SOURCE; "-changed" behind it if something is on top of it.
+execute_process(COMMAND git -C ${SOURCE} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE
+  RESULT_VARIABLE failed ERROR_QUIET)
+if(failed)
+  set(commit unknown)
+else()
+  execute_process(COMMAND git -C ${SOURCE} status --porcelain OUTPUT_VARIABLE changes ERROR_QUIET)
+  if(changes)
+    string(APPEND commit -changed)
+  endif()
+endif()
+set(text "#pragma once\n#define TELEKERF_COMMIT \"${commit}\"\n")
+if(EXISTS ${OUT})
+  file(READ ${OUT} before)
+endif()
+if(NOT "${before}" STREQUAL "${text}")
+  file(WRITE ${OUT} "${text}")
+endif()

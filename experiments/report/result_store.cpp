@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "experiments/report/result_store.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <mutex>
+#include <numeric>
+
+#include "common/runtime/results.h"
+#include "common/runtime/startup_error.h"
+#include "experiments/parallel.h"
+#include "telekerf_commit.h"
+
+extern char** environ;
+
+namespace telekerf::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+/// Runs this program with the words, what it says goes to a file; its exit code, 2 if it did not end by
+/// itself.
+int run_process(std::vector<std::string> words, const fs::path& log) {
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  words.insert(words.begin(), fs::read_symlink("/proc/self/exe").string());
+  std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  int status = 0;
+  const bool began = posix_spawn(&child, argv[0], &files, nullptr, argv.data(), environ) == 0;
+  posix_spawn_file_actions_destroy(&files);
+  if (!began || waitpid(child, &status, 0) != child || !WIFEXITED(status)) return 2;
+  return WEXITSTATUS(status);
+}
+
+std::string last_line(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line, last;
+  while (std::getline(in, line))
+    if (!line.empty()) last = line;
+  return last;
+}
+
+std::vector<std::string> words_for(const ManifestExperiment& experiment, const StorePlan& plan) {
+  std::vector<std::string> words{experiment.command};
+  const auto& own = experiment.words(plan.quick);
+  words.insert(words.end(), own.begin(), own.end());
+  if (experiment.seeded) words.insert(words.end(), {"--seed", std::to_string(plan.seed)});
+  return words;
+}
+
+/// The mark of a run that came to its end; it is written last.
+fs::path mark_of(const fs::path& folder) { return folder / "done.json"; }
+
+std::optional<int> code_of_before(const fs::path& folder, const std::vector<std::string>& words) {
+  std::ifstream in(mark_of(folder));
+  const auto mark = ordered_json::parse(in, nullptr, false);
+  if (!mark.is_object() || mark.value("arguments", ordered_json()) != ordered_json(words))
+    return std::nullopt;
+  return mark.value("code", 2);
+}
+
+bool trusted(const std::string& commit) { return commit != "unknown" && !commit.ends_with("-changed"); }
+
+Finished run_one(const ManifestExperiment& experiment, const StorePlan& plan) {
+  Finished out{.name = experiment.name, .folder = folder_of(plan, experiment.name), .complaint = {}};
+  std::vector<std::string> words = words_for(experiment, plan);
+  if (const auto code = trusted(plan.commit) ? code_of_before(out.folder, words) : std::nullopt) {
+    out.code = *code;
+    out.resumed = true;
+    return out;
+  }
+  const auto begun = Clock::now();
+  fs::remove_all(out.folder);
+  fs::create_directories(out.folder);
+  const ordered_json arguments = words;
+  words.insert(words.end(), {"--out", out.folder.string()});
+  const fs::path log = out.folder / "log.txt";
+  out.code = run_process(words, log);
+  out.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+  if (out.code > 1) {
+    out.complaint = last_line(log);
+    return out;
+  }
+  fs::remove(log);  // all that counts is in the results
+  write_json(mark_of(out.folder), ordered_json{{"arguments", arguments}, {"code", out.code}});
+  return out;
+}
+
+/// Shares of the cost that are done, on standard error.
+class Progress {
+ public:
+  Progress(double whole_s, std::size_t count) : whole_s_(whole_s), count_(count) {}
+  void add(const Finished& one, double cost_s) {
+    const std::lock_guard lock(mutex_);
+    done_s_ += cost_s;
+    ++done_;
+    const double share = done_s_ / whole_s_;
+    const auto filled = static_cast<std::size_t>(std::lround(30.0 * share));
+    const std::string bar = std::string(filled, '#') + std::string(30 - filled, '.');
+    const std::string what = one.resumed    ? "was there"
+                             : one.code > 1 ? "could not be run"
+                                            : fmt::format("{:.0f} s", one.seconds);
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    fmt::print(stderr, "{}[{}] {:3.0f} % {} of {}: {} ({}){}", terminal ? "\r\033[K" : "", bar, 100.0 * share,
+               done_, count_, one.name, what, terminal && done_ < count_ ? "" : "\n");
+  }
+
+ private:
+  std::mutex mutex_;
+  double whole_s_, done_s_ = 0.0;
+  std::size_t count_, done_ = 0;
+};
+
+}  // namespace
+
+std::string built_commit() { return TELEKERF_COMMIT; }
+
+fs::path folder_of(const StorePlan& plan, const std::string& experiment) {
+  return plan.out / "results" / plan.commit / experiment /
+         fmt::format("{}{}", plan.seed, plan.quick ? "-quick" : "");
+}
+
+std::vector<Finished> run_experiments(const Manifest& manifest, const StorePlan& plan) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < manifest.experiments.size(); ++i) {
+    const std::string& name = manifest.experiments[i].name;
+    if (plan.only.empty() || std::find(plan.only.begin(), plan.only.end(), name) != plan.only.end())
+      order.push_back(i);
+  }
+  make_folder("--out", plan.out);
+  // The longest first, so that none is left over at the end.
+  const auto cost = [&](std::size_t i) { return manifest.experiments[i].cost_s; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return cost(a) > cost(b); });
+  Progress progress(std::accumulate(order.begin(), order.end(), 0.0,
+                                    [&](double sum, std::size_t i) { return sum + cost(i); }),
+                    order.size());
+  std::vector<Finished> finished(manifest.experiments.size());
+  for_each_parallel(
+      order.size(),
+      [&](std::size_t n) {
+        const ManifestExperiment& experiment = manifest.experiments[order[n]];
+        Finished& out = finished[order[n]];
+        try {
+          out = run_one(experiment, plan);
+        } catch (const std::exception& error) {
+          out = {
+              .name = experiment.name, .folder = folder_of(plan, experiment.name), .complaint = error.what()};
+        }
+        progress.add(out, experiment.cost_s);
+      },
+      plan.jobs);
+  std::erase_if(finished, [](const Finished& one) { return one.name.empty(); });
+  return finished;
+}
+
+ResultsByName read_results(const Manifest& manifest, const std::vector<Finished>& finished) {
+  ResultsByName results;
+  for (const Finished& one : finished) {
+    std::ifstream in(one.folder / manifest.experiment(one.name).result);
+    auto json = ordered_json::parse(in, nullptr, false);
+    if (one.code <= 1 && !json.is_discarded()) results.emplace(one.name, std::move(json));
+  }
+  return results;
+}
+
+}  // namespace telekerf::experiments

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// telekerf-experiment all: the same bytes again, what is there is not run again, and what changed is said.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/system/programs.h"
+
+namespace telekerf::integration {
+namespace {
+
+using std::chrono::seconds;
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Two experiments that take a second each; returns what is said.
+std::string run_all(const std::string& out, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{"all", "--quick", "--only", "hall-sensor,space-contour", "--out", out};
+  words.insert(words.end(), more.begin(), more.end());
+  Program all("telekerf-experiment", words);
+  EXPECT_EQ(all.wait(seconds(100)), 0) << all.output();
+  return all.output();
+}
+
+TEST(AllExperiments, TwoRunsOfOneSeedAreTheSameBytesButForOneLine) {
+  const fs::path a = Program::scratch() / "all-a", b = Program::scratch() / "all-b";
+  run_all(a.string());
+  run_all(b.string());
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(a)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "timing.json") continue;
+    const fs::path other = b / fs::relative(entry.path(), a);
+    ++files;
+    const std::vector<std::string> mine = lines_of(text_of(entry.path())), its = lines_of(text_of(other));
+    ASSERT_EQ(mine.size(), its.size()) << other;
+    int differ = 0;
+    for (std::size_t i = 0; i < mine.size(); ++i) {
+      if (mine[i] == its[i]) continue;
+      ++differ;
+      EXPECT_TRUE(mine[i].starts_with("<p class=\"made\">")) << other << ": " << mine[i].substr(0, 100);
+    }
+    EXPECT_LE(differ, entry.path().filename() == "report.html" ? 1 : 0) << other;
+  }
+  EXPECT_GT(files, 10);
+}
+
+TEST(AllExperiments, ThePageNeedsNothingBesideItAndIsSmall) {
+  const fs::path out = Program::scratch() / "all-page";
+  run_all(out.string());
+  const std::string page = text_of(out / "report.html");
+  EXPECT_LT(page.size(), 2u << 20);
+  for (const char* outside : {"src=\"http", "href=\"http", "<link", "url(http", "{{"})
+    EXPECT_EQ(page.find(outside), page.npos) << outside;
+  EXPECT_NE(page.find("Dygraph"), page.npos);
+  EXPECT_NE(page.find("data:image/webp;base64,"), page.npos);
+  EXPECT_NE(page.find("telekerf-experiment hall-sensor --seed 1"), page.npos) << "the command stands there";
+  EXPECT_NE(page.find("not assessed: the experiment was not run"), page.npos);
+}
+
+TEST(AllExperiments, SaysWhatHasChangedAgainstAnotherRun) {
+  const fs::path a = Program::scratch() / "all-seed-1", b = Program::scratch() / "all-seed-2";
+  run_all(a.string());
+  EXPECT_EQ(run_all(b.string(), {"--against", a.string()}).find("changed:"), std::string::npos);
+  const std::string said = run_all(b.string(), {"--seed", "2", "--against", a.string()});
+  EXPECT_NE(said.find("changed: 9.2-saddle: "), said.npos) << said;
+  EXPECT_EQ(said.find("changed: 7.2.1-resolution"), said.npos) << "it has no seed";
+  EXPECT_NE(text_of(b / "report.html").find("<h3>Against all-seed-1</h3>"), std::string::npos);
+}
+
+TEST(AllExperiments, WhatIsThereOfTheSameCommitIsNotRunAgain) {
+  const fs::path out = Program::scratch() / "all-again";
+  run_all(out.string());
+  const auto claims = nlohmann::json::parse(text_of(out / "claims.json"));
+  const std::string commit = claims.at("commit");
+  const bool trusted = commit != "unknown" && !commit.ends_with("-changed");
+  const std::string said = run_all(out.string());
+  EXPECT_EQ(said.find("(was there)") != said.npos, trusted) << commit << ": " << said;
+  // Half a run is none.
+  fs::remove(out / "results" / commit / "hall-sensor" / "1-quick" / "done.json");
+  EXPECT_NE(run_all(out.string()).find("hall-sensor (0 s)"), std::string::npos);
+}
+
+TEST(AllExperiments, WhatCannotBeDoneIsOneSentence) {
+  for (const auto& [words, named] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--only", "nothing"}, "--only nothing: must be one of"},
+           {{"--against", "/nowhere"}, "holds no claims.json"}}) {
+    std::vector<std::string> all{"all", "--out", (Program::scratch() / "never").string()};
+    all.insert(all.end(), words.begin(), words.end());
+    Program program("telekerf-experiment", all);
+    EXPECT_EQ(program.wait(seconds(30)), 2) << program.output();
+    EXPECT_NE(program.output().find(named), std::string::npos) << program.output();
+    EXPECT_FALSE(fs::exists(Program::scratch() / "never"));
+  }
+}
+
+}  // namespace
+}  // namespace telekerf::integration

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Claims: read, found in results, judged, held against another run's; and the shipped manifest.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "common/runtime/startup_error.h"
+#include "experiments/report/judgement.h"
+#include "experiments/report/page_figures.h"
+
+namespace telekerf::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+const fs::path kManifest = fs::path(TELEKERF_SOURCE_DIR) / "experiments/report/claims.toml";
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+fs::path file_with(const std::string& text) {
+  const fs::path file = fs::path(testing::TempDir()) / ("claims-" + std::to_string(getpid()) + ".toml");
+  std::ofstream(file) << text;
+  return file;
+}
+
+const std::string kExperiment =
+    "[[experiment]]\nname = \"lap\"\ntitle = \"t\"\nreference = \"8\"\nresult = \"r.json\"\n";
+std::string claim(const std::string& id, const std::string& more) {
+  return "[[claim]]\nid = \"" + id +
+         "\"\nexperiment = \"lap\"\nstatement = \"s\"\nquantity = \"q\"\npointer = \"/a\"\n" + more;
+}
+
+TEST(Select, GoesByKeysPlacesAndMembers) {
+  const auto json =
+      ordered_json::parse(R"({"a": {"b": [{"x": 1, "law": "one", "v": 5}, {"x": 2, "law": "two", "v": 7.5}]},
+      "yes": true, "none": null, "word": "w"})");
+  EXPECT_EQ(select(json, "/a/b/1/v"), 7.5);
+  EXPECT_EQ(select(json, "/a/b/law=two/v"), 7.5);
+  EXPECT_EQ(select(json, "/a/b/x=1&law=one/v"), 5.0);
+  EXPECT_EQ(select(json, "/yes"), 1.0);
+  for (const char* nothing :
+       {"/a/b/x=1&law=two/v", "/a/b/2/v", "/a/c", "/none", "/word", "/a/b/1v/v", "/yes/x"})
+    EXPECT_FALSE(select(json, nothing)) << nothing;
+}
+
+TEST(Judge, HeldNotHeldAndNotAssessed) {
+  const Manifest manifest = load_manifest(file_with(
+      kExperiment + claim("within", "relation = \"within\"\nbound = 2.0\ntolerance = 0.1\nfactor = 1000\n") +
+      claim("below", "relation = \"at_most\"\nbound = 0.001\n") +
+      claim("above", "relation = \"at_least\"\nbound = 3\n") + claim("long", "bound = 1\nquick = false\n")));
+  const auto verdicts = [&](const ResultsByName& results, bool quick = false) {
+    std::string out;
+    for (const Judged& row : judge(manifest, results, quick)) out += verdict_text(row.verdict) + ",";
+    return out;
+  };
+  EXPECT_EQ(verdicts({{"lap", {{"a", 0.00205}}}}), "held,not held,not held,held,");
+  EXPECT_EQ(verdicts({{"lap", {{"a", 0.0018}}}}), "not held,not held,not held,held,");
+  EXPECT_EQ(verdicts({{"lap", {{"a", 3.0}}}}, true), "not held,not held,held,not assessed,");
+  EXPECT_EQ(verdicts({{"lap", {{"a", nullptr}}}}), "not assessed,not assessed,not assessed,not assessed,");
+  EXPECT_EQ(verdicts({}), "not assessed,not assessed,not assessed,not assessed,");
+}
+
+TEST(Judge, WhatIsKnownToMissDoesNotFailTheRun) {
+  const auto all = [&](const char* more) {
+    const Manifest manifest =
+        load_manifest(file_with(kExperiment + claim("a", std::string("bound = 1\n") + more)));
+    return all_held(judge(manifest, {{"lap", {{"a", 2.0}}}}, false));
+  };
+  EXPECT_FALSE(all(""));
+  EXPECT_TRUE(all("negative = true\n"));
+}
+
+TEST(Judge, SaysWhatChangedAndByHowMuch) {
+  const Manifest manifest = load_manifest(file_with(kExperiment + claim("a", "bound = 1\nunit = \"um\"\n")));
+  const auto row = [&](ordered_json value) { return judge(manifest, {{"lap", {{"a", value}}}}, false); };
+  const ordered_json before = claims_json(row(0.8));
+  EXPECT_TRUE(differences(row(0.8), before).empty());
+  EXPECT_EQ(differences(row(1.2), before),
+            std::vector<std::string>{"a: 0.8 -> 1.2 um (+50 %), held -> not held"});
+  EXPECT_EQ(differences(row(nullptr), before), std::vector<std::string>{"a: 0.8 -> -, held -> not assessed"});
+  EXPECT_EQ(differences(row(0.8), ordered_json::array()), std::vector<std::string>{"a: new"});
+}
+
+TEST(Manifest, WhatIsWrongIsNamed) {
+  const auto complaint = [](const std::string& text) -> std::string {
+    try {
+      load_manifest(file_with(text));
+    } catch (const StartupError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(complaint(kExperiment + claim("a", "bound = 1\n") + claim("a", "bound = 1\n")).find("claim.1.id"),
+            std::string::npos);
+  EXPECT_NE(complaint(claim("a", "bound = 1\n")).find("claim.0.experiment"), std::string::npos);
+  EXPECT_NE(complaint(kExperiment + claim("a", "")).find("bound"), std::string::npos);
+  EXPECT_NE(complaint(kExperiment + claim("a", "bound = 1\nbond = 2\n")).find("bond"), std::string::npos);
+}
+
+TEST(Manifest, EveryFigureOfChapterEightHasItsPanels) {
+  const Manifest manifest = load_manifest(kManifest);
+  std::string captions;
+  for (const ManifestFigure& figure : manifest.figures) captions += figure.caption + "\n";
+  // 8.9 is a photograph of the platform.
+  for (const char* number : {"8.1", "8.2", "8.3", "8.4", "8.5", "8.6", "8.7", "8.8", "8.10", "8.11", "8.12"})
+    EXPECT_NE(captions.find(std::string("igure ") + number), captions.npos) << number;
+}
+
+TEST(Manifest, EveryPageOfResultsHasClaims) {
+  const Manifest manifest = load_manifest(kManifest);
+  std::set<std::string> experiments;
+  for (const Claim& one : manifest.claims) experiments.insert(one.experiment);
+  for (const char* name :
+       {"autofocus", "chaos", "compression", "constraint", "closed-contour", "delay", "robots"})
+    EXPECT_TRUE(experiments.contains(name)) << name;
+  for (const ManifestExperiment& one : manifest.experiments)
+    EXPECT_TRUE(experiments.contains(one.name)) << one.name << " is run and nothing is claimed of it";
+}
+
+/// The columns that no run changes.
+TEST(Readme, ItsMainTableIsTheManifests) {
+  const auto rows = reporting::read_table(fs::path(TELEKERF_SOURCE_DIR) / "README.md", "headline");
+  const auto fresh =
+      reporting::read_rows(headline_table(judge(load_manifest(kManifest), {}, false)).markdown);
+  ASSERT_EQ(rows.size(), fresh.size()) << "telekerf-experiment all --readme README.md writes it anew";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (const std::size_t column : {0, 1, 2, 4}) EXPECT_EQ(rows[i][column], fresh[i][column]) << i;
+    if (i == 0) continue;
+    EXPECT_EQ(rows[i][3].substr(0, rows[i][3].rfind(": ")), fresh[i][3].substr(0, fresh[i][3].rfind(": ")))
+        << i;
+    EXPECT_NE(rows[i][5], "not assessed") << rows[i][1] << ": written from a short run";
+  }
+}
+
+TEST(Page, TheTemplateHoldsNoFigureOfItsOwn) {
+  std::string page = text_of(fs::path(TELEKERF_SOURCE_DIR) / "experiments/report/page.html");
+  const std::size_t body = page.find("<body>");
+  page = page.substr(body, page.find("<script>") - body);
+  page = std::regex_replace(page, std::regex("<[^>]*>"), "");
+  static const std::regex kNumber(R"((?:^|[^\w])\d+(?:\.\d+)?)");
+  for (std::sregex_iterator at(page.begin(), page.end(), kNumber), end; at != end; ++at)
+    EXPECT_EQ(at->str().substr(at->str().find_first_of("0123456789")), "8")
+        << "the chapter is all that may be said";
+}
+
+TEST(Page, PanelsOverTimeAreThereToZoomAndNoPeakIsLost) {
+  const fs::path png = fs::path(testing::TempDir()) / ("zoom-" + std::to_string(getpid()) + ".png");
+  std::ofstream csv(fs::path(png).replace_extension(".csv"));
+  csv << "panel,x_axis,y_axis,line,x,y\n";
+  for (int i = 0; i < 5000; ++i)
+    csv << "\"a <b>, \"\"c\"\"\",\"time [s]\",\"[um]\",\"tool\"," << i * 1e-3 << ","
+        << (i == 1234 ? 99.0 : 1.0) << "\n";
+  csv << "\"plane\",\"x [mm]\",\"y [mm]\",\"path\",1,2\n";
+  csv.close();
+  const std::string html = zoomable_panels(png);
+  EXPECT_NE(html.find("zoom: a &lt;b&gt;, &quot;c&quot;"), html.npos) << html.substr(0, 200);
+  EXPECT_EQ(html.find("plane"), html.npos) << "a path in the plane is no function of time";
+  EXPECT_NE(html.find("99.0"), html.npos);
+  EXPECT_LT(html.size(), 20000u);
+  EXPECT_EQ(zoomable_panels("/nowhere/at/all.png"), "");
+}
+
+}  // namespace
+}  // namespace telekerf::experiments
