@@ -79,7 +79,7 @@ std::string drawing_of(const Line& line, std::size_t panel, std::size_t place) {
   const char* colour =
       kPalette[(line.colour >= 0 ? static_cast<std::size_t>(line.colour) : place) % kPalette.size()];
   const std::string style =
-      line.style == Line::Style::kPoints
+      line.style == Line::Style::kPoints || line.x.size() < 2  // a single place is no line
           ? std::string("points pt 7 ps 0.6")
           : fmt::format("lines lw 1.5 dt {}", line.style == Line::Style::kDashed ? 2 : 1);
   return fmt::format("$p{}l{} using 1:2 with {} lc rgb '{}' {}", panel, place, style, colour,

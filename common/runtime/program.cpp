@@ -125,7 +125,7 @@ int Program::dispatch(std::vector<std::string> words) {
   }
   settings.require_given();
   settings.refuse_without_effect();
-  command->remember(settings.toml());
+  command->remember(settings.toml(), settings.given_toml());
   return command->run();
 }
 

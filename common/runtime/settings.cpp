@@ -381,6 +381,16 @@ std::string Settings::toml() const {
   return toml_text(now);
 }
 
+std::string Settings::given_toml() const {
+  std::vector<Setting> now;
+  for (const Entry& entry : entries_) {
+    if (entry.given.empty()) continue;
+    now.push_back(entry.setting);
+    now.back().initial = entry.get();
+  }
+  return toml_text(now);
+}
+
 nlohmann::ordered_json Settings::json() const { return json_of(declared()); }
 
 std::vector<Setting> Settings::declared() const {

@@ -111,6 +111,7 @@ class Settings {
   /// What --help lists, what --config reads, and all of it for programs.
   std::string help() const;
   std::string toml() const;
+  std::string given_toml() const;  ///< of it what has been given
   nlohmann::ordered_json json() const;
   std::vector<Setting> declared() const;
 

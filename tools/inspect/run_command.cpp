@@ -10,6 +10,7 @@
 #include "common/reporting/tables.h"
 #include "common/runtime/results.h"
 #include "tools/inspect/commands.h"
+#include "tools/inspect/run_mcap.h"
 
 namespace telekerf::inspect {
 namespace {
@@ -20,6 +21,7 @@ struct Options {
   std::string folder;
   std::string other;
   std::string out;
+  std::string mcap;
   bool csv = false;
 };
 
@@ -41,6 +43,7 @@ int run(const Options& options) {
     write_master(out, record);
     write_slave(out, record);
   }
+  if (!options.mcap.empty()) write_mcap(options.mcap, folders);
   const auto report = reporting::write_report(out, record);
   const std::string verdict = !reporting::stayed_inside(report) ? "bad: the laser left the corridor"
                               : reporting::succeeded(report)    ? ""
@@ -62,6 +65,9 @@ void add_run_command(Program& program) {
             .empty_is_said()
             .positional = true;
         s.add("csv", o.csv, "writes the rows as text as well: master.csv, slave.csv, contour.csv");
+        s.add("mcap", o.mcap, TextForm{.form = "FILE", .complaint = [](const std::string&) { return ""; }},
+              "writes everything that was recorded into this MCAP file as well")
+            .empty_is_said();
         s.add("out", o.out, kFolder, "folder for the results; not said: the run's").empty_is_said();
       },
       run);

@@ -94,6 +94,20 @@ TEST(Plot, LogarithmicAxesAndGaps) {
   EXPECT_LT(gap[0].back().x + 10, gap[1].front().x);
 }
 
+TEST(Plot, ASinglePlaceIsSeen) {
+  const auto points = [](const Line& line) {
+    const std::string svg = svg_of({.panels = {{.lines = {line}}}});
+    std::size_t n = 0;
+    for (std::size_t at = svg.find("xlink:href='#gpPt", svg.find("</defs>")); at != svg.npos;
+         at = svg.find("xlink:href='#gpPt", at + 1))
+      ++n;
+    return n;
+  };
+  EXPECT_EQ(points({.x = {1}, .y = {2}}), 1u);
+  EXPECT_EQ(points({.x = {1, 2}, .y = {2, 3}}), 0u);
+  EXPECT_EQ(points({.x = {1, 2}, .y = {2, 3}, .style = Line::Style::kPoints}), 2u);
+}
+
 TEST(Plot, EqualAxesShowACircleRound) {
   Panel panel;
   Line circle;
