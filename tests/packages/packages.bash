@@ -24,7 +24,7 @@ bootstrap() {
     rm -rf "$at"
     debootstrap --variant=minbase "--include=systemd${3:+,$3}" --cache-dir="$folder/archives" "$2" "$at" http://deb.debian.org/debian
     # Packages stay cached.
-    printf 'APT::Keep-Downloaded-Packages "true";\nAPT::Install-Recommends "false";\n' >"$at/etc/apt/apt.conf.d/90telekerf"
+    printf 'APT::Keep-Downloaded-Packages "true";\nAPT::Install-Recommends "false";\n' >"$at/etc/apt/apt.conf.d/90keep"
     rm -f "$at/etc/apt/apt.conf.d/docker-clean"
     touch "$at/.whole"
   fi
@@ -60,10 +60,10 @@ newer() {
   local deb tree
   mkdir -p "$2"
   for deb in "$1"/*.deb; do
-    tree=$(mktemp -d)
+    tree=$(mktemp -d -p "$folder")
     dpkg-deb -R "$deb" "$tree"
     sed -i -E '/^(Version|Depends):/s/(~deb[0-9]+)/+next\1/g' "$tree/DEBIAN/control"
-    dpkg-deb --root-owner-group -b "$tree" "$2" >/dev/null
+    dpkg-deb --root-owner-group -Zgzip -z1 -b "$tree" "$2" >/dev/null
     rm -rf "$tree"
   done
 }
