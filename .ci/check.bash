@@ -9,6 +9,7 @@
 #     werror    everything built with warnings as errors, all tests        build/
 #     demo      the programs as the demo builds them, several sources a call   build-demo/
 #     processes faults of real processes while they cut, judged by the plant   build/
+#     rogues    10,000 tries of each kind to command a secured cell            build/
 #     headers   every header compiles alone
 #     examples  the examples
 #     fuzz      libFuzzer, 60 s a target
@@ -16,6 +17,8 @@
 #     asan      all tests: memory and undefined behaviour                  build-asan/
 #     tsan      all tests: threads                                         build-tsan/
 #     tidy      clang-tidy                                                 build-tidy/
+#     packages  Debian packages in bare roots of Debian 12 and 13: install, cut, upgrade during a cut, remove, purge; one
+#               drives the other (as root)                              build-roots/
 #     chaos     1000 chaos runs, 1000 stops with and without losses, and an hour of both sites in virtual time
 #
 #   ./telekerf check mutation [--count N] [--seed S] [--folder F]
@@ -23,7 +26,7 @@
 #   Not among the parts, as it takes hours: puts N small faults (100) into the code, one at a time, and counts those
 #   that the tests notice. The last line is `score NN %`.
 
-readonly check_parts="werror demo processes headers examples fuzz bench asan tsan tidy chaos"
+readonly check_parts="werror demo processes rogues headers examples fuzz bench asan tsan tidy packages chaos"
 
 # Benchmarks, all of them if none is named, on standard output.
 bench() {
@@ -64,6 +67,7 @@ check_demo() {
     -DTELEKERF_BUILD_EXAMPLES=OFF -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=14 && ninja -C "$build-demo"
 }
 check_processes() { ninja -C "$build" chaos_processes && "$build/bin/chaos_processes"; }
+check_rogues() { ninja -C "$build" test_rogues && TELEKERF_TRIES=10000 "$build/bin/test_rogues"; }
 check_headers() { ninja -C "$build" all_verify_interface_header_sets; }
 check_examples() { ninja -C "$build" && ctest --test-dir "$build" --output-on-failure --no-tests=error -L examples; }
 check_fuzz() {
@@ -79,6 +83,7 @@ check_fuzz() {
 check_bench() { bench; }
 check_asan() { check_preset asan "$build-asan" && ctest --test-dir "$build-asan" --output-on-failure; }
 check_tsan() { check_preset tsan "$build-tsan" && ctest --test-dir "$build-tsan" --output-on-failure; }
+check_packages() { "$root/tests/packages/packages.bash" "$build-roots"; }
 check_chaos() {
   ninja -C "$build" telekerf-experiment test_flat_memory || return 1
   TELEKERF_FLAT_S=3600 "$build/bin/test_flat_memory" || return 1

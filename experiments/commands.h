@@ -18,6 +18,7 @@ void add_hall_sensor_command(Program& program);
 void add_kinematics_command(Program& program);
 void add_lap_command(Program& program);
 void add_open_contour_command(Program& program);
+void add_replay_command(Program& program);
 void add_remote_machining_command(Program& program);
 void add_robots_command(Program& program);
 void add_space_contour_command(Program& program);

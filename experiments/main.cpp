@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   telekerf::experiments::add_kinematics_command(program);
   telekerf::experiments::add_lap_command(program);
   telekerf::experiments::add_open_contour_command(program);
+  telekerf::experiments::add_replay_command(program);
   telekerf::experiments::add_remote_machining_command(program);
   telekerf::experiments::add_robots_command(program);
   telekerf::experiments::add_space_contour_command(program);

@@ -15,10 +15,11 @@
 #include "common/bus/ring.h"
 #include "common/bus/rival_watch.h"
 #include "common/bus/stop_line.h"
-#include "common/protocol/sentences.h"
 #include "common/runtime/program.h"
 #include "common/runtime/startup_error.h"
 #include "master/link_words.h"
+#include "master/mode_words.h"
+#include "master/run_recording.h"
 #include "master/station.h"
 #include "master/telemetry.h"
 #include "netem/drivers/netem_flags.h"
@@ -36,30 +37,12 @@ struct Flags {
   StationSettings station;
   StopFlags stop;
   LinkTestFlags link;
-  std::string record;
+  RecordFlags record;
+  std::string config;
   double duration_s = 0.0;
   double wait_s = 20.0;
   void validate() const { (void)station.validated(); }
 };
-
-/// What the slave makes of being led is said by the slave.
-const char* text_of(MasterMode mode, const StateHeader* slave, bool ours) {
-  if (mode == MasterMode::kEngaged && slave != nullptr && (!ours || slave->mode != SlaveMode::kFollowing))
-    return !ours ? "engaged, but the slave does not answer to this master" : led_sentence_of(slave->reason);
-  switch (mode) {
-    case MasterMode::kIdle:
-      return "waiting for a contour";
-    case MasterMode::kApproach:
-      return "moving to the contour";
-    case MasterMode::kGuiding:
-      return "guiding the hand; the slave does not follow";
-    case MasterMode::kEngaged:
-      return "engaged: the slave follows";
-    case MasterMode::kStopped:
-      return "stopped";
-  }
-  return "unknown";
-}
 
 constexpr Lookout::Wish kContourMissing{"a contour", "vision"};
 constexpr Lookout::Wish kSlaveMissing{"the states of a slave", "slave"};
@@ -75,13 +58,14 @@ RivalWatch::Obeyed obeyed_by(const StateHeader* slave, std::uint32_t epoch) {
 }
 
 int run(Flags& flags) {
-  if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "master");
+  flags.record.validate("master");
   BusSettings settings = flags.bus.bus_settings(Site::kOperator, "master");
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
   if (!flags.link.peer.empty()) settings.peers.push_back(flags.link.peer);
   if (flags.link.link_test) return run_link_test(settings, flags.link);
   flags.station.epoch = settings.epoch;
+  flags.station.record_s = 0.0;  // rows go into the file
   Station station(flags.station);
 
   Process process(settings, "master", text_of(MasterMode::kIdle, nullptr, false));
@@ -99,6 +83,9 @@ int run(Flags& flags) {
     status.say(fmt::format("{} is not simulated, so no hand is either: it feels a real one; button = {}{}",
                            flags.station.machine.drive, flags.station.button, nobody ? ": never held" : ""));
   }
+  RunRecording recording(
+      flags.record, flags.netem.with_network(run_identity(settings, "telekerf-master", flags.config)), station,
+      status);
   process.ready();
 
   std::vector<Received<StateBlock>> arrived_states;
@@ -111,7 +98,11 @@ int run(Flags& flags) {
   LinkWords link;
   Ring<EventVerdict> verdicts(64);
   const Periodic beside(kTelemetryPeriod, [&] {
-    if (const auto newest = values.load()) telemetry.write(*newest);
+    if (const auto newest = values.load()) {
+      telemetry.write(*newest);
+      recording.values(*newest);
+    }
+    recording.contours(contour.adopted());
     while (const auto verdict = verdicts.take()) {
       if (verdict->refusal != nullptr) status.say(verdict->refusal);
       if (verdict->asker != 0)
@@ -120,15 +111,15 @@ int run(Flags& flags) {
     answers.again();
     rivals.look();
     if (const std::string said = link.due(std::chrono::steady_clock::now()); !said.empty()) status.say(said);
-    if (!flags.record.empty()) station.make_record_room();
   });
-  double engaged_s = 0.0;
-  double waited_s = 0.0;
+  double engaged_s = 0.0, waited_s = 0.0;
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(states, arrived_states);
     drain(events, arrived_events);
+    process.let_go_with_keys(arrived_events);
     GuidedContour* const task = contour.current();
     const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events, emergency.order());
+    recording.step(now_ns, arrived_states, arrived_events, out);
     emergency.obeyed(out.stop);
     if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
@@ -158,21 +149,21 @@ int run(Flags& flags) {
 
   const bool failed = station.machine().failed();
   if (station.obstacle() != nullptr) throw configuration_error(station.obstacle());
-  if (!flags.record.empty() && contour.current() != nullptr) {
-    RunRecord record;
-    station.report_contours(contour.adopted(), record);
-    record.words["netem"] = flags.netem.name();
-    station.report(record);
-    add_figures(loop, record.master_figures);
-    add_figures(process.bus().counters(), states.counters(), record.master_figures);
-    netem::add_figures(emulator.get(), record.master_figures);
-    if (const auto lost = record.master_figures["dropped_rows"]; lost > 0)
-      status.say(fmt::format("the record lacks its last {:.0f} rows: there was no memory for them", lost));
-    write_contour(flags.record, record);
-    write_master(flags.record, record);
+  RunRecord record;
+  recording.contours(contour.adopted());
+  station.report_contours(contour.adopted(), record);
+  record.words["netem"] = flags.netem.name();
+  station.report(record);
+  add_figures(loop, record.master_figures);
+  add_figures(process.bus().counters(), states.counters(), record.master_figures);
+  netem::add_figures(emulator.get(), record.master_figures);
+  if (recording.close(record) && contour.current() != nullptr) {
+    write_contour(flags.record.record, record);
+    write_master(flags.record.record, record);
   }
   if (const std::string why = rivals.sentence(); !why.empty()) throw environment_error(why);
   if (contour.refused()) throw input_error(contour.refusal());
+  process.refuse_ended();
   if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !failed) {
     throw environment_error(fmt::format(
         "nobody to work with for {:.0f} s in {}: are telekerf-vision and telekerf-slave running there?",
@@ -186,7 +177,7 @@ int run(Flags& flags) {
 void add_parameters(Flags& flags, Settings& settings) {
   flags.station.add_parameters(settings);
   flags.stop.add_parameters(settings);
-  settings.add("record", flags.record, kFolder, "for the record of the run");
+  flags.record.add_parameters(settings);
   settings.add("engage", flags.station.engage, "lets the slave follow as soon as everything is ready");
   settings.add("duration_s", flags.duration_s, {.min = 0, .max = 36000, .unit = "s"},
                "ends after this long engaged; 0: runs on");

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/protocol/messages.h"
+#include "common/recording/row_ring.h"
 #include "common/recording/run_record.h"
 #include "common/robot/supervisor.h"
 #include "master/master_node.h"
@@ -74,13 +75,16 @@ class Station {
   void report(RunRecord& record) const;
   /// The contours of the record: `adopted` have been in force, in order.
   void report_contours(std::span<const ContourMessage> adopted, RunRecord& record) const;
-  /// Beside the loop, several times a second: memory for a record that goes on.
-  void make_record_room() {
-    recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz));
-  }
+  /// Rows go there, and none are kept here; null: they are kept, as many as fit into record_s.
+  void record_to(RowRing* ring) noexcept { ring_ = ring; }
+  struct ContourBegin {
+    Tick tick = 0;
+    std::uint32_t id = 0;
+  };
+  /// Which contours have been in force, since when.
+  std::span<const ContourBegin> in_force() const noexcept { return contours_; }
 
  private:
-  static constexpr double kRoom_s = 10.0;
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
@@ -90,10 +94,7 @@ class Station {
   bool simulated_button_;                    ///< nobody's hand: it lets go when it is told to
   MasterNode node_;
   Recorder<MasterRow> recorder_;
-  struct ContourBegin {
-    Tick tick = 0;
-    std::uint32_t id = 0;
-  };
+  RowRing* ring_ = nullptr;
   std::vector<ContourBegin> contours_;  ///< in force, since when; room is taken at the start
   bool guided_ = false;
   bool engaged_ = false;

@@ -20,6 +20,7 @@
 #include "netem/drivers/netem_switch.h"
 #include "slave/explainer.h"
 #include "slave/look_log.h"
+#include "slave/run_recording.h"
 #include "slave/station.h"
 
 namespace telekerf::slave {
@@ -31,7 +32,8 @@ struct Flags {
   StationSettings station;
   StopFlags stop;
   LinkTestFlags link;
-  std::string record;
+  RecordFlags record;
+  std::string config;
   void validate() const { (void)station.validated(); }
 };
 
@@ -59,7 +61,7 @@ const Lookout::Wish* missing_of(bool contour, HoldReason reason) {
 }
 
 int run(Flags& flags) {
-  if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "slave");
+  flags.record.validate("slave");
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "slave");
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
@@ -67,6 +69,7 @@ int run(Flags& flags) {
   if (flags.link.link_test)
     return run_link_test(settings, flags.link, flags.station.node.interlock.beam_age_s);
   flags.station.epoch = settings.epoch;
+  flags.station.record_s = 0.0;  // rows go into the file
   Station station(flags.station);
 
   Process process(settings, "slave", text_of(SlaveMode::kWaiting, HoldReason::kNoCommands));
@@ -78,6 +81,9 @@ int run(Flags& flags) {
       process.bus(), [&](const ContourMessage& message) { return station.prepare(message); });
   if (station.machine().plant() == nullptr)
     process.status().say(flags.station.machine.drive + " is not simulated: the measured tool is recorded");
+  RunRecording recording(
+      flags.record, flags.netem.with_network(run_identity(settings, "telekerf-slave", flags.config)), station,
+      process.status());
   process.ready();
   process.status().say(fmt::format("commands older than {:g} s, there and back, give no light (--beam-age-s)",
                                    flags.station.node.interlock.beam_age_s));
@@ -90,16 +96,16 @@ int run(Flags& flags) {
   LookLog looks;
   // Only if somebody asks: the master tells fifty times a second, which would cross the network too.
   std::optional<Reader<TelemetryMessage>> vision;
-  if (flags.station.node.interlock.max_look_age_s > 0.0) {
+  if (look_age_s > 0.0) {
     vision.emplace(process.bus(),
                    [&looks](const TelemetryMessage& message) { looks.hear(message, monotonic_ns()); });
   }
 
   std::vector<Received<CommandBlock>> arrived_commands;
   arrived_commands.reserve(64);
-  Explainer explainer(process.status());
+  std::optional<Explainer> explainer(std::in_place, process.status());
   const Periodic beside(std::chrono::milliseconds(500), [&] {
-    if (!flags.record.empty()) station.make_record_room();
+    recording.contours(contour.adopted());
   });
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(commands, arrived_commands);
@@ -107,31 +113,30 @@ int run(Flags& flags) {
     const SlaveOutputs out =
         station.step(now_ns, corridor, arrived_commands, emergency.order(),
                      corridor != nullptr ? looks.age_s(corridor->contour_id, now_ns) : laser::kAbsent);
+    recording.step(now_ns, corridor, arrived_commands, out);
     emergency.obeyed(out.stop);
     if (out.state) states.write(*out.state);
     process.status().state(text_of(out.mode, out.reason));
-    explainer.step(out);
+    explainer->step(out);
     netem_switch.beam(out.laser_w > 0.0);
     process.lookout().missing(missing_of(corridor != nullptr, out.reason));
     return !contour.refused() && !station.machine().failed() && !station.beam().failed();
   });
+  explainer.reset();  // what follows is no reason to wait for
   station.release();
 
-  if (!flags.record.empty()) {
-    RunRecord record;
-    station.report(record);
-    record.slave_figures["contours_refused"] = static_cast<double>(contour.unfit());
-    add_figures(loop, record.slave_figures);
-    add_figures(process.bus().counters(), commands.counters(), record.slave_figures);
-    netem::add_figures(emulator.get(), record.slave_figures);
-    if (const auto lost = record.slave_figures["dropped_rows"]; lost > 0)
-      process.status().say(
-          fmt::format("the record lacks its last {:.0f} rows: there was no memory for them", lost));
-    write_slave(flags.record, record);
-  }
+  RunRecord record;
+  recording.contours(contour.adopted());
+  station.report(record);
+  record.slave_figures["contours_refused"] = static_cast<double>(contour.unfit());
+  add_figures(loop, record.slave_figures);
+  add_figures(process.bus().counters(), commands.counters(), record.slave_figures);
+  netem::add_figures(emulator.get(), record.slave_figures);
+  if (recording.close(record)) write_slave(flags.record.record, record);
   if (contour.refused()) throw input_error(contour.refusal());
   if (station.machine().failed()) throw hardware_error(station.machine().failure());
   if (station.beam().failed()) throw hardware_error(station.beam().failure());
+  process.refuse_ended();
   process.status().say("ended in order, laser off");
   return 0;
 }
@@ -139,7 +144,7 @@ int run(Flags& flags) {
 void add_parameters(Flags& flags, Settings& settings) {
   flags.station.add_parameters(settings);
   flags.stop.add_parameters(settings);
-  settings.add("record", flags.record, kFolder, "for the record of the run");
+  flags.record.add_parameters(settings);
   flags.link.add_parameters(settings);
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);

@@ -152,9 +152,20 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
   monitor_.step(inputs.joints, corridor != nullptr && corridor->raster ? &*corridor->raster : nullptr,
                 out.mode == SlaveMode::kStopped, out.laser_w > 0.0);
   machine_.write(out.currents_a);
-  recorder_.push({tick_, static_cast<double>(now_ns) * 1e-9, out.applied_tick, out.reference.position_m,
-                  machine_.true_tool_m().value_or(out.tool_m), out.laser_w, static_cast<int>(out.interlock),
-                  out.settled, out.force_n});
+  const SlaveRow row{tick_,
+                     static_cast<double>(now_ns) * 1e-9,
+                     out.applied_tick,
+                     out.reference.position_m,
+                     machine_.true_tool_m().value_or(out.tool_m),
+                     out.laser_w,
+                     static_cast<int>(out.interlock),
+                     out.settled,
+                     out.force_n};
+  if (ring_ != nullptr) {
+    ring_->push(slave_columns(), row);
+  } else {
+    recorder_.push(row);
+  }
   ++tick_;
   machine_.advance();
   return out;

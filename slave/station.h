@@ -9,6 +9,7 @@
 
 #include "common/codec/codec_table.h"
 #include "common/protocol/messages.h"
+#include "common/recording/row_ring.h"
 #include "common/recording/run_record.h"
 #include "common/robot/supervisor.h"
 #include "common/runtime/settings.h"
@@ -64,14 +65,12 @@ class Station {
     machine_.release();
   }
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }
+  Tick tick() const noexcept { return tick_; }
   void report(RunRecord& record) const;
-  /// Beside the loop, several times a second: memory for a record that goes on.
-  void make_record_room() {
-    recorder_.make_room(static_cast<std::size_t>(kRoom_s * settings_.node.control_hz));
-  }
+  /// Rows go there, and none are kept here; null: they are kept, as many as fit into record_s.
+  void record_to(RowRing* ring) noexcept { ring_ = ring; }
 
  private:
-  static constexpr double kRoom_s = 10.0;
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
@@ -79,6 +78,7 @@ class Station {
   SlaveNode node_;
   laser::BeamMonitor monitor_;
   Recorder<SlaveRow> recorder_;
+  RowRing* ring_ = nullptr;
   Tick tick_ = 0;
   struct {
     double sum_s = 0.0;

@@ -24,6 +24,9 @@ struct BusSettings {
   std::string name;                ///< unique in the cell; empty: the role
   std::uint32_t epoch = 0;         ///< of this start of the process; higher than the last one's
   std::vector<std::string> peers;  ///< hosts beyond the reach of multicast
+  std::string security;            ///< folder of the cell's keys (security/keystore.h); empty: not secured
+  bool wan = false;                ///< with security: encrypted, not only signed
+  bool outside = true;             ///< without security: heard and seen beyond this computer, too
   std::shared_ptr<ReceiveFilter> receive_filter;  ///< null: none
   /// How long a process looks for others before it joins.
   std::chrono::milliseconds discovery_wait{1000};
@@ -37,6 +40,7 @@ std::string complaint_about_peer(const std::string& peer);
 struct BusCounters {
   std::uint64_t incompatible = 0;  ///< processes that came after us and did not fit
   std::uint64_t strangers = 0;     ///< participants that said what is not theirs to say
+  std::uint64_t refused = 0;       ///< datagrams that came without keys of this cell (with security)
 };
 
 class Bus {
@@ -52,6 +56,12 @@ class Bus {
   const BusSettings& settings() const;
   /// Everyone else in the cell who is alive, as announced.
   std::vector<PresenceMessage> others() const;
+  /// The same, and from which computer.
+  struct Seen {
+    PresenceMessage presence;
+    std::string address;  ///< IPv4
+  };
+  std::vector<Seen> seen() const;
   /// Waits until somebody of this role has joined. False: nobody came in time.
   [[nodiscard]] bool wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const;
   /// What the user should know about the environment, one sentence each, e.g. clipped socket buffers.
@@ -69,6 +79,14 @@ class Bus {
   std::optional<Rival> rival() const;
   /// Processes that have announced themselves in other cells of the domain.
   std::vector<PresenceMessage> elsewhere() const;
+  /// Who is let in, in one sentence.
+  std::string protection() const;
+  /// What is to be told of the dates of this cell's keys, each once. For one thread.
+  std::vector<std::string> dates();
+  /// Keys that an engagement needs end within seconds: it is to be let go. Without lock.
+  bool lets_go() const noexcept;
+  /// This process' own have ended, in a sentence; empty: they have not, or there are none.
+  std::string ended() const;
 
   /// The middleware's side of it; complete inside the bus only. Endpoints share its ownership, so the order
   /// of destruction is free.

@@ -4,6 +4,8 @@
 #include <random>
 #include <sstream>
 
+#include "common/runtime/startup_error.h"
+
 namespace telekerf {
 namespace {
 
@@ -34,9 +36,20 @@ void BusFlags::add_parameters(Settings& settings) {
   settings.add("name", name, kName, "name of this process, unique in the cell");
   settings.add("peers", peers, TextForm{.form = "HOST,HOST...", .complaint = complaint_about_peers},
                "hosts to look for beyond the reach of multicast, separated by commas");
+  settings.add(
+      "security", security, kFolder,
+      "keys of the cell (./telekerf keys): only who has some is heard; without: within this computer alone");
+  settings.add("wan", wan,
+               "with security: messages are encrypted and not only signed; everywhere or nowhere");
+  settings.add("insecure", insecure,
+               "without security: heard beyond this computer all the same, by whoever is there");
 }
 
 BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {
+  if (wan && security.empty())
+    throw usage_error("--wan needs --security DIR: there is nothing to encrypt with");
+  if (insecure && !security.empty())
+    throw usage_error("--insecure and --security do not go together: leave one out");
   BusSettings settings;
   settings.domain = domain;
   settings.cell = cell;
@@ -47,12 +60,24 @@ BusSettings BusFlags::bus_settings(Site site, const std::string& role) const {
   std::random_device random;
   while (settings.epoch == 0) settings.epoch = random();
   settings.peers = hosts_of(peers);
+  settings.security = security;
+  settings.wan = wan;
+  settings.outside = insecure;
   return settings;
+}
+
+RunIdentity run_identity(const BusSettings& settings, const std::string& program, const std::string& config) {
+  return {.role = settings.role,
+          .program = program,
+          .cell = settings.cell,
+          .epoch = settings.epoch,
+          .settings = config};
 }
 
 void add_figures(const BusCounters& counters, const ReaderCounters& stream, Metrics& figures) {
   figures["misfits"] = static_cast<double>(counters.incompatible);
   figures["strangers"] = static_cast<double>(stream.strangers);
+  figures["unauthenticated"] = static_cast<double>(counters.refused);
   figures["damaged"] = static_cast<double>(stream.damaged);
 }
 

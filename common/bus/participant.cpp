@@ -6,10 +6,12 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
-#include <fastrtps/utils/IPLocator.h>
 #include <algorithm>
 
+#include "common/bus/interfaces.h"
 #include "common/bus/participant_qos.h"
+#include "common/bus/qos.h"
+#include "common/bus/trimming_transport.h"
 #include "common/bus/wire_messages.h"
 #include "common/runtime/real_time.h"
 #include "common/runtime/say.h"
@@ -19,8 +21,8 @@
 namespace telekerf {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
+namespace dds = middleware::dds;
+namespace rtps = middleware::rtps;
 
 constexpr int kHighestDomain = 232;  // ports above would pass 65535
 
@@ -38,11 +40,11 @@ BusSettings validated(BusSettings settings) {
 constexpr std::size_t kMostStrangers = 64;
 constexpr std::size_t kMostAddresses = 1024;
 
-std::string address_of(const rtps::ParticipantProxyData& data) {
+std::string address_of(const middleware::Discovery::Discovered& participant) {
   const auto text = [](const rtps::Locator_t& locator) { return rtps::IPLocator::ip_to_string(locator); };
   std::string address = "an unknown address";
-  for (const rtps::Locator_t& locator : data.default_locators.unicast) return text(locator);
-  for (const rtps::Locator_t& locator : data.metatraffic_locators.unicast) return text(locator);
+  for (const rtps::Locator_t& locator : participant.data_locators.unicast) return text(locator);
+  for (const rtps::Locator_t& locator : participant.discovery_locators.unicast) return text(locator);
   return address;
 }
 
@@ -61,8 +63,9 @@ std::string complaint_about_cell(const std::string& cell) {
   return "";
 }
 
-Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::move(settings))) {
-  bus::settle_library();
+Bus::Participant::Participant(BusSettings settings)
+    : settings_(validated(std::move(settings))), protection_(settings_), udp_(bus::udp_transport()) {
+  bus::settle_library(protection_.on());
   self_.presence = {.contract = settings_.contract,
                     .cell = settings_.cell,
                     .role = settings_.role,
@@ -71,8 +74,9 @@ Bus::Participant::Participant(BusSettings settings) : settings_(validated(std::m
                     .joined = false,
                     .version = kVersion};
   if (std::string note = bus::socket_buffer_note(); !note.empty()) notes_.push_back(std::move(note));
-  transport_ = bus::udp_transport();
-  if (settings_.receive_filter) transport_ = settings_.receive_filter->over(std::move(transport_));
+  transport_ = bus::trimming_over(udp_, protection_.gate());
+  if (settings_.receive_filter)
+    transport_ = settings_.receive_filter->over(std::move(transport_), protection_.sites());
   create();
 }
 
@@ -80,11 +84,15 @@ void Bus::Participant::create() {
   const auto announced = bus::presence_bytes(self_.presence);
   if (announced.empty())
     throw usage_error("the names of cell, role and process may have 64, 32 and 64 letters");
+  const bool inside = !settings_.outside && !protection_.on();
+  udp_->interfaceWhiteList = inside ? bus::inner_addresses() : std::vector<std::string>{};
+  if (!udp_->interfaceWhiteList.empty()) bus::refuse_peers_outside(settings_, udp_->interfaceWhiteList);
   auto qos = bus::participant_qos(settings_, transport_, announced);
+  if (protection_.on()) protection_.apply(qos);
   // The threads that receive are started here. A busy machine would let them wait, and that looks like a bad
   // link.
   const RealTimePriority inherited(kNetworkPriority);
-  self_.key = key_of({qos.wire_protocol().prefix, rtps::c_EntityId_RTPSParticipant});
+  bus::require_discovery_port(settings_.domain);
   // Another number each time: whoever has not forgotten the one before would take the ports for its own.
   numbers_.push_back(std::make_unique<bus::ParticipantNumber>(settings_.domain));
   if (numbers_.back()->value() < 0) {
@@ -99,18 +107,24 @@ void Bus::Participant::create() {
         fmt::format("no DDS participant in domain {}: is the network up, and are UDP ports from {} free?",
                     settings_.domain, 7400 + 250 * settings_.domain));
   }
+  {
+    const std::lock_guard lock(mutex_);
+    self_.key = key_of(participant_->guid());  // another one than asked for, with security
+  }
   dds::PublisherQos publisher_qos;
   publisher_qos.partition().push_back(settings_.cell.c_str());
   publisher_ = participant_->create_publisher(publisher_qos);
   dds::SubscriberQos subscriber_qos;
   subscriber_qos.partition().push_back(settings_.cell.c_str());
   subscriber_ = participant_->create_subscriber(subscriber_qos);
+  if (protection_.on()) announce_protected();
 }
 
 void Bus::Participant::destroy() {
   if (participant_ == nullptr) return;
   participant_->set_listener(nullptr);
   participant_->delete_contained_entities();
+  announcer_ = nullptr;
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
   participant_ = nullptr;
 }
@@ -141,10 +155,13 @@ void Bus::Participant::wait_for_objections() {
 
 void Bus::Participant::join() {
   wait_for_objections();
-  dds::DomainParticipantQos qos = participant_->get_qos();
-  qos.user_data().data_vec(bus::presence_bytes(self_.presence));
-  if (participant_->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-    throw environment_error("the middleware did not take the announcement");
+  if (protection_.on()) {
+    announce_protected();
+  } else {
+    dds::DomainParticipantQos qos = participant_->get_qos();
+    qos.user_data().data_vec(bus::presence_bytes(self_.presence));
+    if (!middleware::succeeded(participant_->set_qos(qos)))
+      throw environment_error("the middleware did not take the announcement");
   }
   network_ = std::make_unique<NetworkWatch>([this](bool lost) { addresses_changed(lost); });
 }
@@ -153,13 +170,16 @@ void Bus::Participant::addresses_changed(bool lost) {
   // The middleware notices new interfaces when it is told to look, but whoever has found this participant
   // before goes on with the addresses of then (Fast DDS 2.9). So it is made anew, unless that would interrupt
   // what still works.
-  if (!lost && whole()) return;
+  const bool leads_out = !settings_.outside && !protection_.on() && udp_->interfaceWhiteList.empty() &&
+                         !bus::inner_addresses().empty();
+  if (!lost && whole() && !leads_out) return;
   const std::lock_guard lock(endpoints_mutex_);
   for (Endpoint* const endpoint : endpoints_) endpoint->close();
   destroy();
   {
     const std::lock_guard neighbours(mutex_);
     others_.clear();
+    authenticated_.clear();
     elsewhere_.clear();
     addresses_.clear();
   }
@@ -193,35 +213,90 @@ void Bus::Participant::remove(Endpoint* endpoint) {
   endpoint->close();
 }
 
-void Bus::Participant::on_participant_discovery(dds::DomainParticipant*,
-                                                rtps::ParticipantDiscoveryInfo&& info) {
-  const Key key = key_of(info.info.m_guid);
-  const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
-                    info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
-  Neighbour other{.presence = {}, .key = key};
-  const bool ours = !gone && bus::read_presence(info.info.m_userData, other.presence);
+void Bus::Participant::discovered(const Discovered& participant) {
+  const Key key = key_of(participant.guid);
+  const bool gone = participant.gone;
+  PresenceMessage presence;
+  // Announcements are clear, and anybody can write them: with security who they are is heard elsewhere.
+  const bool told = !gone && !protection_.on() && bus::read_presence(participant.user_data, presence);
   {
     const std::lock_guard lock(mutex_);
     if (gone) {
       others_.erase(key);
+      authenticated_.erase(key);
       elsewhere_.erase(key);
       addresses_.erase(key);
     } else if (addresses_.size() < kMostAddresses) {
-      addresses_[key] = address_of(info.info);
+      addresses_[key] = address_of(participant);
     }
-    if (ours && other.presence.cell != settings_.cell) elsewhere_[key] = other.presence;
-    if (ours && other.presence.cell == settings_.cell) {
-      others_[key] = other;
-      if (self_.presence.joined && incompatibility(self_.presence, other.presence)) incompatible_.insert(key);
-    }
+    if (told) announce(key, presence);
   }
   changed_.notify_all();
+}
+
+void Bus::Participant::announce(const Key& key, const PresenceMessage& presence) {
+  if (presence.cell != settings_.cell) {
+    elsewhere_[key] = presence;
+    return;
+  }
+  others_[key] = {.presence = presence, .key = key};
+  if (self_.presence.joined && incompatibility(self_.presence, presence)) incompatible_.insert(key);
+}
+
+void Bus::Participant::authenticated(const rtps::GUID_t& guid, bool proven) {
+  const Key key = key_of(guid);
+  if (proven && protection_.on()) protection_.gate()->proven(key);
+  const std::lock_guard lock(mutex_);
+  if (proven) {
+    authenticated_.insert(key);
+  } else {
+    authenticated_.erase(key);
+  }
+}
+
+void Bus::Participant::discovered(const DiscoveredWriter& writer) {
+  if (!protection_.on() || writer.gone || writer.topic != security::kPresenceTopic) return;
+  const Key key = key_of(writer.guid);
+  PresenceMessage presence;
+  if (!bus::read_presence(writer.user_data, presence) || !protection_.fits(key, presence)) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!authenticated_.contains(key)) return;
+    announce(key, presence);
+  }
+  changed_.notify_all();
+}
+
+/// Who we are, in the user data of a writer: unlike the participant's own these are encrypted, for those who
+/// are authenticated.
+void Bus::Participant::announce_protected() {
+  dds::DataWriterQos qos = bus::writer_qos(bus::Intent::kSlow);
+  qos.user_data().data_vec(bus::presence_bytes(self_.presence));
+  if (announcer_ != nullptr) {
+    (void)announcer_->set_qos(qos);
+    return;
+  }
+  const dds::TypeSupport type(new wire::PresencePubSubType);
+  dds::Topic* const told = topic(security::kPresenceTopic, type);
+  announcer_ = told == nullptr ? nullptr : publisher_->create_datawriter(told, qos);
+  if (announcer_ == nullptr)
+    throw environment_error("the middleware refused a writer of " + std::string(security::kPresenceTopic));
 }
 
 std::vector<PresenceMessage> Bus::Participant::others() const {
   const std::lock_guard lock(mutex_);
   std::vector<PresenceMessage> list;
   for (const auto& [key, other] : others_) list.push_back(other.presence);
+  return list;
+}
+
+std::vector<Bus::Seen> Bus::Participant::seen() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Bus::Seen> list;
+  for (const auto& [key, other] : others_) {
+    const auto address = addresses_.find(key);
+    list.push_back({other.presence, address == addresses_.end() ? "unknown" : address->second});
+  }
   return list;
 }
 
@@ -236,13 +311,18 @@ bool Bus::Participant::wait_for_role(const std::string& role, std::chrono::nanos
 
 BusCounters Bus::Participant::counters() const {
   const std::lock_guard lock(mutex_);
-  return {.incompatible = incompatible_.size(), .strangers = strangers_.size()};
+  return {.incompatible = incompatible_.size(),
+          .strangers = strangers_.size(),
+          .refused = protection_.on() ? protection_.gate()->refused() : 0};
 }
 
 std::vector<std::string> Bus::Participant::strangers() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> sentences;
   for (const auto& [key, sentence] : strangers_) sentences.push_back(sentence);
+  if (protection_.on() && protection_.gate()->refused() > 0)
+    sentences.push_back(
+        fmt::format("somebody without keys of cell '{}' sends to it, and is not let in", settings_.cell));
   return sentences;
 }
 

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <map>
@@ -14,13 +14,15 @@
 #include <set>
 
 #include "common/bus/bus.h"
+#include "common/bus/middleware.h"
 #include "common/bus/network_watch.h"
 #include "common/bus/participant_qos.h"
 #include "common/bus/presence.h"
+#include "common/bus/protection.h"
 
 namespace telekerf {
 
-class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListener {
+class Bus::Participant : private middleware::Discovery {
  public:
   explicit Participant(BusSettings settings);
   ~Participant() override;
@@ -31,15 +33,17 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   const BusSettings& settings() const { return settings_; }
   const std::vector<std::string>& notes() const { return notes_; }
   std::vector<PresenceMessage> others() const;
+  std::vector<Bus::Seen> seen() const;
   bool wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const;
   BusCounters counters() const;
   std::vector<std::string> strangers() const;
   std::vector<PresenceMessage> elsewhere() const;
   std::optional<Rival> rival() const;
+  bus::Protection& protection() { return protection_; }
 
   /// In a thread of the middleware, no allocation if it may. Whether this writer's process has announced
   /// itself in this cell, in this role (null: any) and as the start `epoch`. Whoever has not is remembered.
-  bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer, const char* topic, const char* role,
+  bool may_say(const middleware::rtps::GUID_t& writer, const char* topic, const char* role,
                std::optional<std::uint32_t> epoch);
 
   /// The topic of this name, created at first use; `type` is registered then.
@@ -61,16 +65,19 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   void add(Endpoint* endpoint);
   /// Closes it.
   void remove(Endpoint* endpoint);
-  bool is_own(const eprosima::fastrtps::rtps::GUID_t& writer) const {
+  bool is_own(const middleware::rtps::GUID_t& writer) const {
     return writer.guidPrefix == participant_->guid().guidPrefix;
   }
 
  private:
   using Key = std::array<std::uint8_t, 12>;
 
-  void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
-                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
+  void discovered(const Discovered& participant) override;
+  void discovered(const DiscoveredWriter& writer) override;
+  void authenticated(const middleware::rtps::GUID_t& guid, bool proven) override;
   void create();
+  void announce_protected();
+  void announce(const Key& key, const PresenceMessage& presence);
   void destroy();
   void wait_for_objections();
   void addresses_changed(bool lost);
@@ -79,12 +86,16 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   std::string stranger(const Key& key, const char* topic, const char* role) const;
 
   BusSettings settings_;
+  bus::Protection protection_;
   std::vector<std::string> notes_;
+  std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp_;
   std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> transport_;
   std::vector<std::unique_ptr<bus::ParticipantNumber>> numbers_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
+  eprosima::fastdds::dds::DataWriter* announcer_ =
+      nullptr;  // with security: who we are, told to those who are authenticated
   std::mutex topics_mutex_;
 
   mutable std::mutex mutex_;
@@ -94,6 +105,7 @@ class Bus::Participant : private eprosima::fastdds::dds::DomainParticipantListen
   std::set<Key> incompatible_;  // seen since we joined
   std::mutex endpoints_mutex_;
   std::set<Endpoint*> endpoints_;
+  std::set<Key> authenticated_;  // with security
   std::map<Key, PresenceMessage> elsewhere_;
   std::map<Key, std::string> addresses_;   // of everyone seen in the domain, for people
   std::map<Key, std::string> strangers_;   // a sentence each

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/participant_qos.h"
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/attributes/LibrarySettingsAttributes.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 #include <netdb.h>
 #include <netinet/in.h>
@@ -20,18 +16,19 @@
 #include <optional>
 #include <random>
 
+#include "common/bus/interfaces.h"
+#include "common/bus/middleware.h"
 #include "common/bus/qos.h"
-#include "common/bus/trimming_transport.h"
+#include "common/bus/quiet_log.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::bus {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
+namespace dds = middleware::dds;
+namespace rtps = middleware::rtps;
 using eprosima::fastdds::rtps::TransportDescriptorInterface;
 using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
-using eprosima::fastrtps::Duration_t;
 
 constexpr const char* kDiscoveryMulticast = "239.255.0.1";  // RTPS default
 constexpr std::uint32_t kParticipantsPerPeer = 64;          // ports tried at a peer that names none
@@ -68,12 +65,16 @@ std::optional<Peer> parsed_peer(const std::string& text) {
 }
 
 /// Of discovery; the next one is that of the data (RTPS 2.x, 9.6.1.1).
-int participant_port(int domain, int id) { return 7400 + 250 * domain + 10 + 2 * id; }
+int discovery_port(int domain) { return 7400 + 250 * domain; }
+int participant_port(int domain, int id) { return discovery_port(domain) + 10 + 2 * id; }
 
-bool is_free(int port) {
+/// `shared`: with others who share it, too.
+bool can_be_bound(int port, bool shared) {
   if (port > 65535) return false;
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return false;
+  const int yes = 1;
+  if (shared) (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
@@ -120,31 +121,39 @@ std::string complaint_about_peer(const std::string& peer) {
 
 namespace telekerf::bus {
 
-void settle_library() {
+void settle_library(bool secured) {
   static std::once_flag once;
   std::call_once(once, [] {
     setenv("SKIP_DEFAULT_XML", "1", 1);
     unsetenv("ROS_DISCOVERY_SERVER");
     dds::Log::SetVerbosity(dds::Log::Error);
-    eprosima::fastrtps::LibrarySettingsAttributes library;
-    library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
   });
+  if (secured) quiet_log();
+  middleware::deliver_within_a_process(secured);
 }
 
-std::shared_ptr<TransportDescriptorInterface> udp_transport() {
+std::shared_ptr<UDPv4TransportDescriptor> udp_transport() {
   auto udp = std::make_shared<UDPv4TransportDescriptor>();
   udp->sendBufferSize = kSocketBufferBytes;
   udp->receiveBufferSize = kSocketBufferBytes;
   udp->non_blocking_send = true;
   udp->maxInitialPeersRange = kParticipantsPerPeer;
-  return trimming_over(std::move(udp));
+  return udp;
+}
+
+void require_discovery_port(int domain) {
+  if (can_be_bound(discovery_port(domain), true)) return;
+  throw environment_error(fmt::format(
+      "UDP port {} of domain {}, where processes hear of each other, is in use by another program; end that "
+      "program (ss -ulpn names it) or choose another --domain: below 102 no system hands these ports out by "
+      "itself",
+      discovery_port(domain), domain));
 }
 
 ParticipantNumber::ParticipantNumber(int domain) {
   for (int id = 0; id < kParticipantsPerHost; ++id) {
     const int port = participant_port(domain, id);
-    if (!is_free(port) || !is_free(port + 1)) continue;
+    if (!can_be_bound(port, false) || !can_be_bound(port + 1, false)) continue;
     // Between this look and the middleware's own socket another one may look, too.
     const int claim = claimed(fmt::format("telekerf/{}", port));
     if (claim < 0) continue;
@@ -187,6 +196,18 @@ dds::DomainParticipantQos participant_qos(const BusSettings& settings,
     builtin.initialPeersList.push_back(locator);
   }
   return qos;
+}
+
+void refuse_peers_outside(const BusSettings& settings, const std::vector<std::string>& inner) {
+  for (const std::string& peer : settings.peers) {
+    const auto named = parsed_peer(peer);
+    if (named && lies_outside(resolved(named->host), inner))
+      throw usage_error(
+          fmt::format("peers = '{}' lies beyond this computer, where nothing is secured: give --security "
+                      "DIR, or --insecure if "
+                      "whoever is there may command",
+                      peer));
+  }
 }
 
 std::string socket_buffer_note() {

@@ -9,17 +9,26 @@
 #include <vector>
 
 #include "common/bus/bus.h"
+#include "common/bus/middleware.h"
 
 namespace telekerf::bus {
 
 inline constexpr std::uint32_t kSocketBufferBytes = 4u << 20;
 
-/// Library-wide, before the first participant: no profile files from the working directory, no discovery
-/// server from the environment, no intraprocess short cut (the emulated link would not see its datagrams).
-void settle_library();
+/// Library-wide, before a participant: no profile files from the working directory, no discovery server from
+/// the environment, no intraprocess short cut (the emulated link would not see its datagrams). `secured`:
+/// with it, for a participant does not understand what it has signed itself, and its readers would ask its
+/// own writers for ever; no two participants' prefixes look like those of one process, so that it goes no
+/// further.
+void settle_library(bool secured);
 
 /// UDPv4 transport as all participants use it.
-std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> udp_transport();
+std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp_transport();
+
+/// Throws StartupError where another program has the domain's multicast port for itself: the middleware would
+/// go on without a word, and nobody would ever be found. Ports of domains from 102 on (32,900 and above) are
+/// among those that the kernel gives to any program that sends.
+void require_discovery_port(int domain);
 
 /// A number for a participant of this host whose two ports are free, and which no other process of ours takes
 /// as long as this lives. The middleware must be told one: left to itself it takes other ports when these are
@@ -45,6 +54,9 @@ eprosima::fastdds::dds::DomainParticipantQos participant_qos(
     const BusSettings& settings,
     std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> transport,
     const std::vector<std::uint8_t>& user_data);
+
+/// Throws StartupError for a peer that is reached through none of these addresses of this computer.
+void refuse_peers_outside(const BusSettings& settings, const std::vector<std::string>& inner);
 
 /// A sentence if this kernel clips our socket buffers; empty otherwise.
 std::string socket_buffer_note();

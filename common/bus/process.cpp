@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "common/runtime/real_time.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -19,7 +20,22 @@ Process::Process(const BusSettings& settings, const std::string& who, const char
     : bus_(with_signals_caught(settings)),
       status_(who, initial_state),
       lookout_(bus_, status_),
-      looking_(std::chrono::milliseconds(100), [this] { lookout_.look(); }) {}
+      clock_(bus_),
+      looking_(std::chrono::milliseconds(100), [this] { look(); }) {
+  status_.say(bus_.protection());
+}
+
+void Process::look() {
+  lookout_.look();
+  supervision_.tell();
+  clock_.tell();
+  for (const std::string& sentence : bus_.dates()) status_.say(sentence);
+  ended_.store(!bus_.ended().empty(), std::memory_order_relaxed);
+}
+
+void Process::refuse_ended() const {
+  if (const std::string why = bus_.ended(); !why.empty()) throw environment_error(why);
+}
 
 std::string Process::place() const {
   return fmt::format("cell '{}' of domain {}", bus_.settings().cell, bus_.settings().domain);
@@ -29,7 +45,12 @@ void Process::ready() { status_.say(fmt::format("ready in {}", bus_.settings().c
 
 LoopStatistics Process::run(double rate_hz, const std::function<bool(std::int64_t)>& step) {
   if (const std::string refusal = real_time_refusal(); !refusal.empty()) status_.say(refusal);
-  return run_loop(rate_hz, [&step](std::int64_t now_ns) { return step(now_ns) && !stop_requested(); });
+  const LoopStatistics loop = run_loop(rate_hz, [&](std::int64_t now_ns) {
+    supervision_.step();
+    return step(now_ns) && !stop_requested() && !ended();
+  });
+  supervision_.over();
+  return loop;
 }
 
 }  // namespace telekerf

@@ -3,15 +3,20 @@
 // comes.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.h"
 #include "common/bus/lookout.h"
+#include "common/bus/roll_call.h"
+#include "common/protocol/events.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/periodic.h"
 #include "common/runtime/status_reporter.h"
+#include "common/runtime/supervision.h"
 
 namespace telekerf {
 
@@ -25,18 +30,34 @@ class Process {
   StatusReporter& status() noexcept { return status_; }
   /// What the loop misses is said by a thread of the process' own.
   Lookout& lookout() noexcept { return lookout_; }
+  /// Wait-free: a loop other than run() says at every turn that it goes on; see Supervision.
+  void alive() noexcept { supervision_.step(); }
   /// "cell 'cell-1' of domain 0"
   std::string place() const;
 
   /// Says that everything is there.
   void ready();
-  /// Steps at `rate_hz` until `step` returns false or a signal comes.
+  /// Steps at `rate_hz` until `step` returns false, a signal comes, or this process' keys end.
   LoopStatistics run(double rate_hz, const std::function<bool(std::int64_t now_ns)>& step);
+  /// Its keys have ended: nothing is to go on. Wait-free.
+  bool ended() const noexcept { return ended_.load(std::memory_order_relaxed); }
+  /// Before keys end that an engagement needs, an event more says to let go; room for it must be there. For a
+  /// control loop.
+  void let_go_with_keys(std::vector<EventMessage>& events) const noexcept {
+    if (bus_.lets_go() && events.size() < events.capacity()) events.emplace_back();
+  }
+  /// Throws StartupError then.
+  void refuse_ended() const;
 
  private:
+  void look();
+
   Bus bus_;
   StatusReporter status_;
   Lookout lookout_;
+  std::atomic<bool> ended_{false};
+  Supervision supervision_;
+  ClockTeller clock_;
   Periodic looking_;  ///< last: starts when everything else is there, ends first
 };
 

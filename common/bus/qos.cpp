@@ -4,9 +4,8 @@
 namespace telekerf::bus {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastrtps::Duration_t;
+namespace dds = middleware::dds;
+namespace rtps = middleware::rtps;
 
 constexpr int kEvents = 256;  // kept for a reader that is behind
 constexpr int kStops = 32;    // kept for whoever comes later
@@ -36,7 +35,6 @@ dds::DataWriterQos writer_qos(Intent intent) {
   auto qos = qos_of<dds::DataWriterQos>(intent);
   qos.history().depth = static_cast<std::int32_t>(kept_samples(intent));
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
-  auto& times = qos.reliable_writer_qos().times;
   switch (intent) {
     case Intent::kStream:  // allocates nothing
       qos.resource_limits().max_samples = 1;
@@ -47,19 +45,13 @@ dds::DataWriterQos writer_qos(Intent intent) {
     case Intent::kLatched:  // large: repairs are asked for calmly, so that a long round trip does not
                             // multiply them
       qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
-      times.initialHeartbeatDelay = milliseconds(5);
-      times.heartbeatPeriod = milliseconds(200);
-      times.nackResponseDelay = milliseconds(5);
+      middleware::set_times(qos, {milliseconds(5), milliseconds(200), milliseconds(5)});
       break;
     case Intent::kEvent:  // small and rare: repaired at once
-      times.initialHeartbeatDelay = milliseconds(0);
-      times.heartbeatPeriod = milliseconds(5);
-      times.nackResponseDelay = milliseconds(0);
+      middleware::set_times(qos, {milliseconds(0), milliseconds(5), milliseconds(0)});
       break;
     case Intent::kStop:
-      times.initialHeartbeatDelay = milliseconds(0);
-      times.heartbeatPeriod = milliseconds(20);
-      times.nackResponseDelay = milliseconds(0);
+      middleware::set_times(qos, {milliseconds(0), milliseconds(20), milliseconds(0)});
       break;
     case Intent::kSlow:
       break;
@@ -73,7 +65,7 @@ dds::DataReaderQos reader_qos(Intent intent) {
   if (intent == Intent::kLatched) qos.history().depth = 4;
   if (intent == Intent::kEvent || intent == Intent::kStop) {
     qos.history().depth = kEvents;
-    qos.reliable_reader_qos().times.heartbeatResponseDelay = milliseconds(0);
+    middleware::set_answer_time(qos, milliseconds(0));
   }
   return qos;
 }

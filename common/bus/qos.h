@@ -5,13 +5,12 @@
 #include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 
+#include "common/bus/middleware.h"
 #include "common/bus/topics.h"
 
 namespace telekerf::bus {
 
-inline eprosima::fastrtps::Duration_t milliseconds(double value) {
-  return {static_cast<long double>(value * 1e-3)};
-}
+inline middleware::Duration_t milliseconds(double value) { return {static_cast<long double>(value * 1e-3)}; }
 
 /// That a writer keeps for whoever comes late, or is behind.
 std::size_t kept_samples(Intent intent);

@@ -6,6 +6,7 @@
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 
+#include "common/bus/middleware.h"
 #include "common/bus/qos.h"
 #include "common/bus/ring.h"
 #include "common/bus/topic.h"
@@ -13,8 +14,7 @@
 #include "common/runtime/clock.h"
 
 namespace telekerf {
-namespace dds = eprosima::fastdds::dds;
-using eprosima::fastrtps::types::ReturnCode_t;
+namespace dds = middleware::dds;
 
 template <class T>
 struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
@@ -61,7 +61,7 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
     dds::SampleInfo info;
     while (true) {
       bus::undecodable = false;
-      const bool taken = source->take_next_sample(&wire, &info) == ReturnCode_t::RETCODE_OK;
+      const bool taken = middleware::succeeded(source->take_next_sample(&wire, &info));
       if (bus::undecodable) {
         damaged.fetch_add(1, std::memory_order_relaxed);
         if (!taken) continue;
@@ -76,7 +76,7 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
   /// Whether what is in `wire` may come from this writer. Who announces itself as another start than the
   /// stream's own is not the one who sends it. A stop is heard from everyone: it can only make things safer,
   /// and who says it may not be known yet. What speaks another contract is judged by that.
-  bool may_say(const eprosima::fastrtps::rtps::GUID_t& writer, std::optional<std::uint32_t> epoch) {
+  bool may_say(const middleware::rtps::GUID_t& writer, std::optional<std::uint32_t> epoch) {
     if (bus::contract_of(wire).value_or(participant->settings().contract) != participant->settings().contract)
       return true;
     if constexpr (std::is_same_v<T, StopMessage>) {
@@ -85,7 +85,7 @@ struct Reader<T>::Impl : dds::DataReaderListener, Bus::Participant::Endpoint {
     return participant->may_say(writer, bus::Topic<T>::kName, bus::Topic<T>::kFrom, epoch);
   }
 
-  void accept(std::int64_t now_ns, const eprosima::fastrtps::rtps::GUID_t& writer) {
+  void accept(std::int64_t now_ns, const middleware::rtps::GUID_t& writer) {
     if (!may_say(writer, std::nullopt)) {
       strangers.fetch_add(1, std::memory_order_relaxed);
       return;
@@ -173,6 +173,7 @@ template class Reader<StateBlock>;
 template class Reader<ContourMessage>;
 template class Reader<EventMessage>;
 template class Reader<StopMessage>;
+template class Reader<PreviewMessage>;
 template class Reader<TelemetryMessage>;
 
 }  // namespace telekerf

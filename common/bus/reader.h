@@ -71,6 +71,7 @@ extern template class Reader<StateBlock>;
 extern template class Reader<ContourMessage>;
 extern template class Reader<EventMessage>;
 extern template class Reader<StopMessage>;
+extern template class Reader<PreviewMessage>;
 extern template class Reader<TelemetryMessage>;
 
 }  // namespace telekerf

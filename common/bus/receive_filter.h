@@ -5,6 +5,8 @@
 
 #include <memory>
 
+#include "common/protocol/site.h"
+
 namespace eprosima::fastdds::rtps {
 struct TransportDescriptorInterface;
 }
@@ -23,7 +25,8 @@ class ReceiveFilter {
   ReceiveFilter& operator=(const ReceiveFilter&) = delete;
 
   /// `below` (UDPv4) with this filter on its receiving side; called once, before the participant is made.
-  virtual std::shared_ptr<Transport> over(std::shared_ptr<Transport> below) = 0;
+  /// `sites`: how participants' prefixes tell where they are.
+  virtual std::shared_ptr<Transport> over(std::shared_ptr<Transport> below, const SiteTable& sites) = 0;
 };
 
 }  // namespace telekerf

@@ -7,6 +7,7 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <string>
 
+#include "common/bus/middleware.h"
 #include "common/bus/participant.h"
 #include "common/bus/topics.h"
 #include "common/runtime/startup_error.h"
@@ -22,7 +23,7 @@ inline thread_local bool undecodable = false;  // NOLINT
 template <class Type>
 class Guarded : public Type {
  public:
-  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+  bool deserialize(middleware::Payload payload, void* data) override {
     bool good = false;
     try {
       good = Type::deserialize(payload, data);

@@ -3,7 +3,11 @@
 // service. Inside the bus only.
 #pragma once
 
+#if __has_include(<telekerfPubSubTypes.hpp>)
+#include <telekerfPubSubTypes.hpp>
+#else
 #include <telekerfPubSubTypes.h>
+#endif
 
 #include <cstddef>
 
@@ -59,6 +63,11 @@ struct Topic<StateBlock> : TopicOf<wire::StateBlockPubSubType, Intent::kStream> 
 template <>
 struct Topic<ContourMessage> : TopicOf<wire::ContourPubSubType, Intent::kLatched> {
   static constexpr const char* kName = "telekerf/contour";
+  static constexpr const char* kFrom = "vision";
+};
+template <>
+struct Topic<PreviewMessage> : TopicOf<wire::PreviewPubSubType, Intent::kLatched> {
+  static constexpr const char* kName = "telekerf/preview";
   static constexpr const char* kFrom = "vision";
 };
 template <>

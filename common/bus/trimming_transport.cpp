@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/trimming_transport.h"
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#if __has_include(<fastdds/rtps/network/SenderResource.h>)
-#include <fastdds/rtps/network/SenderResource.h>
-#else
-#include <fastdds/rtps/transport/SenderResource.h>
-#endif
-#include <fastrtps/utils/IPLocator.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 #include <unistd.h>
-#include <fastdds/rtps/common/LocatorList.hpp>
 
 #include <array>
 #include <atomic>
@@ -25,35 +16,28 @@
 #include <vector>
 
 #include "common/bus/participant_qos.h"
+#include "common/bus/rtps_bytes.h"
 #include "common/protocol/site.h"
+#include "common/runtime/clock.h"
 
 namespace telekerf::bus {
 namespace {
 
 namespace dds_rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
-using eprosima::fastrtps::rtps::Locator_t;
-using eprosima::fastrtps::rtps::Locators;
-using eprosima::fastrtps::rtps::LocatorsIterator;
-using eprosima::fastrtps::rtps::octet;
-using eprosima::fastrtps::rtps::SenderResource;
+using middleware::rtps::IPLocator;
+using middleware::rtps::Locator_t;
+using middleware::rtps::Locators;
+using middleware::rtps::LocatorsIterator;
+using middleware::rtps::octet;
+using middleware::rtps::SenderResource;
 
 // RTPS 2.x, 8.3 and 9.4.
-constexpr std::size_t kHeader = 20;
-constexpr std::size_t kSubmessageHeader = 4;
-constexpr std::uint8_t kLittleEndian = 0x01;
 constexpr std::uint8_t kInfoTimestamp = 0x09;
 constexpr std::uint8_t kInfoDestination = 0x0e;
 constexpr std::uint8_t kData = 0x15;
-constexpr std::uint8_t kFirstSecure = 0x30;  // SEC_BODY to SRTPS_POSTFIX
-constexpr std::uint8_t kLastSecure = 0x34;
 constexpr std::uint8_t kStatistics = 0x80;
 constexpr std::size_t kStatisticsBytes = 60;
 constexpr std::size_t kWriterEntity = 12;  // in a DATA submessage
-
-std::uint8_t octet_at(std::span<const std::byte> bytes, std::size_t at) {
-  return std::to_integer<std::uint8_t>(bytes[at]);
-}
 
 /// The submessage at `at`, its head included; none: it is not whole.
 std::optional<std::span<const std::byte>> submessage(std::span<const std::byte> datagram, std::size_t at) {
@@ -111,32 +95,35 @@ class UnicastSocket {
 };
 
 struct Descriptor : dds_rtps::ChainingTransportDescriptor {
-  explicit Descriptor(std::shared_ptr<dds_rtps::TransportDescriptorInterface> below)
-      : ChainingTransportDescriptor(std::move(below)) {}
+  Descriptor(std::shared_ptr<dds_rtps::TransportDescriptorInterface> below, std::shared_ptr<Gate> at)
+      : ChainingTransportDescriptor(std::move(below)), gate(std::move(at)) {}
   dds_rtps::TransportInterface* create_transport() const override;
+  std::shared_ptr<Gate> gate;
 };
 
 class Transport : public dds_rtps::ChainingTransport {
  public:
   explicit Transport(const Descriptor& descriptor)
-      : ChainingTransport(descriptor), descriptor_(descriptor.low_level_descriptor) {}
+      : ChainingTransport(descriptor), descriptor_(descriptor.low_level_descriptor), gate_(descriptor.gate) {}
 
   dds_rtps::TransportDescriptorInterface* get_configuration() override { return descriptor_.get(); }
 
   /// Called once for each of the sockets below (an interface each), always with the same bytes and addresses.
-  bool send(SenderResource* below, const octet* buffer, std::uint32_t size, LocatorsIterator* begin,
+  /// A participant sends one datagram at a time.
+  bool send(SenderResource* below, middleware::Datagram whole, std::uint32_t size, LocatorsIterator* begin,
             LocatorsIterator* end, const std::chrono::steady_clock::time_point& timeout) override {
-    if (!unicast_.is_open()) return below->send(buffer, size, begin, end, timeout);
+    const std::span<const std::byte> bytes = middleware::in_one_piece(whole, size, room_);
+    if (!unicast_.is_open() || bytes.empty()) return below->send(whole, size, begin, end, timeout);
     SenderResource* first = nullptr;
     const bool leads = first_.compare_exchange_strong(first, below) || first == below;
     bool sent = true;
-    const TrimmedDatagram datagram = trimmed(std::as_bytes(std::span(buffer, size)));
+    const TrimmedDatagram datagram = trimmed(bytes);
     for (; !(*begin == *end); ++*begin) {
       if (IPLocator::isMulticast(**begin)) {
         const std::vector<Locator_t> address(1, **begin);  // discovery's alone
         Locators at(address.begin());
         Locators behind(address.end());
-        sent = below->send(buffer, size, &at, &behind, timeout) && sent;
+        sent = below->send(whole, size, &at, &behind, timeout) && sent;
       } else if (leads) {
         sent = unicast_.send(datagram, **begin) && sent;
       }
@@ -146,12 +133,19 @@ class Transport : public dds_rtps::ChainingTransport {
 
   void receive(dds_rtps::TransportReceiverInterface* next, const octet* buffer, std::uint32_t size,
                const Locator_t& local, const Locator_t& remote) override {
+    if (gate_) {
+      std::uint32_t from = 0;
+      std::memcpy(&from, IPLocator::getIPv4(remote), sizeof from);
+      if (!gate_->admits(std::as_bytes(std::span(buffer, size)), from, monotonic_ns())) return;
+    }
     next->OnDataReceived(buffer, size, local, remote);
   }
 
  private:
   std::shared_ptr<dds_rtps::TransportDescriptorInterface> descriptor_;
+  std::shared_ptr<Gate> gate_;
   UnicastSocket unicast_;
+  std::vector<std::byte> room_ = std::vector<std::byte>(middleware::kDatagramRoom);
   std::atomic<SenderResource*> first_{nullptr};
 };
 
@@ -170,7 +164,6 @@ TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept {
     const auto part = submessage(datagram, at);
     if (!part) return whole;
     const std::uint8_t kind = octet_at(*part, 0);
-    if (kind >= kFirstSecure && kind <= kLastSecure) return whole;
     if (kind == kStatistics && part->size() == kStatisticsBytes && at + part->size() == datagram.size())
       end = at;
     if (only_addressed && is_stream_data(*part)) stream = at;
@@ -183,8 +176,8 @@ TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept {
 }
 
 std::shared_ptr<dds_rtps::TransportDescriptorInterface> trimming_over(
-    std::shared_ptr<dds_rtps::TransportDescriptorInterface> below) {
-  return std::make_shared<Descriptor>(std::move(below));
+    std::shared_ptr<dds_rtps::TransportDescriptorInterface> below, std::shared_ptr<Gate> gate) {
+  return std::make_shared<Descriptor>(std::move(below), std::move(gate));
 }
 
 }  // namespace telekerf::bus

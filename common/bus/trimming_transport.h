@@ -8,10 +8,12 @@
 // submessages are optional.
 #pragma once
 
-#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 #include <cstddef>
 #include <memory>
 #include <span>
+
+#include "common/bus/gate.h"
+#include "common/bus/middleware.h"
 
 namespace telekerf::bus {
 
@@ -21,12 +23,14 @@ struct TrimmedDatagram {
   std::span<const std::byte> rest;
 };
 
-/// Whatever is not known for certain, protected messages among it, stays whole: everything is in `head`.
+/// Whatever is not known for certain stays whole: everything is in `head`. Of a protected message the
+/// statistics alone are left out, which stand behind what is signed.
 TrimmedDatagram trimmed(std::span<const std::byte> datagram) noexcept;
 
 /// `below` (UDPv4): what is meant for one host is trimmed and sent by a socket of our own, multicast goes on
-/// to it.
+/// to it. What arrives goes on if the gate admits it; null: all of it.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> trimming_over(
-    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> below);
+    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> below,
+    std::shared_ptr<Gate> gate = nullptr);
 
 }  // namespace telekerf::bus

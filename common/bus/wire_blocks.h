@@ -3,12 +3,11 @@
 // the bus only.
 #pragma once
 
-#include <telekerf.h>
-
 #include <array>
 #include <cstdint>
 #include <optional>
 
+#include "common/bus/cdr.h"
 #include "common/bus/wire_messages.h"
 #include "common/protocol/header_compression.h"
 

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/wire_messages.h"
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/exceptions/Exception.h>
-
 #include <array>
 #include <cmath>
 
 namespace telekerf::bus {
 namespace {
-
-using eprosima::fastcdr::Cdr;
-using eprosima::fastcdr::FastBuffer;
 
 // Bounds of idl/telekerf.idl; the generated code does not enforce them.
 constexpr std::size_t kMaxValues = 256;
@@ -91,6 +85,28 @@ Verdict from_wire(const wire::Contour& wire, std::uint16_t contract, ContourMess
   return left.empty() ? Verdict::kGood : Verdict::kDamaged;
 }
 
+bool to_wire(const PreviewMessage& value, std::uint16_t contract, wire::Preview& wire) {
+  if (value.jpeg.size() > kMaxPreviewBytes) return false;
+  wire.contract(contract);
+  wire.contour_id(value.contour_id);
+  wire.left_m(value.left_m);
+  wire.top_m(value.top_m);
+  wire.width_m(value.width_m);
+  wire.height_m(value.height_m);
+  wire.jpeg() = value.jpeg;
+  return true;
+}
+
+Verdict from_wire(const wire::Preview& wire, std::uint16_t contract, PreviewMessage& value) {
+  if (wire.contract() != contract) return Verdict::kForeignContract;
+  if (wire.jpeg().size() > kMaxPreviewBytes || !std::isfinite(wire.left_m()) ||
+      !std::isfinite(wire.top_m()) || !(std::isfinite(wire.width_m()) && wire.width_m() > 0.0) ||
+      !(std::isfinite(wire.height_m()) && wire.height_m() > 0.0))
+    return Verdict::kDamaged;
+  value = {wire.contour_id(), wire.left_m(), wire.top_m(), wire.width_m(), wire.height_m(), wire.jpeg()};
+  return Verdict::kGood;
+}
+
 bool to_wire(const EventMessage& value, std::uint16_t contract, wire::Event& wire) {
   if (value.text.size() > kLongText) return false;
   wire.contract(contract);
@@ -103,7 +119,7 @@ bool to_wire(const EventMessage& value, std::uint16_t contract, wire::Event& wir
 
 Verdict from_wire(const wire::Event& wire, std::uint16_t contract, EventMessage& value) {
   if (wire.contract() != contract) return Verdict::kForeignContract;
-  if (wire.kind() > static_cast<std::uint8_t>(EventMessage::Kind::kRefocus) || !std::isfinite(wire.value()))
+  if (wire.kind() > static_cast<std::uint8_t>(EventMessage::Kind::kLook) || !std::isfinite(wire.value()))
     return Verdict::kDamaged;
   value.epoch = wire.epoch();
   value.kind = static_cast<EventMessage::Kind>(wire.kind());
@@ -174,19 +190,15 @@ std::vector<std::uint8_t> presence_bytes(const PresenceMessage& presence) {
   wire.joined(presence.joined ? 1 : 0);
   wire.version(presence.version);
   std::array<char, 512> bytes{};
-  FastBuffer buffer(bytes.data(), bytes.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::CORBA_CDR);
-  wire.serialize(cdr);
-  return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(cdr.getSerializedDataLength())};
+  const std::size_t written = write_cdr(wire, bytes);
+  return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(written)};
 }
 
 bool read_presence(std::span<const std::uint8_t> bytes, PresenceMessage& presence) {
   std::vector<char> copy(bytes.begin(), bytes.end());  // fastcdr wants mutable bytes
-  FastBuffer buffer(copy.data(), copy.size());
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::CORBA_CDR);
   wire::Presence wire;
   try {
-    wire.deserialize(cdr);
+    read_cdr(copy, wire);
   } catch (const eprosima::fastcdr::exception::Exception&) {
     return false;
   }

@@ -6,16 +6,18 @@
 #include <atomic>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <optional>
 #include <thread>
 #include <vector>
 
+#include "common/bus/middleware.h"
+#include "common/bus/outbox.h"
 #include "common/bus/qos.h"
 #include "common/bus/topic.h"
 #include "common/bus/wire.h"
 
 namespace telekerf {
-namespace dds = eprosima::fastdds::dds;
-using eprosima::fastrtps::types::ReturnCode_t;
+namespace dds = middleware::dds;
 
 template <class T>
 struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
@@ -24,8 +26,17 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   static constexpr bool kLatched =
       Topic::kIntent == bus::Intent::kLatched || Topic::kIntent == bus::Intent::kStop;
 
-  explicit Impl(Bus& bus) : participant(bus.participant()) { participant->add(this); }
-  ~Impl() override { participant->remove(this); }
+  explicit Impl(Bus& bus) : participant(bus.participant()) {
+    participant->add(this);
+    // Protecting a message allocates: a stream's blocks leave the control loop for a thread that may.
+    if constexpr (Topic::kIntent == bus::Intent::kStream) {
+      if (participant->protection().on()) outbox.emplace([this](Wire& value) { (void)send_at_once(value); });
+    }
+  }
+  ~Impl() override {
+    outbox.reset();
+    participant->remove(this);
+  }
 
   /// What is latched is said again by a new writer.
   void open() override {
@@ -67,15 +78,22 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   };
-  bool send() {
+  bool send(Wire& value) {
     next = (next + 1) % lanes.size();
-    if (lanes[next] == nullptr || !lanes[next]->write(&wire)) return false;
+    if (lanes[next] == nullptr || !middleware::succeeded(lanes[next]->write(&value))) return false;
     if constexpr (kLatched) {
       if (kept.size() == bus::kept_samples(Topic::kIntent)) kept.erase(kept.begin());
-      kept.push_back(wire);
+      kept.push_back(value);
     }
     return true;
   }
+  /// A block does not wait for lanes that are made anew: it is lost, as on the way.
+  bool send_at_once(Wire& value) {
+    if (busy.test_and_set(std::memory_order_acquire)) return false;
+    const Release end{busy};
+    return send(value);
+  }
+  bool prepare(const T& value, Wire& into) { return to_wire(value, participant->settings().contract, into); }
 
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
     matched.fetch_add(status.current_count_change, std::memory_order_relaxed);
@@ -86,9 +104,10 @@ struct Writer<T>::Impl : dds::DataWriterListener, Bus::Participant::Endpoint {
   std::size_t next = 0;
   std::atomic_flag busy = ATOMIC_FLAG_INIT;  // written, or made anew
   bus::ToWire<T> to_wire;
-  Wire wire;                    // reused, so that a stream allocates nothing
-  std::vector<Wire> kept;       // as many of the latched as whoever comes late gets
-  std::atomic<int> matched{0};  // over all lanes
+  Wire wire;                                // reused, so that a stream allocates nothing
+  std::vector<Wire> kept;                   // as many of the latched as whoever comes late gets
+  std::atomic<int> matched{0};              // over all lanes
+  std::optional<bus::Outbox<Wire>> outbox;  // of a stream, with security
 };
 
 template <class T>
@@ -103,17 +122,15 @@ Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
 template <class T>
 bool Writer<T>::write(const T& value) noexcept {
   try {
-    const auto send = [&] {
-      return impl_->to_wire(value, impl_->participant->settings().contract, impl_->wire) && impl_->send();
-    };
     if constexpr (bus::Topic<T>::kIntent == bus::Intent::kStream) {
-      // A block does not wait for lanes that are made anew: it is lost, as on the way.
-      if (impl_->busy.test_and_set(std::memory_order_acquire)) return false;
-      const typename Impl::Release end{impl_->busy};
-      return send();
+      if (!impl_->outbox) return impl_->prepare(value, impl_->wire) && impl_->send_at_once(impl_->wire);
+      auto* const room = impl_->outbox->room();
+      if (room == nullptr || !impl_->prepare(value, *room)) return false;
+      impl_->outbox->post();
+      return true;
     } else {
       const typename Impl::Turn turn(*impl_);
-      return send();
+      return impl_->prepare(value, impl_->wire) && impl_->send(impl_->wire);
     }
   } catch (const std::exception&) {
     return false;
@@ -141,10 +158,8 @@ bool Writer<T>::wait_until_received(std::chrono::nanoseconds timeout) const {
   for (dds::DataWriter* lane : impl_->lanes) {
     const std::chrono::duration<double> left = end - std::chrono::steady_clock::now();
     if (lane == nullptr) return false;
-    if (lane->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(std::max(left.count(), 1e-3))) !=
-        ReturnCode_t::RETCODE_OK) {
-      return false;
-    }
+    const middleware::Duration_t at_most(std::max(left.count(), 1e-3));
+    if (!middleware::succeeded(lane->wait_for_acknowledgments(at_most))) return false;
   }
   return true;
 }
@@ -154,6 +169,7 @@ template class Writer<StateBlock>;
 template class Writer<ContourMessage>;
 template class Writer<EventMessage>;
 template class Writer<StopMessage>;
+template class Writer<PreviewMessage>;
 template class Writer<TelemetryMessage>;
 
 }  // namespace telekerf

@@ -41,6 +41,7 @@ extern template class Writer<StateBlock>;
 extern template class Writer<ContourMessage>;
 extern template class Writer<EventMessage>;
 extern template class Writer<StopMessage>;
+extern template class Writer<PreviewMessage>;
 extern template class Writer<TelemetryMessage>;
 
 }  // namespace telekerf

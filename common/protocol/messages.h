@@ -7,5 +7,6 @@
 #include "common/protocol/contour.h"
 #include "common/protocol/events.h"
 #include "common/protocol/presence.h"
+#include "common/protocol/preview.h"
 #include "common/protocol/received.h"
 #include "common/protocol/stop.h"

@@ -15,6 +15,9 @@
 
 namespace telekerf {
 
+/// What a column's numbers are where a file has types.
+enum class ColumnKind { kNumber, kCount, kInteger, kYesNo };
+
 template <typename Row>
 struct Column {
   std::string_view name;   ///< in the header line
@@ -24,7 +27,17 @@ struct Column {
   double (*read)(const Row&);
   void (*write)(Row&, double);
   const char* format = "{}";  ///< the shortest text that reads back as the same number
+  ColumnKind kind = ColumnKind::kNumber;
 };
+
+/// Of a member's type.
+template <typename Value>
+constexpr ColumnKind kind_of() {
+  if constexpr (std::is_same_v<Value, bool>) return ColumnKind::kYesNo;
+  if constexpr (std::is_floating_point_v<Value>) return ColumnKind::kNumber;
+  if constexpr (std::is_unsigned_v<Value>) return ColumnKind::kCount;
+  return ColumnKind::kInteger;
+}
 
 /// The column of a member that is one number.
 template <auto Member, typename Row>
@@ -41,7 +54,9 @@ constexpr Column<Row> column(std::string_view name, std::string_view unit, std::
             } else {
               row.*Member = static_cast<Value>(value);
             }
-          }};
+          },
+          "{}",
+          kind_of<Value>()};
 }
 
 /// The column of one component of a vector.

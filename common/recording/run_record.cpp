@@ -61,12 +61,13 @@ void add_figures(const LoopStatistics& loop, Metrics& figures) {
 
 void refuse_record_folder(const std::string& option, const fs::path& folder, const std::string& site) {
   refuse_unwritable(option, folder);
-  const fs::path there = folder / (site + ".json");
-  std::error_code ignored;
-  if (fs::exists(there, ignored)) {
-    throw environment_error(
-        fmt::format("{} {}: holds the record of another run ({}.json); name another folder", option,
-                    folder.string(), site));
+  for (const char* extension : {".json", ".h5"}) {
+    std::error_code ignored;
+    if (fs::exists(folder / (site + extension), ignored)) {
+      throw environment_error(
+          fmt::format("{} {}: holds the record of another run ({}{}); name another folder", option,
+                      folder.string(), site, extension));
+    }
   }
 }
 
@@ -96,8 +97,7 @@ void write_slave(const fs::path& folder, const RunRecord& record) {
                                                    {"drive", words_of(record.slave_drive)}});
 }
 
-RunRecord read_run(const fs::path& folder) {
-  RunRecord record;
+void read_master(const fs::path& folder, RunRecord& record) {
   record.contour_m = read_csv(folder / "contour.csv", contour_columns());
   const nlohmann::json contour = read_json(folder / "contour.json");
   record.contour_closed = contour.value("closed", true);
@@ -107,7 +107,6 @@ RunRecord read_run(const fs::path& folder) {
                               read_csv(folder / earlier.value("file", "contour-1.csv"), contour_columns())});
   }
   record.master = read_csv(folder / "master.csv", master_columns());
-  record.slave = read_csv(folder / "slave.csv", slave_columns());
   const auto master = read_json(folder / "master.json");
   read_figures(master, record.master_figures);
   record.master_drive = read_drive(master);
@@ -115,10 +114,13 @@ RunRecord read_run(const fs::path& folder) {
   for (const auto& [name, value] : words.items()) {
     if (value.is_string()) record.words[name] = value.get<std::string>();
   }
+}
+
+void read_slave(const fs::path& folder, RunRecord& record) {
+  record.slave = read_csv(folder / "slave.csv", slave_columns());
   const auto slave = read_json(folder / "slave.json");
   read_figures(slave, record.slave_figures);
   record.slave_drive = read_drive(slave);
-  return record;
 }
 
 }  // namespace telekerf

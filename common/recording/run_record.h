@@ -56,7 +56,9 @@ void refuse_record_folder(const std::string& option, const std::filesystem::path
 void write_contour(const std::filesystem::path& folder, const RunRecord& record);
 void write_master(const std::filesystem::path& folder, const RunRecord& record);
 void write_slave(const std::filesystem::path& folder, const RunRecord& record);
-/// Everything again; throws StartupError that names the file and line.
-RunRecord read_run(const std::filesystem::path& folder);
+/// The same again, with the contour in the master's part; they throw StartupError that names the file and
+/// line.
+void read_master(const std::filesystem::path& folder, RunRecord& record);
+void read_slave(const std::filesystem::path& folder, RunRecord& record);
 
 }  // namespace telekerf

@@ -207,6 +207,14 @@ std::size_t ConfigFile::array_size(const std::string& key) const {
   return node->as_array()->size();
 }
 
+void ConfigFile::pass_over(const std::string& table) const {
+  if (const auto* const theirs = document_->root.get_as<toml::table>(table)) {
+    std::vector<std::string> leaves;
+    collect_leaves(*theirs, table, leaves);
+    document_->known.insert(leaves.begin(), leaves.end());
+  }
+}
+
 void ConfigFile::refuse_unknown() const {
   std::vector<std::string> leaves;
   collect_leaves(document_->root, "", leaves);

@@ -58,6 +58,8 @@ class ConfigFile {
   /// A StartupError about a key's value, for checks across keys.
   [[noreturn]] void refuse(const std::string& key, const std::string& complaint) const;
   void refuse_unknown() const;
+  /// Whatever stands in this table is for somebody else: it is no unknown key.
+  void pass_over(const std::string& table) const;
   const std::string& name() const { return name_; }
 
  private:

@@ -116,6 +116,7 @@ int Program::dispatch(std::vector<std::string> words) {
   }
   Settings settings;
   command->add_parameters(settings);
+  if (command->name.empty()) settings.table(name_.substr(name_.find('-') + 1));
   settings.load(words);
   command->validate();
   if (prints) {
@@ -124,6 +125,7 @@ int Program::dispatch(std::vector<std::string> words) {
   }
   settings.require_given();
   settings.refuse_without_effect();
+  command->remember(settings.toml(), settings.given_toml());
   return command->run();
 }
 

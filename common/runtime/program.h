@@ -21,6 +21,8 @@ struct Command {
   std::function<void(Settings&)> add_parameters;
   /// Throws StartupError if the settings do not go together.
   std::function<void()> validate;
+  /// Hears the settings as --config reads them: all, and those that were given.
+  std::function<void(const std::string& all, const std::string& given)> remember;
   std::function<int()> run;
 };
 
@@ -29,7 +31,8 @@ class Program {
   Program(std::string name, std::string sentence) : name_(std::move(name)), sentence_(std::move(sentence)) {}
 
   /// `add_parameters(options, settings)` declares, `action(options)` does it. Options may have a `validate()`
-  /// that throws StartupError: it is asked before anything is done, printing the settings too. `name`: as it stands on the
+  /// that throws StartupError: it is asked before anything is done, printing the settings too; and texts `config`,
+  /// which is what --print-config would write, and `given`, of it what the user has said. `name`: as it stands on the
   /// command line; empty: the program has no other commands.
   template <typename Options, typename AddParameters, typename Action>
   void add(const std::string& name, const std::string& sentence, Options initial,
@@ -40,6 +43,10 @@ class Program {
          [options, add_parameters](Settings& settings) { add_parameters(*options, settings); },
          [options] {
            if constexpr (requires { options->validate(); }) options->validate();
+         },
+         [options]([[maybe_unused]] const std::string& all, [[maybe_unused]] const std::string& given) {
+           if constexpr (requires { options->config = all; }) options->config = all;
+           if constexpr (requires { options->given = given; }) options->given = given;
          },
          [options, action] { return action(*options); }});
   }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/runtime/real_time.h"
 
+#include <fmt/format.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+
+#include <cstdlib>
 
 namespace telekerf {
 
@@ -26,10 +29,11 @@ std::string real_time_refusal() {
   const char* const what = priority ? "locked memory is"
                            : memory ? "real-time priority is"
                                     : "real-time priority and locked memory are";
-  return std::string(what) +
-         " refused by the system, so that control steps may come late; rtprio and memlock in "
-         "/etc/security/limits.conf "
-         "grant it";
+  // systemd numbers whatever it starts.
+  const bool service = std::getenv("INVOCATION_ID") != nullptr;  // NOLINT: nobody changes it
+  return fmt::format("{} refused by the system, so that control steps may come late; {} grant it", what,
+                     service ? "LimitRTPRIO=60 and LimitMEMLOCK=infinity of the unit"
+                             : "rtprio and memlock in /etc/security/limits.conf");
 }
 
 }  // namespace telekerf

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -22,6 +23,9 @@ namespace {
 using Type = Setting::Type;
 
 constexpr const char* kCommandLine = "command line";
+
+/// Those that may have a table in a cell's file.
+constexpr std::array kPrograms{"master", "slave", "vision", "console", "machine"};
 
 /// The whole of `text` as a number. "+1", "-.5" and "1e3" are some.
 std::optional<double> number_in(std::string_view text) {
@@ -174,7 +178,10 @@ std::string Settings::take(Entry& entry, const ConfigValue& value, const std::st
     }
     case Type::kNumbers: {
       const auto* numbers = std::get_if<std::vector<double>>(&value);
-      if (numbers != nullptr && numbers->empty() && !may_be_empty) return "must not be empty";
+      if (numbers != nullptr && numbers->empty()) {
+        if (!may_be_empty) return "must not be empty";
+        break;
+      }
       if (numbers == nullptr || (s.count != 0 && numbers->size() != s.count))
         return s.count == 0 ? "must be numbers" : fmt::format("must be {} numbers", s.count);
       for (const double number : *numbers) {
@@ -210,18 +217,36 @@ std::string Settings::take(Entry& entry, const ConfigValue& value, const std::st
   return "";
 }
 
-void Settings::load(const ConfigFile& file) {
+/// `table`: empty, or with its dot.
+void Settings::load_keys(const ConfigFile& file, const std::string& table) {
   for (Entry& entry : entries_) {
-    if (entry.setting.positional || !file.has(entry.setting.name)) continue;
-    const auto value = file.value(entry.setting.name);
-    const std::string wrong = take(entry, value.value_or(std::vector<double>{}), file.name());
-    if (!wrong.empty()) file.refuse(entry.setting.name, wrong);
+    const std::string key = table + entry.setting.name;
+    if (entry.setting.positional || !file.has(key)) continue;
+    const Type type = entry.setting.type;
+    // What no setting can be, a date for instance, is refused as another kind.
+    ConfigValue value = file.value(key).value_or(type == Type::kNumbers ? ConfigValue(std::string())
+                                                                         : std::vector<double>{});
+    // An empty list does not say of what.
+    if (type == Type::kTexts && file.value(key) == ConfigValue(std::vector<double>{}))
+      value = std::vector<std::string>{};
+    const std::string wrong = take(entry, value, file.name());
+    if (!wrong.empty()) file.refuse(key, wrong);
   }
   for (const Gone& gone : gone_) {
-    if (file.has(gone.name)) file.refuse(gone.name, gone.remedy);
+    if (file.has(table + gone.name)) file.refuse(table + gone.name, gone.remedy);
   }
   for (const Entry& entry : entries_) {
-    if (!entry.setting.positional) (void)file.value(entry.setting.name);  // known here
+    if (!entry.setting.positional) (void)file.value(table + entry.setting.name);  // known here
+  }
+}
+
+void Settings::load(const ConfigFile& file) {
+  load_keys(file, "");
+  if (!table_.empty()) {
+    load_keys(file, table_ + ".");
+    for (const char* const program : kPrograms) {
+      if (program != table_) file.pass_over(program);
+    }
   }
   file.refuse_unknown();
 }
@@ -353,6 +378,16 @@ std::string Settings::help() const { return help_text(declared()); }
 std::string Settings::toml() const {
   std::vector<Setting> now = declared();
   for (std::size_t i = 0; i < now.size(); ++i) now[i].initial = entries_[i].get();
+  return toml_text(now);
+}
+
+std::string Settings::given_toml() const {
+  std::vector<Setting> now;
+  for (const Entry& entry : entries_) {
+    if (entry.given.empty()) continue;
+    now.push_back(entry.setting);
+    now.back().initial = entry.get();
+  }
   return toml_text(now);
 }
 

@@ -95,6 +95,10 @@ class Settings {
   void renamed(const std::string& old, const std::string& now);
   void moved(const std::string& old, const std::string& remedy);
 
+  /// A file may serve a whole cell: of the tables [master], [slave], ... this one is read after the keys that
+  /// stand above all tables, and those of the other programs are passed over.
+  void table(const std::string& name) { table_ = name; }
+
   /// Throws StartupError.
   void load(const ConfigFile& file);
   /// The words after the program's (and command's) name. Throws StartupError.
@@ -107,6 +111,7 @@ class Settings {
   /// What --help lists, what --config reads, and all of it for programs.
   std::string help() const;
   std::string toml() const;
+  std::string given_toml() const;  ///< of it what has been given
   nlohmann::ordered_json json() const;
   std::vector<Setting> declared() const;
 
@@ -133,10 +138,12 @@ class Settings {
   };
   std::vector<Given> sorted(std::span<const std::string> words);
   void add_condition(const std::vector<std::string>& names, const Setting::Condition& condition);
+  void load_keys(const ConfigFile& file, const std::string& table);
   Entry* find_flag(const std::string& flag);
   Entry& next_argument(const std::string& word);
 
   std::string prefix_;
+  std::string table_;
   std::vector<Entry> entries_;
   std::vector<Gone> gone_;
 };

@@ -35,8 +35,17 @@ StatusReporter::~StatusReporter() {
 }
 
 void StatusReporter::say(const std::string& sentence) {
-  const std::lock_guard lock(writing_);
-  write_line(stdout, fmt::format("{}{}: {}", terminal_ ? kWipe : "", who_, sentence));
+  {
+    const std::lock_guard lock(writing_);
+    write_line(stdout, fmt::format("{}{}: {}", terminal_ ? kWipe : "", who_, sentence));
+  }
+  const std::lock_guard lock(listening_);
+  if (listener_) listener_(sentence);
+}
+
+void StatusReporter::listen(std::function<void(const std::string&)> listener) {
+  const std::lock_guard lock(listening_);
+  listener_ = std::move(listener);
 }
 
 void StatusReporter::run(const std::stop_token& stop) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -23,6 +24,9 @@ class StatusReporter {
   /// A line, at once. Waits for the terminal: not from a control loop.
   void say(const std::string& sentence);
 
+  /// Hears what is said, after it has been, in the thread that says it; none: nobody does any more.
+  void listen(std::function<void(const std::string&)> listener);
+
   /// Wait-free. Said when it is another one than before; must be a literal.
   void state(const char* sentence) noexcept { state_.store(sentence, std::memory_order_relaxed); }
   /// Wait-free. How much of a work of `total_s` is done, 0 to 1: a bar on a terminal, elsewhere a line at
@@ -39,6 +43,8 @@ class StatusReporter {
   std::string who_;
   bool terminal_;
   std::mutex writing_;
+  std::mutex listening_;
+  std::function<void(const std::string&)> listener_;
   std::atomic<const char*> state_;
   std::atomic<double> fraction_{0.0};
   std::atomic<double> total_s_{0.0};

@@ -12,9 +12,15 @@ namespace telekerf {
 using boost::asio::ip::udp;
 
 UdpAddress udp_address(std::string_view text) {
+  constexpr std::string_view kKey = ",key=";
+  std::string key;
+  if (const std::size_t at = text.find(kKey); at != text.npos) {
+    key = text.substr(at + kKey.size());
+    text = text.substr(0, at);
+  }
   const std::size_t colon = text.rfind(':');
   if (colon == text.npos) return {std::string(text)};
-  UdpAddress address{std::string(text.substr(0, colon))};
+  UdpAddress address{std::string(text.substr(0, colon)), 0, key};
   const std::string_view digits = text.substr(colon + 1);
   const auto [end, error] = std::from_chars(digits.begin(), digits.end(), address.port);
   if (error != std::errc() || end != digits.end()) address.port = 0;
@@ -22,7 +28,13 @@ UdpAddress udp_address(std::string_view text) {
 }
 
 std::string validate_udp(std::string_view text) {
+  if (!udp_address(text).key.empty()) return "this device's datagrams know no seal: leave ,key= out";
+  return validate_sealed_udp(text);
+}
+
+std::string validate_sealed_udp(std::string_view text) {
   const UdpAddress address = udp_address(text);
+  if (text.find(",key=") != text.npos && address.key.empty()) return "key needs a file: ./telekerf keys makes one";
   if (!address.host.empty() && address.port != 0) return "";
   return "udp needs a host and a port within [1, 65535], as in udp:127.0.0.1:7000";
 }

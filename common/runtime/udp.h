@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all devices behind a UDP address share: HOST:PORT as users write it, and a socket that never waits.
+// What all devices behind a UDP address share: HOST:PORT as users write it, with the key that seals their datagrams, and
+// a socket that never waits.
 #pragma once
 
 #include <boost/asio/ip/udp.hpp>
@@ -12,11 +13,14 @@ namespace telekerf {
 struct UdpAddress {
   std::string host;
   std::uint16_t port = 0;  ///< 0: none was given, or none that there is
+  std::string key = {};    ///< file, see datagram_seal.h; empty: datagrams are not sealed
 };
 
+/// HOST:PORT or HOST:PORT,key=FILE
 UdpAddress udp_address(std::string_view text);
-/// What an address must be, if it is not; empty: it is.
+/// What an address must be, if it is not; empty: it is. validate_udp(): of a device that knows no seal.
 std::string validate_udp(std::string_view text);
+std::string validate_sealed_udp(std::string_view text);
 
 /// Opens `socket` so that it never waits, and finds the address (IPv4). `key`: the setting that names the
 /// device. Throws StartupError.

@@ -4,6 +4,6 @@
 
 namespace telekerf {
 
-inline constexpr const char* kVersion = TELEKERF_VERSION;
+extern const char* const kVersion;
 
 }  // namespace telekerf

@@ -187,6 +187,7 @@ tl::expected<LoadedContours, std::string> load_contours(const std::string& path,
   const std::optional<double> dpi = request.drawing.dpi ? request.drawing.dpi : picture->dpi;
   if (!sized && dpi) reduced.scale.metres_per_pixel = 25.4e-3 / *dpi * picture->reduction;
   auto out = contours_of(picture->image, reduced);
+  if (out) out->reduction = picture->reduction;
   if (out && !sized && dpi) {
     out->size_from = request.drawing.dpi ? fmt::format("{:g} pixels an inch, as asked for", *dpi)
                                          : fmt::format("{:g} pixels an inch, as the file says", *dpi);

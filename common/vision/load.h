@@ -51,8 +51,9 @@ struct LoadedContours {
   double picture_noise = 0.0;     ///< standard deviation, grey levels
   int picture_width_px = 0;
   int picture_height_px = 0;
-  Scale scale;      ///< pictures only: from the pixels of `picture`
-  cv::Mat picture;  ///< as it was read; empty for vector drawings
+  Scale scale;             ///< pictures only: from the pixels of `picture`
+  double reduction = 1.0;  ///< pixels of the file for one of `picture`, which is read reduced if it is large
+  cv::Mat picture;         ///< as it was read; empty for vector drawings
 };
 
 /// A vector file keeps its own true size (a request for a picture's width stretches its page to that width);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "experiments/simulation/simulation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "common/robot/robot_model.h"
 #include "common/runtime/startup_error.h"
 #include "experiments/simulation/virtual_link.h"
+#include "master/operator/replayed_hand.h"
 
 namespace telekerf::simulation {
 namespace {
@@ -54,7 +56,8 @@ RunRecord simulate(const SimulationSettings& settings, const ContourMessage& con
   master::StationSettings master_settings = settings.master;
   slave::StationSettings slave_settings = settings.slave;
   master_settings.seed = slave_settings.seed = settings.seed;
-  master::Station master(master_settings);
+  master::Station master(master_settings, {}, {},
+                         settings.hand.empty() ? nullptr : std::make_unique<master::ReplayedHand>(settings.hand));
   slave::Station slave(slave_settings);
   std::vector<std::unique_ptr<master::GuidedContour>> guided;  // the station may still use an old one
   guided.push_back(master.prepare(contour));
@@ -67,15 +70,18 @@ RunRecord simulate(const SimulationSettings& settings, const ContourMessage& con
   Announcements at_master(settings.events);
 
   const auto end_ns = static_cast<std::int64_t>(settings.duration_s * 1e9);
+  const auto slave_later_ns = static_cast<std::int64_t>(settings.slave_starts_s * 1e9);
   const auto master_period_ns = std::llround(master.control_period_s() * 1e9);
   const auto slave_period_ns = std::llround(slave.control_period_s() * 1e9);
-  std::int64_t master_ns = 0;
-  std::int64_t slave_ns = 0;
+  std::int64_t master_ns = std::max<std::int64_t>(0, -slave_later_ns);
+  std::int64_t slave_ns = std::max<std::int64_t>(0, slave_later_ns);
   while (std::min(master_ns, slave_ns) < end_ns) {
     if (master_ns <= slave_ns) {
       states.clear();
       backward.deliver(master_ns, states);
-      const auto out = master.step(master_ns, guided.back().get(), states, at_master.due(master_ns),
+      master::GuidedContour* const task =
+          master.node().tick() < settings.contour_from_tick ? nullptr : guided.back().get();
+      const auto out = master.step(master_ns, task, states, at_master.due(master_ns),
                                    stop_at(settings.stops, master_ns));
       if (out.command) forward.push(master_ns, *out.command);
       if (out.prepare_anew) {

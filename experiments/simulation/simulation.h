@@ -37,6 +37,10 @@ struct SimulationSettings {
   slave::StationSettings slave;
   std::vector<TimedEvent> events;  ///< in order of time
   std::vector<TimedStop> stops;    ///< likewise
+  /// The operator's force and button, a row a control step, instead of the simulated hand.
+  std::vector<MasterRow> hand;
+  Tick contour_from_tick = 0;   ///< of the master: there is no contour before
+  double slave_starts_s = 0.0;  ///< after the master; negative: before
 };
 
 /// The contour that vision would publish. Throws StartupError.

@@ -15,7 +15,7 @@ bool host_allowed(std::string_view host, std::string_view name, unsigned port) {
   if (colon != host.npos && (bracket == host.npos || colon > bracket)) {
     if (host.substr(colon + 1) != std::to_string(port)) return false;
     address = host.substr(0, colon);
-  } else if (port != 80) {
+  } else if (port != 80 && port != 443) {
     return false;
   }
   if (address == "localhost" || (!name.empty() && address == name)) return true;
@@ -25,8 +25,8 @@ bool host_allowed(std::string_view host, std::string_view name, unsigned port) {
   return !error;
 }
 
-bool origin_allowed(std::string_view origin, std::string_view host) {
-  return origin.empty() || origin == fmt::format("http://{}", host);
+bool origin_allowed(std::string_view origin, std::string_view scheme, std::string_view host) {
+  return origin.empty() || origin == fmt::format("{}://{}", scheme, host);
 }
 
 bool token_matches(std::string_view token, std::string_view given) noexcept {

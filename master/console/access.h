@@ -7,11 +7,11 @@
 
 namespace telekerf::master {
 
-/// A request's Host: an address literal, localhost or `name` (empty: no further one), with this port or
-/// without one.
+/// A request's Host: an address literal, localhost or `name` (empty: no further one), with this port or,
+/// if it is that of http or https, without one.
 bool host_allowed(std::string_view host, std::string_view name, unsigned port);
-/// A request's Origin: none (no browser), or the http page of this very host and port.
-bool origin_allowed(std::string_view origin, std::string_view host);
+/// A request's Origin: none (no browser), or the page of this very host and port, by http or https.
+bool origin_allowed(std::string_view origin, std::string_view scheme, std::string_view host);
 /// The same in constant time whatever is wrong with it. An empty token opens nothing.
 bool token_matches(std::string_view token, std::string_view given) noexcept;
 /// Nobody guesses it: 128 random bits in hexadecimal digits.

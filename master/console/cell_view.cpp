@@ -40,6 +40,7 @@ double CellView::Rate::per_s(std::int64_t now_ns) noexcept {
 void CellView::hear(const Received<CommandBlock>& command) {
   commands_.add(command_cost_(command.value), command.received_ns);
   command_ticks_ = std::max<int>(1, command.value.ticks_per_sample);
+  works_on(command.value.contour_id);
 }
 
 void CellView::hear(const Received<StateBlock>& received) {
@@ -54,6 +55,7 @@ void CellView::hear(const Received<StateBlock>& received) {
   slave_ = states_->header();
   slave_ns_ = received.received_ns;
   slave_heard_ = true;
+  works_on(slave_.contour_id);
   for (const streaming::SlaveSample& sample : feedback.samples) {
     if (slave_.laser_on && contour_) mark_.add(sample.position_m.head<2>());
     compare(sample);
@@ -75,6 +77,11 @@ void CellView::compare(const streaming::SlaveSample& sample) noexcept {
 }
 
 void CellView::hear(const TelemetryMessage& telemetry, std::int64_t now_ns) {
+  if (telemetry.role == "vision") {
+    vision_.clear();
+    for (const auto& [name, value] : telemetry.values) vision_[name] = value;
+    vision_ns_ = now_ns;
+  }
   if (telemetry.role != "master") return;
   for (const auto& [name, value] : telemetry.values) master_[name] = value;
   master_ns_ = now_ns;
@@ -86,9 +93,52 @@ void CellView::hear(const TelemetryMessage& telemetry, std::int64_t now_ns) {
 }
 
 void CellView::hear(ContourMessage contour) {
-  if (contour_ && contour_->id == contour.id) return;
-  contour_ = std::move(contour);
+  if (this->contour(contour.id) != nullptr) return;
+  (contour_ ? waiting_ : contour_) = std::move(contour);
+  forget_pictures();
+}
+
+void CellView::works_on(std::uint32_t id) {
+  if (!waiting_ || waiting_->id != id) return;
+  contour_ = std::move(waiting_);
+  waiting_.reset();
   mark_.clear();
+  forget_pictures();
+}
+
+const ContourMessage* CellView::contour(std::uint32_t id) const noexcept {
+  if (contour_ && contour_->id == id) return &*contour_;
+  return waiting_ && waiting_->id == id ? &*waiting_ : nullptr;
+}
+
+void CellView::hear(PreviewMessage preview) {
+  const std::uint32_t id = preview.contour_id;
+  pictures_[id] = {++picture_count_, std::move(preview)};
+  forget_pictures();
+}
+
+void CellView::forget_pictures() {
+  // The newest may be of a contour that is still on its way.
+  std::erase_if(pictures_, [this](const auto& entry) {
+    return contour(entry.first) == nullptr && entry.second.number != picture_count_;
+  });
+}
+
+double CellView::zoom() const {
+  const auto found = vision_.find("zoom");
+  return found == vision_.end() ? 0.0 : found->second;
+}
+
+std::string CellView::imaging_sentence(std::int64_t now_ns) const {
+  constexpr double kTelling_s = 3.0;  // vision tells once a second
+  const auto of = [this](const char* name) {
+    const auto found = vision_.find(name);
+    return found == vision_.end() ? 0.0 : found->second;
+  };
+  if (!vision_.contains("magnification") || static_cast<double>(now_ns - vision_ns_) * 1e-9 > kTelling_s)
+    return {};
+  return fmt::format("{:.2f}x, focus {:.3f} mm, sharpness {:.3g}", of("magnification"), of("focus_mm"),
+                     of("sharpness_tenengrad"));
 }
 
 void CellView::hear(const UdpHandAnswer& answer) noexcept { answer_ = answer; }

@@ -28,6 +28,7 @@ class CellView {
   void hear(const Received<StateBlock>& state);
   void hear(const TelemetryMessage& telemetry, std::int64_t now_ns);
   void hear(ContourMessage contour);
+  void hear(PreviewMessage preview);
   /// The master's own answer to the hand, between two of its telemetries.
   void hear(const UdpHandAnswer& answer) noexcept;
 
@@ -38,7 +39,21 @@ class CellView {
   /// And of the beam. `armed`: the fire button counts.
   std::string beam_sentence(bool armed, std::int64_t now_ns) const;
 
+  /// What the cell works on, as far as the console has seen it.
   const std::optional<ContourMessage>& contour() const noexcept { return contour_; }
+  /// That waits for somebody to take it; null: none.
+  const ContourMessage* waiting() const noexcept { return waiting_ ? &*waiting_ : nullptr; }
+  /// One of the two; null: neither has this id.
+  const ContourMessage* contour(std::uint32_t id) const noexcept;
+  struct Picture {
+    std::uint64_t number = 0;  ///< of all that have come
+    PreviewMessage preview;
+  };
+  /// The newest picture by the contour in whose frame it lies; 0: nothing has been found in it.
+  const std::map<std::uint32_t, Picture>& pictures() const noexcept { return pictures_; }
+  /// Of vision's imaging unit; empty: there is none.
+  std::string imaging_sentence(std::int64_t now_ns) const;
+  double zoom() const;  ///< share of the axis' travel
   MarkTrail& mark() noexcept { return mark_; }
   bool laser_on(std::int64_t now_ns) const noexcept { return slave_fresh(now_ns) && slave_.laser_on; }
   bool engaged(std::int64_t now_ns) const;
@@ -63,6 +78,9 @@ class CellView {
   };
 
   double value(const char* name, double otherwise = 0.0) const;
+  /// Somebody works on the contour with this id.
+  void works_on(std::uint32_t id);
+  void forget_pictures();
   void compare(const streaming::SlaveSample& sample) noexcept;
 
   std::map<std::string, double, std::less<>> master_;  ///< telemetry
@@ -84,6 +102,11 @@ class CellView {
   WireCost<CommandBlock> command_cost_;
   WireCost<StateBlock> state_cost_;
   std::optional<ContourMessage> contour_;
+  std::optional<ContourMessage> waiting_;
+  std::map<std::uint32_t, Picture> pictures_;
+  std::uint64_t picture_count_ = 0;
+  std::map<std::string, double, std::less<>> vision_;  ///< telemetry
+  std::int64_t vision_ns_ = 0;
   std::optional<UdpHandAnswer> answer_;  ///< newer than the telemetry
   MarkTrail mark_;
 };

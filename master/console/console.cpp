@@ -160,6 +160,19 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
     case Kind::kClearStop:
       if (const std::string wrong = stop_.clear(now_ns); !wrong.empty()) refuse(page, wrong);
       return;
+    case Kind::kLook:
+      return tell(EventMessage::Kind::kLook, 0.0, command.text);
+    case Kind::kTakeContour:
+      if (cell_.waiting() == nullptr) return refuse(page, "No other contour waits");
+      if (beam_on) return refuse(page, "No other contour while the beam is on; let go of the fire button");
+      return tell(EventMessage::Kind::kTakeContour, cell_.waiting()->id);
+    case Kind::kZoom:
+      if (!(command.value >= 0.0 && command.value <= 1.0))
+        return refuse(page, "The zoom must be within [0, 1]");
+      if (beam_on) return refuse(page, "No other zoom while the beam is on; let go of the fire button");
+      return tell(EventMessage::Kind::kSetZoom, command.value);
+    case Kind::kRefocus:
+      return tell(EventMessage::Kind::kRefocus);
     case Kind::kNetem:
       if (std::find(settings_.profiles.begin(), settings_.profiles.end(), command.text) ==
           settings_.profiles.end())
@@ -228,6 +241,14 @@ std::string Console::hello() const {
 
 std::string Console::words(std::uint32_t id, std::int64_t now_ns) const {
   const std::string stop = stop_.sentence();
+  Json pictures = Json::object();
+  for (const auto& [contour, picture] : cell_.pictures()) {
+    pictures[std::to_string(contour)] = {{"number", picture.number},
+                                         {"left_m", picture.preview.left_m},
+                                         {"top_m", picture.preview.top_m},
+                                         {"width_m", picture.preview.width_m},
+                                         {"height_m", picture.preview.height_m}};
+  }
   return Json{{"type", "words"},
               {"sentence", cell_.sentence(stop, now_ns)},
               {"beam", cell_.beam_sentence(seat_.armed(), now_ns)},
@@ -241,7 +262,11 @@ std::string Console::words(std::uint32_t id, std::int64_t now_ns) const {
               {"engaged", cell_.engaged(now_ns)},
               {"profile", profile_},
               {"deaf", deaf(now_ns)},
-              {"contour", cell_.contour() ? cell_.contour()->id : 0U}}
+              {"contour", cell_.contour() ? cell_.contour()->id : 0U},
+              {"waiting", cell_.waiting() != nullptr ? cell_.waiting()->id : 0U},
+              {"pictures", std::move(pictures)},
+              {"imaging", cell_.imaging_sentence(now_ns)},
+              {"zoom", std::round(1e3 * cell_.zoom()) / 1e3}}
       .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -295,9 +320,10 @@ std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) 
   return state(now_ns);
 }
 
-std::string Console::contour_json() const {
-  if (!cell_.contour()) return R"({"id":0})";
-  const ContourMessage& contour = *cell_.contour();
+std::string Console::contour_json(std::uint32_t id) const {
+  const ContourMessage* const found = cell_.contour(id);
+  if (found == nullptr) return R"({"id":0})";
+  const ContourMessage& contour = *found;
   const auto points = [](const std::vector<Vec2>& line_m) {
     Json all = Json::array();
     for (const Vec2& point : line_m) {  // um are enough for eyes

@@ -69,8 +69,8 @@ class Console {
   /// What this page is to get next; none: nothing now. The page must be able to take it.
   std::optional<PageMessage> next(std::uint32_t page, std::int64_t now_ns);
 
-  /// The contour, once for each page and contour.
-  std::string contour_json() const;
+  /// The contour with this id, once for each page and contour; {"id":0} if it is not (any more) there.
+  std::string contour_json(std::uint32_t id) const;
   const Counters& counters() const noexcept { return counters_; }
 
  private:

@@ -15,6 +15,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/program.h"
 #include "common/runtime/resources.h"
+#include "common/runtime/startup_error.h"
 #include "master/console/access.h"
 #include "master/console/console.h"
 #include "master/console/hand_line.h"
@@ -38,11 +39,12 @@ struct Flags {
 /// Everything that has come from the bus.
 struct Ears {
   explicit Ears(Bus& bus)
-      : commands(bus), states(bus), contours(bus), telemetry(bus), stops(bus), events(bus) {}
+      : commands(bus), states(bus), contours(bus), previews(bus), telemetry(bus), stops(bus), events(bus) {}
   void hear(Console& console, std::int64_t now_ns) {
     while (auto command = commands.take()) console.cell().hear(*command);
     while (auto state = states.take()) console.cell().hear(*state);
     while (auto contour = contours.take()) console.cell().hear(std::move(contour->value));
+    while (auto preview = previews.take()) console.cell().hear(std::move(preview->value));
     while (auto values = telemetry.take()) console.cell().hear(values->value, now_ns);
     while (auto stop = stops.take()) console.stop().hear(stop->value);
     while (auto event = events.take()) console.hear(event->value);
@@ -50,6 +52,7 @@ struct Ears {
   Reader<CommandBlock> commands;
   Reader<StateBlock> states;
   Reader<ContourMessage> contours;
+  Reader<PreviewMessage> previews;
   Reader<TelemetryMessage> telemetry;
   Reader<StopMessage> stops;
   Reader<EventMessage> events;
@@ -57,6 +60,8 @@ struct Ears {
 
 int run(Flags& flags) {
   if (flags.web.token.empty()) flags.web.token = new_token();
+  if (flags.web.certificate.empty() != flags.web.key.empty())
+    throw usage_error("--tls-cert and --tls-key belong together; give both or neither");
   BusSettings settings = flags.bus.bus_settings(Site::kOperator, "console");
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
@@ -94,7 +99,8 @@ int run(Flags& flags) {
 
   boost::asio::steady_timer timer(context);
   std::function<void()> step = [&] {
-    if (stop_requested()) return context.stop();
+    if (stop_requested() || process.ended()) return context.stop();
+    process.alive();
     const std::int64_t now_ns = monotonic_ns();
     ears.hear(console, now_ns);
     console.step(now_ns);
@@ -107,6 +113,7 @@ int run(Flags& flags) {
   step();
   context.run();
   deliver = [] {};
+  process.refuse_ended();
   process.status().say("ended in order");
   return 0;
 }
@@ -118,6 +125,10 @@ std::string complaint_about_token(const std::string& token) {
 void add_parameters(Flags& flags, Settings& settings) {
   settings.add("port", flags.web.port, {.min = 0, .max = 65535}, "where the page is served; 0: any free one");
   settings.add("bind", flags.web.bind, kName, "address of this host at which it is served");
+  settings.add(
+      "tls_cert", flags.web.certificate, kFile,
+      "PEM file: the page is served by https, so that browsers on other hosts give it pens and gamepads");
+  settings.add("tls_key", flags.web.key, kFile, "PEM file with the certificate's key");
   settings.add("host_name", flags.web.name, kName, "by which the page may be asked for, beside addresses");
   settings.add(
       "token", flags.web.token, TextForm{.form = "TEXT", .complaint = complaint_about_token},

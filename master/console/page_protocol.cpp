@@ -34,6 +34,10 @@ constexpr CommandRow kCommands[] = {
     {"stop", Kind::kStop},
     {"clear-stop", Kind::kClearStop},
     {"netem", Kind::kNetem, false, true},
+    {"look", Kind::kLook, false, true},
+    {"take-contour", Kind::kTakeContour},
+    {"zoom", Kind::kZoom, true},
+    {"refocus", Kind::kRefocus},
     {"rate", Kind::kRate, true},
     {"ping", Kind::kPing, true},
 };

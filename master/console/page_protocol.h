@@ -44,9 +44,13 @@ struct PageCommand {
     kArm,   ///< value 1 or 0: the fire button counts
     kStop,  ///< anyone may
     kClearStop,
-    kNetem,  ///< text: name of a shipped profile
-    kRate,   ///< value: states a second
-    kPing,   ///< value: page's time, comes back
+    kNetem,        ///< text: name of a shipped profile
+    kLook,         ///< text: what is meant in the picture
+    kTakeContour,  ///< the one that waits
+    kZoom,         ///< value: share of the travel
+    kRefocus,
+    kRate,  ///< value: states a second
+    kPing,  ///< value: page's time, comes back
   };
   Kind kind = Kind::kPing;
   double value = 0.0;

@@ -5,9 +5,13 @@
 
 #include <algorithm>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+#include <charconv>
 #include <chrono>
 #include <set>
 #include <utility>
@@ -22,11 +26,14 @@ namespace {
 
 namespace beast = boost::beast;
 namespace http = beast::http;
+namespace ssl = boost::asio::ssl;
 namespace websocket = beast::websocket;
 using boost::asio::ip::tcp;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 using Error = beast::error_code;
+using Plain = beast::tcp_stream;
+using Encrypted = beast::ssl_stream<beast::tcp_stream>;
 
 constexpr std::chrono::seconds kHttpPatience{5};
 /// A page that answers no ping for this long is gone.
@@ -37,18 +44,36 @@ constexpr int kMostConnections = 64;
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
+/// Of "id=7", with more behind it or not; 0 of anything else.
+std::uint32_t id_of(std::string_view query) {
+  std::uint32_t id = 0;
+  constexpr std::string_view kKey = "id=";
+  if (query.starts_with(kKey)) std::from_chars(query.data() + kKey.size(), query.data() + query.size(), id);
+  return id;
+}
+
 }  // namespace
 
 struct WebServer::Impl : std::enable_shared_from_this<Impl> {
+  template <class Stream>
   class Http;
-  class Page;
+  /// A page's connection, whatever it is made of.
+  struct Page {
+    virtual ~Page() = default;
+    virtual void pump() = 0;
+    virtual void close() = 0;
+  };
+  template <class Stream>
+  class PageOver;
 
   Impl(boost::asio::io_context& io, const WebServerSettings& chosen, Console& target,
        std::function<void()> on_heard)
       : context(io), settings(chosen), console(target), heard(std::move(on_heard)), acceptor(io) {}
 
   void open();
+  void encrypt();
   void accept();
+  std::string_view scheme() const { return tls ? "https" : "http"; }
   Response answer(const Request& request, const tcp::endpoint& from) const;
   std::string index(const std::string& text, const tcp::endpoint& from) const;
 
@@ -57,21 +82,23 @@ struct WebServer::Impl : std::enable_shared_from_this<Impl> {
   Console& console;
   std::function<void()> heard;
   tcp::acceptor acceptor;
+  std::optional<ssl::context> tls;
   std::uint16_t port = 0;
   std::set<Page*> pages;
   int connections = 0;
 };
 
 /// A page's WebSocket: reads all the time, and has one write on its way at most.
-class WebServer::Impl::Page : public std::enable_shared_from_this<Page> {
+template <class Stream>
+class WebServer::Impl::PageOver : public Page, public std::enable_shared_from_this<PageOver<Stream>> {
  public:
-  Page(std::shared_ptr<Impl> server, tcp::socket socket)
-      : server_(std::move(server)), socket_(std::move(socket)) {
+  PageOver(std::shared_ptr<Impl> server, Stream stream)
+      : server_(std::move(server)), socket_(std::move(stream)) {
     ++server_->connections;
   }
-  Page(const Page&) = delete;
-  Page& operator=(const Page&) = delete;
-  ~Page() {
+  PageOver(const PageOver&) = delete;
+  PageOver& operator=(const PageOver&) = delete;
+  ~PageOver() override {
     leave();
     --server_->connections;
   }
@@ -82,7 +109,7 @@ class WebServer::Impl::Page : public std::enable_shared_from_this<Page> {
     socket_.read_message_max(kMostMessageBytes);
     socket_.set_option(websocket::stream_base::timeout{kHttpPatience, kSilence, true});
     request_ = std::move(request);
-    socket_.async_accept(request_, [self = shared_from_this()](Error error) {
+    socket_.async_accept(request_, [self = this->shared_from_this()](Error error) {
       if (error) return;
       self->id_ = self->server_->console.join(monotonic_ns());
       self->server_->pages.insert(self.get());
@@ -91,28 +118,29 @@ class WebServer::Impl::Page : public std::enable_shared_from_this<Page> {
     });
   }
 
-  void pump() {
+  void pump() override {
     if (writing_ || id_ == 0) return;
     const std::optional<PageMessage> message = server_->console.next(id_, monotonic_ns());
     if (!message) return;
     writing_ = true;
     out_ = message->bytes;
     socket_.binary(message->binary);
-    socket_.async_write(boost::asio::buffer(out_), [self = shared_from_this()](Error error, std::size_t) {
-      self->writing_ = false;
-      if (error) return self->leave();
-      self->pump();
-    });
+    socket_.async_write(boost::asio::buffer(out_),
+                        [self = this->shared_from_this()](Error error, std::size_t) {
+                          self->writing_ = false;
+                          if (error) return self->leave();
+                          self->pump();
+                        });
   }
 
-  void close() {
+  void close() override {
     leave();
     beast::get_lowest_layer(socket_).close();
   }
 
  private:
   void read() {
-    socket_.async_read(in_, [self = shared_from_this()](Error error, std::size_t) {
+    socket_.async_read(in_, [self = this->shared_from_this()](Error error, std::size_t) {
       if (error) return self->leave();
       self->take();
       self->read();
@@ -137,7 +165,7 @@ class WebServer::Impl::Page : public std::enable_shared_from_this<Page> {
   }
 
   std::shared_ptr<Impl> server_;
-  websocket::stream<beast::tcp_stream> socket_;
+  websocket::stream<Stream> socket_;
   Request request_;
   beast::flat_buffer in_;
   std::string out_;
@@ -146,47 +174,58 @@ class WebServer::Impl::Page : public std::enable_shared_from_this<Page> {
 };
 
 /// A connection that asks for files, one after the other, and may become a page's.
-class WebServer::Impl::Http : public std::enable_shared_from_this<Http> {
+template <class Stream>
+class WebServer::Impl::Http : public std::enable_shared_from_this<Http<Stream>> {
  public:
-  Http(std::shared_ptr<Impl> server, tcp::socket socket)
-      : server_(std::move(server)), socket_(std::move(socket)) {
+  Http(std::shared_ptr<Impl> server, Stream stream) : server_(std::move(server)), stream_(std::move(stream)) {
     ++server_->connections;
   }
   Http(const Http&) = delete;
   Http& operator=(const Http&) = delete;
   ~Http() { --server_->connections; }
 
-  void read() {
-    parser_.emplace();
-    parser_->header_limit(kMostHeaderBytes);
-    socket_.expires_after(kHttpPatience);
-    http::async_read(socket_, buffer_, *parser_, [self = shared_from_this()](Error error, std::size_t) {
-      if (!error) self->take();
-    });
+  void start() {
+    if constexpr (std::is_same_v<Stream, Encrypted>) {
+      line().expires_after(kHttpPatience);
+      stream_.async_handshake(ssl::stream_base::server, [self = this->shared_from_this()](Error error) {
+        if (!error) self->read();
+      });
+    } else {
+      read();
+    }
   }
 
  private:
+  beast::tcp_stream& line() { return beast::get_lowest_layer(stream_); }
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kMostHeaderBytes);
+    line().expires_after(kHttpPatience);
+    http::async_read(stream_, buffer_, *parser_, [self = this->shared_from_this()](Error error, std::size_t) {
+      if (!error) self->take();
+    });
+  }
   void take() {
     Request request = parser_->release();
     Error error;
-    const tcp::endpoint from = socket_.socket().remote_endpoint(error);
+    const tcp::endpoint from = line().socket().remote_endpoint(error);
     if (error) return;
     response_ = server_->answer(request, from);
     if (response_.result() == http::status::switching_protocols) {
-      socket_.expires_never();
-      std::make_shared<Page>(server_, socket_.release_socket())->accept(std::move(request));
+      line().expires_never();
+      std::make_shared<PageOver<Stream>>(server_, std::move(stream_))->accept(std::move(request));
       return;
     }
-    http::async_write(socket_, response_, [self = shared_from_this()](Error failed, std::size_t) {
+    http::async_write(stream_, response_, [self = this->shared_from_this()](Error failed, std::size_t) {
       if (failed) return;
       if (self->response_.keep_alive()) return self->read();
       Error ignored;
-      self->socket_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+      self->line().socket().shutdown(tcp::socket::shutdown_send, ignored);
     });
   }
 
   std::shared_ptr<Impl> server_;
-  beast::tcp_stream socket_;
+  Stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   Response response_;
@@ -210,11 +249,34 @@ void WebServer::Impl::open() {
   port = acceptor.local_endpoint().port();
 }
 
+void WebServer::Impl::encrypt() {
+  if (settings.certificate.empty()) return;
+  tls.emplace(ssl::context::tls_server);
+  const auto take = [this](const char* flag, const std::string& file, auto use) {
+    Error error;
+    use(file, error);
+    if (error)
+      throw configuration_error(fmt::format(
+          "{} = {}: {}; give a certificate and its key as PEM files, such as "
+          "`openssl req -x509 -newkey rsa:2048 -nodes -keyout key.pem -out cert.pem -subj /CN=cell` makes",
+          flag, file, error.message()));
+  };
+  take("tls_cert", settings.certificate,
+       [this](const std::string& file, Error& error) { tls->use_certificate_chain_file(file, error); });
+  take("tls_key", settings.key, [this](const std::string& file, Error& error) {
+    tls->use_private_key_file(file, ssl::context::pem, error);
+  });
+}
+
 void WebServer::Impl::accept() {
   acceptor.async_accept([self = shared_from_this()](Error error, tcp::socket socket) {
     if (error == boost::asio::error::operation_aborted) return;
-    if (!error && self->connections < kMostConnections)
-      std::make_shared<Http>(self, std::move(socket))->read();
+    if (!error && self->connections < kMostConnections) {
+      if (self->tls)
+        std::make_shared<Http<Encrypted>>(self, Encrypted(Plain(std::move(socket)), *self->tls))->start();
+      else
+        std::make_shared<Http<Plain>>(self, Plain(std::move(socket)))->start();
+    }
     self->accept();
   });
 }
@@ -248,22 +310,31 @@ Response WebServer::Impl::answer(const Request& request, const tcp::endpoint& fr
                "Ask by this host's address, or start telekerf-console with --host-name\n");
   // Not every browser takes a WebSocket of this host for 'self'.
   response.set("Content-Security-Policy",
-               fmt::format("default-src 'self'; connect-src 'self' ws://{}; img-src "
+               fmt::format("default-src 'self'; connect-src 'self' {}://{}; img-src "
                            "'self' blob:; frame-ancestors 'none'; base-uri 'none'",
-                           host));
-  if (!origin_allowed(view(request[http::field::origin]), host))
+                           tls ? "wss" : "ws", host));
+  if (!origin_allowed(view(request[http::field::origin]), scheme(), host))
     return say(http::status::forbidden, kPlain, "Another page than this server's own\n");
   if (request.method() != http::verb::get && request.method() != http::verb::head)
     return say(http::status::method_not_allowed, kPlain, "Only GET\n");
   std::string_view target = view(request.target());
-  target = target.substr(0, target.find('?'));
+  const std::size_t query = target.find('?');
+  const std::uint32_t id = query == target.npos ? 0 : id_of(target.substr(query + 1));
+  target = target.substr(0, query);
   if (target == "/ws") {
     if (!websocket::is_upgrade(request))
       return say(http::status::upgrade_required, kPlain, "A WebSocket is spoken here\n");
     response.result(http::status::switching_protocols);
     return response;
   }
-  if (target == "/contour") return say(http::status::ok, "application/json", console.contour_json());
+  if (target == "/contour") return say(http::status::ok, "application/json", console.contour_json(id));
+  if (target == "/picture") {
+    const auto picture = console.cell().pictures().find(id);
+    if (picture == console.cell().pictures().end())
+      return say(http::status::not_found, kPlain, "No picture of this contour\n");
+    const auto& jpeg = picture->second.preview.jpeg;
+    return say(http::status::ok, "image/jpeg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+  }
   const std::string_view name = target == "/" ? "index.html" : target.substr(target.starts_with('/') ? 1 : 0);
   for (const PageFile& file : kPageFiles) {
     if (file.name != name) continue;
@@ -277,6 +348,7 @@ Response WebServer::Impl::answer(const Request& request, const tcp::endpoint& fr
 WebServer::WebServer(boost::asio::io_context& context, const WebServerSettings& settings, Console& console,
                      std::function<void()> heard)
     : impl_(std::make_shared<Impl>(context, settings, console, std::move(heard))) {
+  impl_->encrypt();
   impl_->open();
   impl_->accept();
 }
@@ -293,7 +365,8 @@ std::uint16_t WebServer::port() const { return impl_->port; }
 std::string WebServer::address() const {
   const auto address = impl_->acceptor.local_endpoint().address();
   const std::string host = address.to_string();
-  return fmt::format("http://{}:{}", address.is_v6() ? fmt::format("[{}]", host) : host, impl_->port);
+  return fmt::format("{}://{}:{}", impl_->scheme(), address.is_v6() ? fmt::format("[{}]", host) : host,
+                     impl_->port);
 }
 
 void WebServer::pump() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// HTTP and WebSocket around the console: the page's files, /contour, and /ws. All in one thread, the
-// io_context's.
+// HTTP and WebSocket around the console, with TLS or without: the page's files, /contour, /picture, and /ws.
+// All in one thread, the io_context's.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -18,12 +18,14 @@ struct WebServerSettings {
   std::uint16_t port = 8080;       ///< 0: any free one
   std::string name;                ///< host name by which the page may be asked for, beside addresses
   std::string token;               ///< stands in the page that is served to this host itself
+  std::string certificate = {};    ///< PEM file, with those above it; without: plain HTTP
+  std::string key = {};            ///< PEM file
 };
 
 class WebServer {
  public:
   /// `heard`: called whenever a page has said something. Throws StartupError: the address is not of this
-  /// host, or the port is taken.
+  /// host, the port is taken, or certificate and key are none.
   WebServer(boost::asio::io_context& context, const WebServerSettings& settings, Console& console,
             std::function<void()> heard);
   ~WebServer();

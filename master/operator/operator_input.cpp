@@ -3,6 +3,7 @@
 
 #include "common/runtime/device_registry.h"
 #include "common/runtime/udp.h"
+#include "master/operator/evdev_device.h"
 #include "master/operator/recorded_hand.h"
 #include "master/operator/udp_foot_switch.h"
 #include "master/operator/udp_hand.h"
@@ -23,7 +24,8 @@ using Registry = DeviceRegistry<std::unique_ptr<OperatorInput>>;
 constexpr Registry::Kind kKinds[] = {
     {"hand", "hand", no_argument, nobody},
     {"pressed", "pressed", no_argument, pressed},
-    {"udp", "udp:HOST:PORT", validate_udp, open_udp_foot_switch},
+    {"udp", "udp:HOST:PORT[,key=FILE]", validate_sealed_udp, open_udp_foot_switch},
+    {"evdev", "evdev:PATH", validate_evdev, open_evdev_button},
 };
 constexpr Registry kInputs("button", kKinds);
 
@@ -32,6 +34,7 @@ constexpr Registry::Kind kHandKinds[] = {
     {"simulated", "simulated", no_argument, nobody},
     {"browser", "browser, browser:HOST:PORT", validate_browser_hand, open_browser_hand},
     {"udp", "udp:HOST:PORT", validate_udp, open_udp_hand},
+    {"evdev", "evdev:PATH", validate_evdev, open_evdev_hand},
     {"recorded", "recorded:FILE", validate_recorded_hand, open_recorded_hand},
 };
 constexpr Registry kHands("hand", kHandKinds);

@@ -14,7 +14,7 @@ static_assert(sizeof(UdpButton) == 24, "datagrams hold no padding");
 
 }  // namespace
 
-UdpFootSwitch::UdpFootSwitch(const UdpAddress& address) : socket_(context_) {
+UdpFootSwitch::UdpFootSwitch(const UdpAddress& address) : socket_(context_), seal_(address.key) {
   const udp::endpoint here = open_udp(socket_, address, "button");
   boost::system::error_code error;
   socket_.bind(here, error);
@@ -26,12 +26,13 @@ UdpFootSwitch::UdpFootSwitch(const UdpAddress& address) : socket_(context_) {
 OperatorSample UdpFootSwitch::sample(std::int64_t now_ns) noexcept {
   constexpr int kMostAtOnce = 64;  // bounds the step, whatever is in the queue
   for (int i = 0; i < kMostAtOnce; ++i) {
-    UdpButton told;
+    DatagramSeal::Sealed<UdpButton> sealed;
+    const UdpButton& told = sealed.datagram;
     udp::endpoint from;
     boost::system::error_code error;
-    const std::size_t size = socket_.receive_from(boost::asio::buffer(&told, sizeof(told)), from, 0, error);
+    const std::size_t size = socket_.receive_from(boost::asio::buffer(&sealed, sizeof(sealed)), from, 0, error);
     if (error == boost::asio::error::would_block) break;
-    if (!error && size == sizeof(told) && told.magic == UdpButton::kMagic &&
+    if (!error && seal_.open(sealed, size) == sizeof(told) && told.magic == UdpButton::kMagic &&
         told.version == UdpButton::kVersion) {
       hear(told, from, now_ns);
     }

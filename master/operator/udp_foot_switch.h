@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pedal that sends datagrams: the smallest OperatorInput, to copy from. For one host or a wire of its own;
-// there is no protection against a stranger's datagrams.
+// A pedal that sends datagrams: the smallest OperatorInput, to copy from. For one host or a wire of its own: against a
+// stranger's datagrams there is the seal alone (common/runtime/datagram_seal.h), if both ends have its key.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -9,6 +9,7 @@
 #include <memory>
 #include <string_view>
 
+#include "common/runtime/datagram_seal.h"
 #include "common/runtime/udp.h"
 #include "master/operator/operator_input.h"
 #include "master/operator/operator_lease.h"
@@ -40,6 +41,7 @@ class UdpFootSwitch final : public OperatorInput {
 
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
+  DatagramSeal seal_;
   boost::asio::ip::udp::endpoint pedal_;  ///< the one that is heard
   OperatorLease lease_;
 };

@@ -25,7 +25,8 @@ int run_switch(SwitchOptions& options) {
   // The others stand in other folders.
   if (std::filesystem::is_regular_file(options.profile))
     options.profile = std::filesystem::absolute(options.profile).string();
-  BusSettings bus_settings = options.bus.bus_settings(Site::kOperator, "netem-switch");
+  BusSettings bus_settings = options.bus.bus_settings(Site::kOperator, "ctl");
+  if (bus_settings.name.empty()) bus_settings.name = "netem-switch";
   bus_settings.receive_filter = options.netem.emulator(bus_settings.site);
   Bus bus(bus_settings);
   EventMessage event;

@@ -12,15 +12,16 @@
 
 namespace telekerf::netem {
 
-/// The site byte of the sender's GUID prefix; nullopt: not RTPS.
-std::optional<std::uint8_t> site_of(std::span<const std::byte> datagram) noexcept;
+/// The sender's site; nullopt: not RTPS, or of neither.
+std::optional<Site> site_of(std::span<const std::byte> datagram, const SiteTable& sites) noexcept;
 
 struct Range {
   std::uint16_t begin = 0;
   std::uint16_t end = 0;  ///< begin == end: none
 };
 
-/// The serialized payload of the first DATA submessage that a stream writer (site.h, kStreamEntity) sent.
+/// The serialized payload of the first DATA submessage that a stream writer (site.h, kStreamEntity) sent. None in what DDS Security
+/// protects: there a damaged octet makes the whole worthless.
 Range stream_payload(std::span<const std::byte> datagram) noexcept;
 
 /// Exclusive or of all octets outside `range`: a single flipped bit always shows in it.

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "common/runtime/resources.h"
 
@@ -29,6 +31,14 @@ std::shared_ptr<ReceivePathEmulator> NetemFlags::emulator(Site own_site) const {
 }
 
 std::string NetemFlags::name() const { return std::filesystem::path(profile).stem().string(); }
+
+RunIdentity NetemFlags::with_network(RunIdentity identity) const {
+  identity.words["netem"] = name();
+  if (profile == "none") return identity;
+  std::ifstream in(find_resource(kProfile.shipped, profile, kProfile.extension));
+  identity.network.assign(std::istreambuf_iterator<char>(in), {});
+  return identity;
+}
 
 void add_figures(const ReceivePathEmulator* emulator, Metrics& figures) {
   const TransportCounters counters = emulator ? emulator->counters() : TransportCounters{};

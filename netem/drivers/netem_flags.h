@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/protocol/site.h"
+#include "common/recording/run_file.h"
 #include "common/recording/run_record.h"
 #include "common/runtime/settings.h"
 #include "netem/drivers/receive_path_emulator.h"
@@ -23,6 +24,8 @@ struct NetemFlags {
   std::shared_ptr<ReceivePathEmulator> emulator(Site own_site) const;
   /// The profile as results name it: without its folder.
   std::string name() const;
+  /// A recording's, with the profile's name and file; without a file the network is the real one.
+  RunIdentity with_network(RunIdentity identity) const;
 };
 
 /// What the emulator counted, as figures `netem_...` of a run; zeros without one.

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "netem/drivers/receive_path_emulator.h"
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#if __has_include(<fastdds/rtps/network/SenderResource.h>)
-#include <fastdds/rtps/network/SenderResource.h>
-#else
-#include <fastdds/rtps/transport/SenderResource.h>
-#endif
 #include <sys/prctl.h>
 
 #include <algorithm>
@@ -17,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/bus/middleware.h"
 #include "common/runtime/clock.h"
 #include "netem/core/emulator.h"
 #include "netem/drivers/datagram.h"
@@ -25,10 +19,10 @@ namespace telekerf::netem {
 namespace {
 
 namespace rtps = eprosima::fastdds::rtps;
-using eprosima::fastrtps::rtps::Locator_t;
-using eprosima::fastrtps::rtps::LocatorsIterator;
-using eprosima::fastrtps::rtps::octet;
-using eprosima::fastrtps::rtps::SenderResource;
+using middleware::rtps::Locator_t;
+using middleware::rtps::LocatorsIterator;
+using middleware::rtps::octet;
+using middleware::rtps::SenderResource;
 
 // Room for a large contour on a long link: 16 MB.
 constexpr Capacity kCapacity{.packets = 16384, .bytes = 16U << 20, .largest_packet = 65536};
@@ -71,7 +65,7 @@ class ReceivePathEmulator::State {
  public:
   State(const Profile& profile, std::uint64_t seed, Site own)
       : own_(own),
-        other_(static_cast<std::uint8_t>(other_site(own))),
+        other_(other_site(own)),
         emulator_(into(own, profile),
                   {.seed = seed,
                    .flow = 0,
@@ -98,6 +92,7 @@ class ReceivePathEmulator::State {
             .latest_ns = latest_ns_};
   }
 
+  void know(const SiteTable& sites) { sites_ = sites; }
   void start() {
     thread_ = std::thread([this] { deliver_until_stopped(); });
   }
@@ -114,7 +109,7 @@ class ReceivePathEmulator::State {
   /// In the middleware's receiving thread.
   void receive(rtps::TransportReceiverInterface* next, std::span<const std::byte> datagram,
                const Locator_t& local, const Locator_t& remote) {
-    if (site_of(datagram) != other_) {
+    if (site_of(datagram, sites_) != other_) {
       Channel* channel = nullptr;
       {
         const std::lock_guard lock(mutex_);
@@ -230,7 +225,8 @@ class ReceivePathEmulator::State {
   }
 
   const Site own_;
-  const std::uint8_t other_;
+  const Site other_;
+  SiteTable sites_;  // set before the first datagram
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   Emulator emulator_;
@@ -259,9 +255,9 @@ class Transport : public rtps::ChainingTransport {
 
   rtps::TransportDescriptorInterface* get_configuration() override { return descriptor_.get(); }
 
-  bool send(SenderResource* below, const octet* buffer, std::uint32_t size, LocatorsIterator* begin,
+  bool send(SenderResource* below, middleware::Datagram datagram, std::uint32_t size, LocatorsIterator* begin,
             LocatorsIterator* end, const std::chrono::steady_clock::time_point& timeout) override {
-    return below->send(buffer, size, begin, end, timeout);
+    return below->send(datagram, size, begin, end, timeout);
   }
 
   void receive(rtps::TransportReceiverInterface* next, const octet* buffer, std::uint32_t size,
@@ -297,7 +293,9 @@ ReceivePathEmulator::~ReceivePathEmulator() = default;
 void ReceivePathEmulator::set_profile(const Profile& profile) { state_->set_profile(profile); }
 TransportCounters ReceivePathEmulator::counters() const { return state_->counters(); }
 
-std::shared_ptr<ReceiveFilter::Transport> ReceivePathEmulator::over(std::shared_ptr<Transport> below) {
+std::shared_ptr<ReceiveFilter::Transport> ReceivePathEmulator::over(std::shared_ptr<Transport> below,
+                                                                    const SiteTable& sites) {
+  state_->know(sites);
   return std::make_shared<Descriptor>(std::move(below), state_);
 }
 

@@ -38,7 +38,7 @@ class ReceivePathEmulator : public ReceiveFilter {
   void set_profile(const Profile& profile);
   TransportCounters counters() const;
 
-  std::shared_ptr<Transport> over(std::shared_ptr<Transport> below) override;
+  std::shared_ptr<Transport> over(std::shared_ptr<Transport> below, const SiteTable& sites) override;
 
   class State;
 

@@ -22,7 +22,7 @@ constexpr int kMostAnswers = 8;  ///< that are looked at in a step
 }  // namespace
 
 UdpLaser::UdpLaser(const UdpAddress& address, double control_hz, std::int64_t (*clock)() noexcept)
-    : socket_(context_), clock_(clock), sent_ns_(clock()) {
+    : socket_(context_), seal_(address.key), clock_(clock), sent_ns_(clock()) {
   const auto endpoint = open_udp(socket_, address, "laser");
   outgoing_.period_ns = static_cast<std::uint32_t>(std::lround(1e9 / control_hz));
   boost::system::error_code error;
@@ -39,7 +39,8 @@ boost::system::error_code UdpLaser::send() noexcept {
   ++outgoing_.sequence;
   told_w_[outgoing_.sequence % told_w_.size()] = outgoing_.power_w;
   boost::system::error_code error;
-  socket_.send(boost::asio::buffer(&outgoing_, sizeof(outgoing_)), 0, error);
+  const std::size_t size = seal_.close(sealed_);
+  socket_.send(boost::asio::buffer(&sealed_, size), 0, error);
   return error;
 }
 
@@ -60,15 +61,16 @@ bool UdpLaser::emit(const Emission& emission) noexcept {
 bool UdpLaser::stray() noexcept {
   bool stray = false;
   for (int n = 0; n < kMostAnswers; ++n) {
-    UdpEmission answer;
+    SealedEmission sealed;
+    const UdpEmission& answer = sealed.datagram;
     boost::system::error_code error;
-    const std::size_t size = socket_.receive(boost::asio::buffer(&answer, sizeof(answer)), 0, error);
+    const std::size_t size = socket_.receive(boost::asio::buffer(&sealed, sizeof(sealed)), 0, error);
     if (error) {
       // Of the datagram before, which nobody has got; send() will not hear of it any more.
       refused_ = error == boost::asio::error::connection_refused;
       break;
     }
-    const bool known = size == sizeof(answer) && answer.magic == UdpEmission::kMagic &&
+    const bool known = seal_.open(sealed, size) == sizeof(answer) && answer.magic == UdpEmission::kMagic &&
                        answer.version == UdpPower::kVersion && answer.sequence > answered_ &&
                        answer.sequence <= outgoing_.sequence &&
                        outgoing_.sequence - answer.sequence < told_w_.size();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A laser behind a UDP address, one datagram a step, which it may answer with the light that it measures: the
-// smallest one, to copy from. For one host or a wire of its own; there is no protection against a stranger's
-// datagrams.
+// smallest one, to copy from. For one host or a wire of its own: against a stranger's datagrams there is the
+// seal alone (common/runtime/datagram_seal.h), if both ends have its key.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "common/runtime/clock.h"
+#include "common/runtime/datagram_seal.h"
 #include "common/runtime/udp.h"
 #include "slave/laser/laser.h"
 
@@ -42,6 +43,10 @@ struct UdpEmission {
   double emission_w = 0.0;     ///< measured, with that datagram obeyed
 };
 
+/// What of this was sealed, see datagram_seal.h.
+using SealedPower = DatagramSeal::Sealed<UdpPower>;
+using SealedEmission = DatagramSeal::Sealed<UdpEmission>;
+
 /// After so long without a datagram the laser must be off: what the interlock reckons with (reaction_s), or
 /// two control periods if they are longer.
 constexpr std::int64_t udp_silence_ns(std::uint32_t period_ns) noexcept {
@@ -68,7 +73,9 @@ class UdpLaser final : public Laser {
 
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
-  UdpPower outgoing_;
+  DatagramSeal seal_;
+  SealedPower sealed_;
+  UdpPower& outgoing_ = sealed_.datagram;
   std::int64_t (*clock_)() noexcept;
   std::int64_t sent_ns_ = 0;         ///< the datagram before
   bool refused_ = false;             ///< the datagram before, as was learned meanwhile
@@ -77,8 +84,8 @@ class UdpLaser final : public Laser {
 };
 
 std::unique_ptr<Laser> open_udp_laser(std::string_view rest, double control_hz);
-inline constexpr LaserKind kUdpLaser{"udp", "udp:HOST:PORT", validate_udp, open_udp_laser};
+inline constexpr LaserKind kUdpLaser{"udp", "udp:HOST:PORT[,key=FILE]", validate_sealed_udp, open_udp_laser};
 /// The one of telekerf-plant: the same datagrams, but no light.
-inline constexpr LaserKind kPlantLaser{"plant", "plant:HOST:PORT", validate_udp, open_udp_laser};
+inline constexpr LaserKind kPlantLaser{"plant", "plant:HOST:PORT[,key=FILE]", validate_sealed_udp, open_udp_laser};
 
 }  // namespace telekerf::laser

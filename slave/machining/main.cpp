@@ -129,7 +129,7 @@ int run(const Flags& flags) {
   // A signal stops the tool first; the work ends when it stands.
   const LoopStatistics loop = run_loop(station.control_hz(), [&](std::int64_t now_ns) {
     const std::uint32_t number = emergency.order().number;
-    stop = stop || number != 0 || stop_requested();
+    stop = stop || number != 0 || stop_requested() || process.ended();
     emergency.obeyed(number);
     const JobExecutorOutputs out = station.step(now_ns, stop);
     status.state(text_of(out.phase));
@@ -152,6 +152,7 @@ int run(const Flags& flags) {
         "is off; "
         "is the robot's file right, and do its sensors count?");
   }
+  process.refuse_ended();
   status.say(!inside ? "bad: the laser left the corridor" : station.finished() ? "finished" : "stopped");
   return station.finished() && inside ? 0 : 1;
 }

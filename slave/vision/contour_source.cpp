@@ -30,6 +30,8 @@ vision::LoadRequest load_request(const ContourRequest& request) {
   }
   load.fit_all = request.fit_all;
   load.select = request.select;
+  load.extraction.start_px = request.start_px;
+  load.extraction.end_px = request.end_px;
   request.picture.apply_to(load);
   load.drawing = request.drawing;
   return load;

@@ -16,7 +16,9 @@ struct ContourRequest {
   vision::ExtractionMode mode = vision::ExtractionMode::kAuto;
   vision::PictureFlags picture;                                  ///< what of the picture is meant
   vision::AnchorMode anchor = vision::AnchorMode::kBoundingBox;  ///< what lies on the workpiece's origin
-  std::size_t select = 0;                                        ///< which contour; 0 is the largest
+  std::optional<Vec2> start_px;   ///< where the contour begins, a pixel of the file
+  std::optional<Vec2> end_px;     ///< and where it ends
+  std::size_t select = 0;         ///< which contour; 0 is the largest
   std::optional<double> width_m;  ///< of the whole picture; otherwise the contour is fitted to the workspace
   double workspace_radius_m = 0.02;  ///< of the slave
   /// Beta times the workspace of the robot that the operator's hand moves, if there is one: what is fitted

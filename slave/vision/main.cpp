@@ -33,6 +33,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kReport{1000};
 constexpr std::chrono::milliseconds kImagingReport{200};  ///< a focus is watched while it is sought
+constexpr std::chrono::milliseconds kPreview{100};        ///< between two of a live picture, at least
 
 struct Flags {
   BusFlags bus;
@@ -98,16 +99,41 @@ void say(const ContourMessage& contour, StatusReporter& status) {
   if (!contour.further.empty()) status.say(fmt::format("{} further contours", contour.further.size()));
 }
 
-/// What the cell says to the imaging unit, if there is one.
-void obey(Reader<EventMessage>& events, EventAnswers& answers, ImagingCamera* unit) {
+/// What the cell says: to the imaging unit, if there is one, and of what is meant in the picture.
+VisionNode::Outcome obey(Reader<EventMessage>& events, EventAnswers& answers, ImagingCamera* unit,
+                         VisionNode& node) {
+  VisionNode::Outcome outcome;
   while (const auto event = events.take()) {
     const EventMessage& said = event->value;
+    if (said.kind == EventMessage::Kind::kLook) {
+      auto looked = node.look(said.text);
+      answers.give(said.epoch, looked ? "" : looked.error());
+      if (looked) outcome = std::move(*looked);
+      continue;
+    }
     if (said.kind != EventMessage::Kind::kSetZoom && said.kind != EventMessage::Kind::kRefocus) continue;
     if (unit != nullptr) said.kind == EventMessage::Kind::kSetZoom ? unit->zoom(said.value) : unit->refocus();
     answers.give(said.epoch, unit != nullptr ? "" : "there is no imaging unit; start vision with --imaging");
   }
   answers.again();
+  return outcome;
 }
+
+/// What the camera shows, as often as somebody can see it: with each contour, and of a live one in between.
+class Preview {
+ public:
+  explicit Preview(Bus& bus) : writer_(bus) {}
+  void step(const VisionNode& node, bool news, bool live) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!news && (!live || writer_.readers() == 0 || now < next_)) return;
+    next_ = now + kPreview;
+    if (const auto preview = node.preview()) writer_.write(*preview);
+  }
+
+ private:
+  Writer<PreviewMessage> writer_;
+  std::chrono::steady_clock::time_point next_;
+};
 
 int run(const Flags& flags) {
   if (!flags.imaging.calibrate.empty()) {
@@ -136,15 +162,18 @@ int run(const Flags& flags) {
   Writer<TelemetryMessage> telemetry(process.bus());
   Reader<EventMessage> events(process.bus());
   EventAnswers answers(process.bus());
+  Preview preview(process.bus());
   auto report_at = std::chrono::steady_clock::now();
   auto looked = report_at;  // when it was last seen where it is
-  while (!stop_requested()) {
+  while (!stop_requested() && !process.ended()) {
+    process.alive();
     if (seen && *seen && node.confirms()) looked = std::chrono::steady_clock::now();
     if (!outcome.remark.empty()) write_line(stderr, "vision: " + outcome.remark);
     if (outcome.publish) {
       writer.write(*outcome.publish);
       say(*outcome.publish, process.status());
     }
+    preview.step(node, outcome.publish.has_value(), seen && *seen && (*seen)->settles);
     if (const auto now = std::chrono::steady_clock::now(); now >= report_at) {
       TelemetryMessage record = node.record();
       record.values.emplace_back("look_age_s", std::chrono::duration<double>(now - looked).count());
@@ -155,7 +184,7 @@ int run(const Flags& flags) {
       telemetry.write(record);
       report_at = now + (unit ? kImagingReport : kReport);
     }
-    obey(events, answers, unit.get());
+    const VisionNode::Outcome meant = obey(events, answers, unit.get(), node);
     if (unit) {
       if (const std::string remark = unit->remark(); !remark.empty()) process.status().say(remark);
     }
@@ -164,7 +193,9 @@ int run(const Flags& flags) {
     std::this_thread::sleep_for(std::chrono::milliseconds(more ? 1 : 200));
     seen = camera->next();
     outcome = node.step(seen);
+    if (meant.publish && !outcome.publish) outcome.publish = meant.publish;
   }
+  process.refuse_ended();
   return 0;
 }
 

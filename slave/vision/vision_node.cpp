@@ -63,11 +63,74 @@ tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& fr
   if (frame.metres_per_pixel) load.scale.metres_per_pixel = frame.metres_per_pixel;
   const auto loaded =
       frame.file.empty() ? vision::contours_of(frame.image, load) : vision::load_contours(frame.file, load);
-  if (!loaded) return tl::unexpected(loaded.error());
+  if (!loaded) {
+    if (frame.file.empty()) picture_ = frame.image;  // what is not understood is looked at all the more
+    return tl::unexpected(loaded.error());
+  }
+  picture_ = loaded->picture;
+  sight_ = {loaded->scale, loaded->reduction, !picture_.empty()};
   remarks_ = loaded->remarks;
   contrast_ = loaded->contrast;
   noise_ = loaded->picture_noise;
   return message_of(*loaded, frame.source, request_.workspace_radius_m);
+}
+
+tl::expected<VisionNode::Outcome, std::string> VisionNode::look(std::string_view words) {
+  if (words == "draw" || words.starts_with("draw "))
+    return draw(words.substr(std::min<std::size_t>(5, words.size())));
+  if (!frame_ || !published_)
+    return tl::unexpected<std::string>("there is no contour yet from which to go on");
+  auto request = looked_at(words, started_, request_, *published_, sight_);
+  if (!request) return tl::unexpected(request.error());
+  std::swap(request_, *request);
+  auto seen = contour_in(*frame_);
+  if (!seen) {
+    std::swap(request_, *request);
+    return tl::unexpected(seen.error());
+  }
+  state_ = State::kSeeing;
+  candidate_.reset();
+  drawn_ = false;
+  published_ = std::move(*seen);
+  ++published_count_;
+  return Outcome{published_, {}};
+}
+
+tl::expected<VisionNode::Outcome, std::string> VisionNode::draw(std::string_view words) {
+  if (words.empty()) {
+    drawing_.forget();
+    return Outcome{};
+  }
+  if (words != "open" && words != "closed") {
+    const auto places_m = places_in(words);
+    if (!places_m)
+      return tl::unexpected(fmt::format("'{}' are no places; they are X,Y X,Y .. in metres", words));
+    if (!drawing_.add(*places_m))
+      return tl::unexpected(fmt::format("what is drawn has more than {} places", HandDrawing::kMostPlaces));
+    return Outcome{};
+  }
+  auto contour = drawing_.contour(words == "closed", request_.workspace_radius_m);
+  drawing_.forget();
+  if (!contour) return tl::unexpected(contour.error());
+  drawn_ = true;
+  candidate_.reset();
+  published_ = std::move(*contour);
+  ++published_count_;
+  return Outcome{published_, {}};
+}
+
+std::optional<PreviewMessage> VisionNode::preview() const {
+  if (picture_.empty()) return std::nullopt;
+  if (sight_.pixels) {
+    auto preview = preview_of(picture_, sight_.scale);
+    if (preview && published_) preview->contour_id = published_->id;
+    return preview;
+  }
+  // Nothing has been found in it yet: as a contour would be fitted.
+  vision::ScaleRequest fit = load_request(request_).scale;
+  vision::PixelContour whole;
+  whole.points_px = {Vec2(0.0, 0.0), Vec2(picture_.cols - 1.0, picture_.rows - 1.0)};
+  return preview_of(picture_, vision::scale_for(whole, picture_.cols, picture_.rows, fit));
 }
 
 TelemetryMessage VisionNode::record() const {
@@ -103,7 +166,12 @@ VisionNode::Outcome VisionNode::step(const Camera::Result& result) {
   }
   if (!*result) return {};
   ++frames_;
-  const Frame& frame = **result;
+  const Frame& frame = frame_.emplace(**result);
+  if (drawn_) {
+    if (frame.file.empty()) picture_ = frame.image;
+    state_ = State::kSeeing;
+    return {};
+  }
   auto seen = contour_in(frame);
   if (!seen) return enter(State::kNoContour, seen.error());
 

@@ -48,7 +48,7 @@ def load(cell, page, watchers):
 
 
 good = True
-cell = Cell(sys.argv[1], tempfile.mkdtemp(prefix=f"telekerf-bench-{os.getpid()}-"), 200 + os.getpid() % 30)
+cell = Cell(sys.argv[1], tempfile.mkdtemp(prefix=f"telekerf-bench-{os.getpid()}-"), 1 + os.getpid() % 100)
 page = None
 try:
     page = Page(cell.port)

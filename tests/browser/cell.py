@@ -172,6 +172,12 @@ class Page:
     def click(self, name):
         self.js("document.getElementById(arguments[0]).click()", name)
 
+    def choose(self, name, value):
+        self.js("""
+            const list = document.getElementById(arguments[0]);
+            list.value = arguments[1];
+            list.dispatchEvent(new Event("change"));""", name, value)
+
     def mouse(self, kind, place, pressed):
         self.driver.execute_cdp_cmd("Input.dispatchMouseEvent", {
             "type": kind, "x": place[0], "y": place[1], "button": "left", "buttons": 1 if pressed else 0,

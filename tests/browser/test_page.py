@@ -41,6 +41,81 @@ def hold(page, place):
     raise AssertionError("the master's hand is never held")
 
 
+def brightness_under_the_contour(page):
+    """Mean grey of the camera's picture where the contour lies, and of the whole of it."""
+    return page.js("""
+        const { image, left_m, top_m, width_m, height_m } = telekerf.stage.picture;
+        const canvas = document.createElement("canvas");
+        [canvas.width, canvas.height] = [image.naturalWidth, image.naturalHeight];
+        const context = canvas.getContext("2d");
+        context.drawImage(image, 0, 0);
+        const pixels = context.getImageData(0, 0, canvas.width, canvas.height).data;
+        const at = (x, y) => pixels[4 * (y * canvas.width + x)];
+        const points = telekerf.stage.contour.points;
+        let line = 0, all = 0, count = 0;
+        for (let n = 0; n < points.length; n += 2)
+          line += at(Math.floor((points[n] - left_m) / width_m * canvas.width),
+                     Math.floor((top_m - points[n + 1]) / height_m * canvas.height));
+        for (let n = 0; n < pixels.length; n += 4000, ++count) all += pixels[n];
+        return [line / (points.length / 2), all / count];""")
+
+
+def look(page, words):
+    """Says something of the picture, as a driver; what comes of it is looked at, and then worked on."""
+    before, waits = page.js("return [telekerf.words.contour, telekerf.words.waiting]")
+    page.choose("mode", words)
+    page.until(f"telekerf.words.waiting && telekerf.words.waiting !== {waits}")
+    assert page.js("return telekerf.words.contour") == before, "a contour was taken unasked"
+    page.click("show-waiting")
+    page.until("telekerf.stage.contour.id === telekerf.words.waiting")
+    page.click("take-contour")
+    page.until(f"!telekerf.words.waiting && telekerf.words.contour !== {before}")
+    page.until("telekerf.stage.contour.id === telekerf.words.contour")
+    page.until("telekerf.words.sentence.startsWith('You may move')")
+
+
+def draw(page):
+    """A line by hand over the picture, round the middle of the contour."""
+    page.choose("click", "draw")
+    places = page.js("""
+        const places = [];
+        for (let n = 0; n <= 60; ++n) {
+          const c = telekerf.stage.toClient(4e-3 * Math.cos(n / 60 * 6.28), 4e-3 * Math.sin(n / 60 * 6.28));
+          places.push([c.x, c.y]);
+        }
+        return places;""")
+    page.press(places[0])
+    for place in places:
+        page.move(place)
+    page.let_go(places[-1])
+    page.choose("click", "")
+    page.until("telekerf.words.waiting")
+    page.click("show-waiting")
+    page.until("telekerf.stage.contour.mode === 'drawn'")
+    shot(page, "drawn")
+    radii = page.js("""
+        const p = telekerf.stage.contour.points, radii = [];
+        for (let n = 0; n < p.length; n += 2) radii.push(Math.hypot(p[n], p[n + 1]));
+        return [Math.min(...radii), Math.max(...radii), telekerf.stage.contour.closed];""")
+    assert radii[2] and 3.9e-3 < radii[0] and radii[1] < 4.1e-3, radii
+    page.click("show-waiting")
+    said(f"a line drawn over the picture waits as a contour, {1e3 * radii[0]:.2f} to {1e3 * radii[1]:.2f} mm round the middle")
+
+
+def picture(page):
+    page.until("telekerf.stage.picture")
+    line, whole = brightness_under_the_contour(page)
+    assert line < 90 < 180 < whole, f"the contour is not where the picture's ink is: {line:.0f} of {whole:.0f}"
+    middle = page.js("return telekerf.stage.contour.points.length")
+    look(page, "mode outline")
+    shot(page, "picture")
+    assert page.js("return telekerf.stage.contour.mode") == "outline"
+    draw(page)
+    look(page, "anew")
+    assert page.js("return telekerf.stage.contour.points.length") == middle
+    said(f"ink under the contour {line:.0f}, picture {whole:.0f}; outlines chosen and taken, and back")
+
+
 def cut(page):
     page.until("telekerf.words.sentence?.startsWith('You may move')")
     shot(page, "watching")
@@ -50,6 +125,7 @@ def cut(page):
     said("who watches is told why nothing comes of a press")
     page.click("take")
     page.until("telekerf.hand.lease")
+    picture(page)
     page.click("engage")
     page.until("telekerf.words.sentence.includes('the slave follows')")
     page.click("arm")

@@ -14,7 +14,7 @@ namespace {
 bool has_text(const std::string& path) {
   static const std::set<std::string> kKinds{".h",   ".cpp",   ".c",    ".md", ".idl",
                                             ".txt", ".cmake", ".toml", ".py"};
-  return kKinds.contains(fs::path(path).extension().string()) || path == "telekerf";
+  return kKinds.contains(fs::path(path).extension().string()) || path == "telekerf" || path == "debian/control";
 }
 
 std::string text_of(const fs::path& file) {
@@ -71,6 +71,17 @@ std::vector<std::string> lines_of(std::string_view text) {
   std::istringstream in{std::string(text)};
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
+}
+
+std::string code_of(std::string_view text) {
+  static const std::regex kText(R"re("(\\.|[^"\\])*"|'(\\.|[^'\\])')re");
+  std::string code;
+  for (std::string line : lines_of(text)) {
+    if (line.starts_with('#')) continue;
+    line = std::regex_replace(line, kText, "0");
+    code += line.substr(0, line.find("//")) + '\n';
+  }
+  return code;
 }
 
 std::vector<Include> includes_of(const Repository& repository, const std::string& path) {

@@ -34,6 +34,8 @@ std::string name_of(const std::string& path);
 std::string folder_of(const std::string& path);
 
 std::vector<std::string> lines_of(std::string_view text);
+/// Code without comments, texts and directives.
+std::string code_of(std::string_view text);
 std::vector<Include> includes_of(const Repository& repository, const std::string& path);
 
 /// A file's prose, line by line: comments of code and build files, a page as a whole.

@@ -26,6 +26,9 @@ Breaches long_files(const Repository& repository);
 /// A source and its header stand side by side under one name. Alone may stand: a program, a subcommand (it is
 /// declared in commands.h), a header that defines all that it declares.
 Breaches unpaired_files(const Repository& repository);
+/// Sources of one library may be compiled together (a demo does): what they define for themselves has names
+/// that differ.
+Breaches colliding_names(const Repository& repository);
 /// The first line names the licence.
 Breaches missing_licence(const Repository& repository);
 

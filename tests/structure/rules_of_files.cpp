@@ -16,18 +16,6 @@ bool leads_to_a_motor(const std::string& path) {
          folder == "common/control";
 }
 
-/// Code without comments, texts and directives.
-std::string bare(std::string_view text) {
-  static const std::regex kText(R"re("(\\.|[^"\\])*"|'(\\.|[^'\\])')re");
-  std::string code;
-  for (std::string line : lines_of(text)) {
-    if (line.starts_with('#')) continue;
-    line = std::regex_replace(line, kText, "0");
-    code += line.substr(0, line.find("//")) + '\n';
-  }
-  return code;
-}
-
 /// Is a statement, as it stands between its neighbours, a function whose body stands elsewhere?
 bool declares_function(std::string statement) {
   static const std::regex kArguments("<[^<>]*>"), kLabel(R"((public|private|protected)\s*:)"),
@@ -48,7 +36,7 @@ bool declares_more_than_it_defines(std::string_view header) {
   static const std::regex kScope(R"((^|\s)(namespace|class|struct|union)\s[^()=]*$)");
   std::vector<bool> scopes;  // does a declaration count there?
   std::string statement;
-  for (const char c : bare(header)) {
+  for (const char c : code_of(header)) {
     const bool counts = scopes.empty() || scopes.back();
     if (c == '{') {
       scopes.push_back(counts && std::regex_search(statement, kScope));

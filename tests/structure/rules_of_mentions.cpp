@@ -87,9 +87,13 @@ Breaches dead_mentions(const Repository& repository) {
 Breaches dead_programs(const Repository& repository) {
   static const std::regex kMade(R"((?:telekerf_program|add_executable)\((telekerf-[a-z-]+))");
   static const std::regex kNamed(R"((?:^|[^\w-])(telekerf-[a-z]+(?:-[a-z]+)*))");
+  static const std::regex kPackage(R"(Package: (telekerf-[a-z-]+))");
   std::set<std::string> programs;
   for (const auto& [path, text] : repository.files) {
     programs.insert(name_of(path));
+    if (path == "debian/control") {
+      for (const std::string& name : matches_in(text, kPackage)) programs.insert(name);
+    }
     if (!is_build_file(path)) continue;
     for (const std::string& name : matches_in(text, kMade)) programs.insert(name);
   }

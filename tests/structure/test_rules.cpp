@@ -51,6 +51,36 @@ TEST(Rules, AnArrowBetweenNeighboursIsFoundHoweverItIsWritten) {
   EXPECT_EQ(upward_arrows(tree, three_rooms()).size(), 1u);
 }
 
+TEST(Rules, NamesThatCollideInOneLibraryAreFound) {
+  const auto in = [](const std::string& code) {
+    return "namespace telekerf {\nnamespace {\n" + code + "\n}\n}\n";
+  };
+  const auto found = [&](const std::string& one, const std::string& other) {
+    return colliding_names(
+        Repository{{{"common/low/CMakeLists.txt", "telekerf_library(low SOURCES a.cpp b.cpp LINK x)"},
+                    {"common/low/a.cpp", in(one)},
+                    {"common/low/b.cpp", in(other)}}});
+  };
+  EXPECT_EQ(found("constexpr int kMost = 3;", "constexpr double kMost = 4.0;"),
+            Breaches{"common/low/b.cpp and common/low/a.cpp of one library both define telekerf::::kMost"});
+  EXPECT_EQ(found("constexpr std::array kRows{1, 2};", "const char* const kRows[] = {\"a\"};").size(), 1u);
+  EXPECT_EQ(found("struct Row { int a; };", "class Row : Base { };").size(), 1u);
+  EXPECT_EQ(found("double norm(double a, int b = 2) { return a; }", "double norm(double c, int d) {}").size(),
+            1u);
+  EXPECT_TRUE(found("double norm(double a) { return a; }", "double norm(int a) { return a; }").empty())
+      << "overloads";
+  EXPECT_TRUE(found("void f() { const int kInside = 1; }", "void g() { const int kInside = 1; }").empty())
+      << "in bodies";
+  EXPECT_TRUE(found("constexpr int kOne = 1;", "constexpr int kTwo = 2; // kOne = 1;").empty());
+  EXPECT_TRUE(
+      colliding_names(Repository{{{"common/low/CMakeLists.txt",
+                                   "telekerf_library(a SOURCES a.cpp)\ntelekerf_library(b SOURCES b.cpp)"},
+                                  {"common/low/a.cpp", in("constexpr int kMost = 3;")},
+                                  {"common/low/b.cpp", in("constexpr int kMost = 3;")}}})
+          .empty())
+      << "of two libraries";
+}
+
 TEST(Rules, ASourceWithoutARoomIsFound) {
   const Repository tree{{{"garage/a.h", ""}}};
   EXPECT_EQ(upward_arrows(tree, three_rooms()).size(), 1u);

@@ -18,7 +18,6 @@ const Rooms& rooms() {
   return kRooms;
 }
 
-
 TEST(House, ThereIsMuchToLookAt) {
   ASSERT_TRUE(repository().holds("common/runtime/clock.h"));
   EXPECT_GT(repository().files.size(), 300u);
@@ -33,6 +32,7 @@ TEST(House, WhatIsSharedIsNoProgram) { expect_none(programs_in_common(repository
 TEST(House, FastDdsStaysBehindTheBus) { expect_none(strayed_dds(repository())); }
 TEST(House, NoFileIsTooLong) { expect_none(long_files(repository())); }
 TEST(House, SourcesHaveTheirHeadersBesideThem) { expect_none(unpaired_files(repository())); }
+TEST(House, SourcesOfOneLibraryCanBeCompiledTogether) { expect_none(colliding_names(repository())); }
 TEST(House, EverySourceNamesItsLicence) { expect_none(missing_licence(repository())); }
 TEST(House, FilesAndPagesThatAreNamedExist) { expect_none(dead_mentions(repository())); }
 TEST(House, ProgramsThatAreNamedExist) { expect_none(dead_programs(repository())); }

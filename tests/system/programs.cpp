@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <boost/filesystem.hpp>
+#include <algorithm>
 #include <boost/process.hpp>
+#include <cstdlib>
 #include <sstream>
 
 namespace telekerf::integration {
@@ -17,6 +19,26 @@ std::string next_output(const std::string& name) {
   return std::filesystem::path(name).filename().string() + "-" + std::to_string(count++) + ".txt";
 }
 
+std::string word_after(const std::vector<std::string>& words, const std::string& flag) {
+  const auto at = std::find(words.begin(), words.end(), flag);
+  return at == words.end() || at + 1 == words.end() ? "" : *(at + 1);
+}
+
+/// With TELEKERF_TEST_SECURITY set every process of a cell is started with keys of it, made as they are needed.
+std::vector<std::string> with_keys(std::vector<std::string> words) {
+  const std::string cell = word_after(words, "--cell");
+  const bool given = std::find(words.begin(), words.end(), "--security") != words.end();
+  if (std::getenv("TELEKERF_TEST_SECURITY") == nullptr || cell.empty() || given) return words;
+  const std::filesystem::path store = Program::scratch() / "keys";
+  if (!std::filesystem::exists(store / "cells" / cell)) {
+    const std::string renew = std::filesystem::exists(store) ? " --renew" : "";
+    const std::string make = std::string(TELEKERF_BIN_DIR) + "/telekerf-keys " + store.string() + " --cells " + cell;
+    if (std::system((make + renew + " > /dev/null").c_str()) != 0) std::abort();
+  }
+  words.insert(words.end(), {"--security", store.string()});
+  return words;
+}
+
 }  // namespace
 
 struct Program::Child : bp::child {
@@ -26,7 +48,7 @@ struct Program::Child : bp::child {
 Program::Program(const std::string& name, const std::vector<std::string>& arguments)
     : output_(scratch() / next_output(name)),
       child_(std::make_unique<Child>(
-          (std::filesystem::path(TELEKERF_BIN_DIR) / name).string(), bp::args(arguments), bp::limit_handles,
+          (std::filesystem::path(TELEKERF_BIN_DIR) / name).string(), bp::args(with_keys(arguments)), bp::limit_handles,
           bp::std_in<bp::null, (bp::std_out & bp::std_err)> boost::filesystem::path(output_.string()))) {}
 
 Program::~Program() {
@@ -83,6 +105,6 @@ std::filesystem::path Program::scratch() {
   return folder.path;
 }
 
-std::string own_domain() { return std::to_string(100 + ::getpid() % 100); }
+std::string own_domain() { return std::to_string(1 + ::getpid() % 100); }
 
 }  // namespace telekerf::integration

@@ -4,10 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <chrono>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/bus/bus_flags.h"
+#include "common/bus/network_watch.h"
+#include "common/bus/roll_call.h"
 #include "common/bus/send_event.h"
 #include "common/bus/send_stop.h"
 #include "common/runtime/program.h"
@@ -60,6 +65,56 @@ int clear(const StopOptions& options) {
   return 0;
 }
 
+struct LookOptions : StopOptions {
+  double wait_s = 2.0;
+  bool json = false;
+};
+
+/// An address of this computer's own needs no number.
+std::string host_of(const std::string& address) {
+  return address.starts_with("127.") || network_addresses().contains(address) ? "this computer" : address;
+}
+
+std::string clock_of(const RollCall::Present& one) {
+  return one.clock_ahead_s ? fmt::format("{:+.0f} ms", *one.clock_ahead_s * 1e3) : "not told";
+}
+
+void print_json(const std::vector<RollCall::Present>& present) {
+  auto all = nlohmann::ordered_json::array();
+  for (const RollCall::Present& one : present) {
+    all.push_back({{"role", one.who.role},
+                   {"name", one.who.name},
+                   {"host", one.address},
+                   {"version", one.who.version},
+                   {"contract", one.who.contract}});
+    if (one.clock_ahead_s) all.back()["clock_ahead_s"] = *one.clock_ahead_s;
+  }
+  fmt::print("{}\n", all.dump(2));
+}
+
+int look(const LookOptions& options) {
+  Bus bus(at_once(options));
+  const RollCall roll_call(bus);
+  std::this_thread::sleep_for(std::chrono::duration<double>(options.wait_s));
+  const auto present = roll_call.present();
+  if (options.json) {
+    print_json(present);
+  } else if (!present.empty()) {
+    fmt::print("{:<10}{:<16}{:<18}{:<12}{}\n", "role", "name", "host", "version", "clock");
+    for (const RollCall::Present& one : present)
+      fmt::print("{:<10}{:<16}{:<18}{:<12}{}{}\n", one.who.role, one.who.name, host_of(one.address),
+                 one.who.version, clock_of(one),
+                 one.who.contract == bus.settings().contract ? ""
+                                                             : "  another contract: install the same version");
+  } else {
+    std::set<std::string> cells;
+    for (const PresenceMessage& other : bus.elsewhere()) cells.insert(other.cell);
+    fmt::print("nobody in cell '{}' of domain {}{}\n", bus.settings().cell, bus.settings().domain,
+               cells.empty() ? "" : fmt::format("; there are cells {}", fmt::join(cells, ", ")));
+  }
+  return present.empty() ? 1 : 0;
+}
+
 void add_who(StopOptions& options, Settings& settings) {
   settings.add("as", options.as, kName, "who says it: a stop is cleared by nobody else");
   options.bus.add_parameters(settings);
@@ -69,6 +124,13 @@ void add_who(StopOptions& options, Settings& settings) {
 void add_stop_parameters(StopOptions& options, Settings& settings) {
   settings.add("reason", options.reason, TextForm{"TEXT"}, "told at both sites");
   add_who(options, settings);
+}
+
+void add_look_parameters(LookOptions& options, Settings& settings) {
+  settings.add("wait_s", options.wait_s, {.min = 0.1, .max = 60, .unit = "s"}, "listens for this long");
+  settings.add("json", options.json, "prints JSON");
+  options.bus.add_parameters(settings);
+  options.netem.add_parameters(settings);
 }
 
 Options saying(EventMessage::Kind kind) {
@@ -93,6 +155,10 @@ int main(int argc, char** argv) {
               StopOptions{}, add_stop_parameters, stop);
   program.add("clear-stop", "Ends an emergency stop; nothing moves before it is engaged anew", StopOptions{},
               add_who, clear);
+  program.add("look",
+              "Lists who is in the cell: role, name, host, version, and how far its clock is ahead of this "
+              "computer's",
+              LookOptions{}, add_look_parameters, look);
   program.add("engage", "Lets the slave follow the master", saying(Kind::kEngage), add_parameters, run);
   program.add("disengage", "Lets go of the slave: it holds its pose, laser off", saying(Kind::kDisengage),
               add_parameters, run);
@@ -128,5 +194,18 @@ int main(int argc, char** argv) {
   Options refocus = saying(Kind::kRefocus);
   refocus.roles = {"vision"};
   program.add("refocus", "The imaging unit searches its focus anew", refocus, add_parameters, run);
+  Options look = saying(Kind::kLook);
+  look.roles = {"vision"};
+  program.add(
+      "look", "Says what is meant in vision's picture; the contour that comes of it waits to be taken", look,
+      [](Options& options, Settings& settings) {
+        settings
+            .add("what", options.event.text,
+                 TextForm{.form = "TEXT", .complaint = [](const std::string&) { return std::string(); }},
+                 "'at X,Y', 'start X,Y', 'end X,Y' (metres on the workpiece), 'mode WORD' or anew")
+            .as_argument();
+        add_parameters(options, settings);
+      },
+      run);
   return program.run(argc, argv);
 }

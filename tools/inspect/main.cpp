@@ -4,11 +4,14 @@
 
 int main(int argc, char** argv) {
   telekerf::Program program("telekerf-inspect",
-                            "Looks at robots, drives, contours, codecs and finished runs");
+                            "Looks at robots, drives, input devices, contours, codecs and finished runs");
   telekerf::inspect::add_codec_command(program);
   telekerf::inspect::add_contour_command(program);
   telekerf::inspect::add_drive_command(program);
   telekerf::inspect::add_efd_command(program);
+  telekerf::inspect::add_inputs_command(program);
+  telekerf::inspect::add_label_command(program);
+  telekerf::inspect::add_recover_command(program);
   telekerf::inspect::add_robot_command(program);
   telekerf::inspect::add_run_command(program);
   return program.run(argc, argv);

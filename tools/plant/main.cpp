@@ -40,7 +40,7 @@ int run(const Flags& flags) {
   const robot::RobotModel model = robot::load_robot(flags.robot);
   const Vec3 origin_m = model.in_base(Vec3::Zero());
   robot::SimulatedRobot robot(robot::mismatched(model, flags.mismatch, flags.seed), flags.seed, origin_m);
-  robot::UdpDrive drive(robot, static_cast<std::uint16_t>(flags.drive_port));
+  robot::UdpDrive drive(robot, static_cast<std::uint16_t>(flags.drive_port), flags.laser.key);
 
   Process process(flags.bus.bus_settings(Site::kSlave, "plant"), "plant", kDark);
   using geometry::NearestIndex;
@@ -54,7 +54,7 @@ int run(const Flags& flags) {
 
   const RealTimePriority priority(kLoopPriority);  // granted or not
   std::uint64_t steps = 0;
-  while (!stop_requested() && !robot.broken()) {
+  while (!stop_requested() && !robot.broken() && !process.ended()) {
     steps += drive.serve_for(0.02);
     laser.book_until(monotonic_ns());
     process.status().state(laser.lit() ? kLit : kDark);
@@ -86,6 +86,7 @@ void add_parameters(Flags& flags, Settings& settings) {
                "UDP port on this host, 0: any free one");
   settings.add("laser_port", flags.laser.port, {.min = 0, .max = 65535},
                "UDP port on this host, 0: any free one");
+  settings.add("key", flags.laser.key, kFile, "seals the datagrams of drive and laser; without: none");
   settings.add("max_w", flags.laser.max_w, {.min = 0.1, .max = 1000, .unit = "W"},
                "largest power of the laser");
   settings.add("stuck_after_j", flags.laser.stuck_after_j, {.min = 0, .max = 10000, .unit = "J"},

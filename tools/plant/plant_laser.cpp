@@ -29,6 +29,7 @@ PlantLaser::PlantLaser(asio::io_context& context, const PlantLaserSettings& sett
       workpiece_in_base_m_(workpiece_in_base_m),
       contour_(std::move(contour)),
       socket_(context),
+      seal_(settings.key),
       device_(settings.max_w),
       book_(radius_m),
       booked_ns_(monotonic_ns()) {
@@ -61,15 +62,16 @@ void PlantLaser::receive() {
 void PlantLaser::hear(std::size_t size, std::int64_t now_ns) {
   book_until(now_ns);
   const bool lit = device_.power_w(now_ns) > 0.0;
-  if (!device_.hear(incoming_, size, from_, now_ns)) {
+  if (!device_.hear(incoming_.datagram, seal_.open(incoming_, size), from_, now_ns)) {
     ++ignored_;
     return;
   }
   ++obeyed_;
   if (lit && device_.power_w(now_ns) <= 0.0) book_.dark(DarkBy::kTold, 0);
   boost::system::error_code ignored;  // who does not hear it has no measurement
-  const laser::UdpEmission answer = device_.answer(now_ns);
-  socket_.send_to(asio::buffer(&answer, sizeof(answer)), from_, 0, ignored);
+  laser::SealedEmission answer{device_.answer(now_ns)};
+  const std::size_t whole = seal_.close(answer);
+  socket_.send_to(asio::buffer(&answer, whole), from_, 0, ignored);
 }
 
 void PlantLaser::book_until(std::int64_t now_ns) {

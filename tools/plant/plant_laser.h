@@ -18,6 +18,7 @@ struct PlantLaserSettings {
   double max_w = 20.0;
   double stuck_after_j = 0.0;  ///< once it has given so much its modulator sticks; 0: never
   int port = 0;                ///< of the loopback interface; 0: any free one
+  std::string key;             ///< file of the datagrams' seal; empty: none
 };
 
 class PlantLaser {
@@ -52,7 +53,8 @@ class PlantLaser {
   Contour contour_;
   boost::asio::ip::udp::socket socket_;
   boost::asio::ip::udp::endpoint from_;
-  laser::UdpPower incoming_;
+  DatagramSeal seal_;
+  laser::SealedPower incoming_;
   laser::UdpLaserDevice device_;
   LightBook book_;
   std::int64_t booked_ns_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-reference: writes the pages and the completion script that come from declarations, never from a
-// hand: docs/reference/settings.md, docs/reference/records.md, tools/reference/telekerf.bash.
+// hand: docs/reference/settings.md, docs/reference/records.md, tools/reference/telekerf.bash; for packages manual
+// pages and the file of a cell's settings.
 #include <fmt/format.h>
 
 #include <array>
@@ -8,11 +9,14 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "common/runtime/program.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "tools/reference/bash_completion.h"
+#include "tools/reference/cell_file.h"
+#include "tools/reference/man_page.h"
 #include "tools/reference/records_page.h"
 #include "tools/reference/settings_page.h"
 
@@ -27,6 +31,7 @@ constexpr std::array kPrograms{"telekerf-master",     "telekerf-slave",   "telek
 struct Options {
   std::string programs;
   std::string out = ".";
+  std::string package;
 };
 
 nlohmann::ordered_json description_of(const std::filesystem::path& program) {
@@ -42,7 +47,24 @@ nlohmann::ordered_json description_of(const std::filesystem::path& program) {
   return json;
 }
 
+/// Of the programs that are built.
+int write_package(const Options& options) {
+  nlohmann::ordered_json programs;
+  std::vector<const char*> names(kPrograms.begin(), kPrograms.end());
+  names.push_back("telekerf-keys");
+  for (const char* name : names) {
+    const auto program = std::filesystem::path(options.programs) / name;
+    if (std::filesystem::exists(program)) programs.push_back(description_of(program));
+  }
+  const std::filesystem::path out = options.package;
+  for (const auto& program : programs)
+    write_atomically(out / (program["program"].get<std::string>() + ".1"), man_page(program));
+  write_atomically(out / "cell-1.toml", cell_file(programs));
+  return 0;
+}
+
 int run(const Options& options) {
+  if (!options.package.empty()) return write_package(options);
   nlohmann::ordered_json programs;
   for (const char* name : kPrograms)
     programs.push_back(description_of(std::filesystem::path(options.programs) / name));
@@ -56,6 +78,8 @@ int run(const Options& options) {
 void add_parameters(Options& options, Settings& settings) {
   settings.add("programs", options.programs, kFolder, "that holds them all, e.g. build/bin").as_argument();
   settings.add("out", options.out, kFolder, "the project's own, or another to compare with it");
+  settings.add("package", options.package, kFolder,
+               "writes manual pages and the file of a cell's settings there instead");
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/reference/setting_words.h"
+
 namespace telekerf::reference {
 namespace {
 
@@ -13,7 +15,7 @@ std::string in_cell(std::string text) {
   return text;
 }
 
-std::string value_of(const Json& s) {
+std::string value_cell(const Json& s) {
   const std::string type = s["type"];
   if (type == "text") return fmt::format("`{}`", in_cell(s["form"]));
   if (type == "texts") return fmt::format("`{}`, several", in_cell(s["form"]));
@@ -22,22 +24,10 @@ std::string value_of(const Json& s) {
   return type + (s.contains("unit") ? fmt::format(", {}", s["unit"].get<std::string>()) : "");
 }
 
-std::string range_of(const Json& s) {
-  if (s.contains("min") && s.contains("max"))
-    return fmt::format("{:g} to {:g}", s["min"].get<double>(), s["max"].get<double>());
-  if (s.contains("min")) return fmt::format("at least {:g}", s["min"].get<double>());
-  if (s.contains("max")) return fmt::format("at most {:g}", s["max"].get<double>());
-  return "";
-}
-
-std::string default_of(const Json& s) {
+std::string default_cell(const Json& s) {
   if (s.value("required", false)) return "must be given";
-  if (!s.contains("default") || s["type"] == "switch") return "";
-  const Json& value = s["default"];
-  if (value.empty() || value == "") return "";
-  if (value.is_string()) return fmt::format("`{}`", value.get<std::string>());
-  if (value.is_number()) return fmt::format("{}", value.get<double>());
-  return fmt::format("`{}`", value.dump());
+  const std::string value = default_of(s);
+  return value.empty() || s["default"].is_number() ? value : fmt::format("`{}`", value);
 }
 
 std::string meaning_of(const Json& s) {
@@ -75,7 +65,7 @@ std::string settings_page(const Json& programs) {
       for (const Json& s : command["settings"]) {
         page += fmt::format("| `{}` | {} | {} | {} | {} |\n",
                             s.contains("flag") ? s["flag"].get<std::string>() : s["name"].get<std::string>(),
-                            value_of(s), range_of(s), default_of(s), meaning_of(s));
+                            value_cell(s), range_of(s), default_cell(s), meaning_of(s));
       }
     }
   }

@@ -20,13 +20,14 @@ struct Flags {
   double mismatch = 0.1;
   std::uint64_t seed = 1;
   int port = 7000;
+  std::string key;
 };
 
 int run(const Flags& flags) {
   const RobotModel model = load_robot(flags.robot);
   SimulatedRobot plant(mismatched(model, flags.mismatch, flags.seed), flags.seed,
                        model.in_base(Vec3::Zero()));
-  UdpDrive drive(plant, static_cast<std::uint16_t>(flags.port));
+  UdpDrive drive(plant, static_cast<std::uint16_t>(flags.port), flags.key);
   catch_stop_signals();
   fmt::print("robot: {} is simulated at udp:127.0.0.1:{}\n", model.name, drive.port());
   std::fflush(stdout);
@@ -43,6 +44,7 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("mismatch", flags.mismatch, {.min = 0, .max = 0.5}, "how far it is off its file, as a share");
   settings.add("seed", flags.seed, kSeeds, "of what is random in it");
   settings.add("port", flags.port, {.min = 0, .max = 65535}, "UDP port on this host, 0: any free one");
+  settings.add("key", flags.key, kFile, "seals its datagrams; without: none");
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ constexpr std::chrono::milliseconds kGone{500};
 }  // namespace
 
 UdpRobot::UdpRobot(const UdpAddress& address, double period_s)
-    : socket_(context_), drive_(open_udp(socket_, address, "drive")) {
+    : socket_(context_), drive_(open_udp(socket_, address, "drive")), seal_(address.key) {
   outgoing_.period_ns = static_cast<std::uint32_t>(std::lround(period_s * 1e9));
 }
 
@@ -38,12 +38,13 @@ JointReading UdpRobot::read() noexcept {
   JointReading reading;
   bool answered = false;
   for (int i = 0; i < kMostAtOnce; ++i) {
-    UdpReading incoming;
+    SealedReading sealed;
+    UdpReading& incoming = sealed.datagram;
     udp::endpoint from;
     boost::system::error_code error;
-    const std::size_t size = socket_.receive_from(asio::buffer(&incoming, sizeof(incoming)), from, 0, error);
+    const std::size_t size = socket_.receive_from(asio::buffer(&sealed, sizeof(sealed)), from, 0, error);
     if (error == asio::error::would_block) break;
-    if (error || size != sizeof(incoming) || incoming.magic != UdpReading::kMagic || from != drive_) {
+    if (error || seal_.open(sealed, size) != sizeof(incoming) || incoming.magic != UdpReading::kMagic || from != drive_) {
       ++dropped_;
       continue;
     }
@@ -70,7 +71,8 @@ void UdpRobot::write(const Vec3& currents_a) noexcept {
   ++outgoing_.sequence;
   for (int i = 0; i < 3; ++i) outgoing_.currents_a[i] = currents_a[i];
   boost::system::error_code error;
-  socket_.send_to(asio::buffer(&outgoing_, sizeof(outgoing_)), drive_, 0, error);
+  const std::size_t size = seal_.close(sealed_);
+  socket_.send_to(asio::buffer(&sealed_, size), drive_, 0, error);
   if (error) ++dropped_;
 }
 
@@ -78,7 +80,8 @@ Capabilities UdpRobot::capabilities() const {
   return {"udp " + drive_.address().to_string() + ":" + std::to_string(drive_.port()), false, 0, 0, kMostHz};
 }
 
-UdpDrive::UdpDrive(SimulatedRobot& plant, std::uint16_t port) : plant_(plant), socket_(context_) {
+UdpDrive::UdpDrive(SimulatedRobot& plant, std::uint16_t port, const std::string& key)
+    : plant_(plant), socket_(context_), seal_(key) {
   boost::system::error_code error;
   socket_.open(udp::v4(), error);
   if (!error) socket_.bind({asio::ip::address_v4::loopback(), port}, error);
@@ -89,7 +92,7 @@ UdpDrive::UdpDrive(SimulatedRobot& plant, std::uint16_t port) : plant_(plant), s
 }
 
 bool UdpDrive::is_for_us(std::size_t size) {
-  if (size != sizeof(incoming_) || incoming_.magic != UdpCurrents::kMagic || incoming_.period_ns == 0 ||
+  if (seal_.open(sealed_, size) != sizeof(incoming_) || incoming_.magic != UdpCurrents::kMagic || incoming_.period_ns == 0 ||
       incoming_.period_ns > kLongestPeriod_ns) {
     return false;
   }
@@ -107,21 +110,23 @@ bool UdpDrive::is_for_us(std::size_t size) {
 
 void UdpDrive::receive() {
   socket_.async_receive_from(
-      asio::buffer(&incoming_, sizeof(incoming_)), from_,
+      asio::buffer(&sealed_, sizeof(sealed_)), from_,
       [this](boost::system::error_code error, std::size_t size) {
         if (!error && is_for_us(size)) {
           plant_.write(Vec3(incoming_.currents_a));
           plant_.advance(incoming_.period_ns * 1e-9);
           ++steps_;
           const JointReading reading = plant_.read();
-          UdpReading answer;
+          SealedReading sealed;
+          UdpReading& answer = sealed.datagram;
           answer.valid = reading.valid ? 1 : 0;
           answer.sequence = incoming_.sequence;
           answer.tick = reading.tick;
           answer.time_ns = reading.time_ns;
           for (int i = 0; i < 3; ++i) answer.joints_m[i] = reading.joints_m[i];
           boost::system::error_code ignored;  // the controller sees a missing answer as a lost step
-          socket_.send_to(asio::buffer(&answer, sizeof(answer)), from_, 0, ignored);
+          const std::size_t whole = seal_.close(sealed);
+          socket_.send_to(asio::buffer(&sealed, whole), from_, 0, ignored);
         }
         receive();
       });

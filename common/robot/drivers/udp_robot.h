@@ -2,8 +2,8 @@
 // A robot in another process: the hardware seam over UDP, one datagram each way a step.
 //
 // The smallest possible drive, to copy from (docs/how-to/add-a-drive.md). Lost datagrams cost a step, never
-// an offset: positions are absolute. For one host or a wire of its own; there is no protection against a
-// stranger's datagrams. Controller and drive are in step: the reading that answers a step's currents is there
+// an offset: positions are absolute. For one host or a wire of its own: against a stranger's datagrams there is
+// the seal alone (common/runtime/datagram_seal.h), if both ends have its key. Controller and drive are in step: the reading that answers a step's currents is there
 // at the next step, unless the way there and back takes longer than a control period.
 #pragma once
 
@@ -17,6 +17,7 @@
 
 #include "common/robot/drivers/drive.h"
 #include "common/robot/robot.h"
+#include "common/runtime/datagram_seal.h"
 #include "common/runtime/udp.h"
 
 namespace telekerf::robot {
@@ -40,6 +41,10 @@ struct UdpReading {
   std::int64_t time_ns = 0;
   double joints_m[3] = {0, 0, 0};
 };
+
+/// What of this was sealed, see datagram_seal.h.
+using SealedCurrents = DatagramSeal::Sealed<UdpCurrents>;
+using SealedReading = DatagramSeal::Sealed<UdpReading>;
 
 /// Controller's side. Neither call blocks: a datagram that is not there yet makes read() invalid.
 class UdpRobot final : public Robot {
@@ -66,7 +71,9 @@ class UdpRobot final : public Robot {
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
   boost::asio::ip::udp::endpoint drive_;
-  UdpCurrents outgoing_;
+  DatagramSeal seal_;
+  SealedCurrents sealed_;
+  UdpCurrents& outgoing_ = sealed_.datagram;
   std::uint64_t newest_ = 0;
   std::array<std::uint64_t, 8> lags_{};  ///< of the last answers, steps
   std::size_t next_lag_ = 0;
@@ -78,8 +85,9 @@ class UdpRobot final : public Robot {
 /// first has been silent for a while.
 class UdpDrive {
  public:
-  /// Binds to `port` of the loopback interface; 0: any free one, see port(). Throws StartupError.
-  UdpDrive(SimulatedRobot& plant, std::uint16_t port);
+  /// Binds to `port` of the loopback interface; 0: any free one, see port(). `key`: file of the seal; empty:
+  /// none. Throws StartupError.
+  UdpDrive(SimulatedRobot& plant, std::uint16_t port, const std::string& key = {});
 
   std::uint16_t port() const { return socket_.local_endpoint().port(); }
   /// What else is to be served in serve_for() may be put here.
@@ -97,12 +105,14 @@ class UdpDrive {
   boost::asio::ip::udp::endpoint from_;
   boost::asio::ip::udp::endpoint controller_;
   std::chrono::steady_clock::time_point heard_;
-  UdpCurrents incoming_;
+  DatagramSeal seal_;
+  SealedCurrents sealed_;
+  UdpCurrents& incoming_ = sealed_.datagram;
   std::uint64_t last_sequence_ = 0;
   std::uint64_t steps_ = 0;
 };
 
 Drive open_udp_drive(std::string_view rest, const DriveNeeds& needs);
-inline constexpr DriveKind kUdpDrive{"udp", "udp:HOST:PORT", validate_udp, open_udp_drive};
+inline constexpr DriveKind kUdpDrive{"udp", "udp:HOST:PORT[,key=FILE]", validate_sealed_udp, open_udp_drive};
 
 }  // namespace telekerf::robot

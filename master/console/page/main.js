@@ -16,6 +16,8 @@ const quantile = (numbers, share) => {
 let refusalEnds = 0;
 let words = { driver: "nobody", stopped: false, engaged: false, armed: false, contour: 0 };
 let shownContour = -1;
+let shownPicture = 0;
+let showWaiting = false;
 let newest = null;
 let echo_ms = NaN;
 const trips_ms = [], drawn_ms = [], step_ms = [], trip_ms = [], frame_ms = [], script_ms = [];
@@ -27,7 +29,7 @@ const link = new Link({
     link.command("rate", { value: document.hidden ? 1 : 60 });
     renewToken();
   },
-  closed() { hand.setLease(0); shownContour = -1; setWords({ ...words, driver: "nobody", lease: 0 }); },
+  closed() { hand.setLease(0); shownContour = -1; shownPicture = 0; setWords({ ...words, driver: "nobody", lease: 0 }); },
   hello(m) {
     $("cell").textContent = m.cell;
     const chosen = $("profile").value;
@@ -81,7 +83,49 @@ function setWords(m) {
   document.body.classList.toggle("stopped", m.stopped);
   $("clear-stop").hidden = !m.stopped;
   if (m.profile) $("profile").value = m.profile;
-  if (m.contour !== undefined && m.contour !== shownContour && link.open) loadContour(m.contour);
+  if (m.waiting === undefined || !link.open) return;
+  $("waiting").hidden = !m.waiting;
+  showWaiting = showWaiting && m.waiting !== 0;
+  press("show-waiting", showWaiting, "Back to the one in force", "Look at it");
+  $("imaging").hidden = !m.imaging;
+  $("imaging-text").textContent = m.imaging;
+  if (document.activeElement !== $("axis")) $("axis").value = m.zoom;
+  const id = showWaiting ? m.waiting : m.contour;
+  if (id !== shownContour) loadContour(id);
+  loadPicture(id, m.pictures[id] ?? m.pictures[0]);
+  if (m.waiting) nameWaiting(m.waiting);
+}
+
+const title = (contour) => `${contour.source.split("/").pop()}, ${contour.mode}, ${contour.closed ? "closed" : "open"}`;
+
+let namedWaiting = 0;
+async function nameWaiting(id) {
+  if (id === namedWaiting) return;
+  namedWaiting = id;
+  try {
+    const contour = await (await fetch(`contour?id=${id}`)).json();
+    $("waiting-text").textContent = contour.id ? title(contour) : "";
+  } catch { namedWaiting = 0; }
+}
+
+// A newer picture replaces the shown one when it is there.
+let loadingPicture = false;
+function loadPicture(id, picture) {
+  if (!picture || !$("show-picture").checked) {
+    if (shownPicture) stage.setPicture(null);
+    shownPicture = 0;
+    return;
+  }
+  if (picture.number === shownPicture || loadingPicture || document.hidden) return;
+  loadingPicture = true;
+  const image = new Image();
+  image.onload = () => {
+    loadingPicture = false;
+    shownPicture = picture.number;
+    stage.setPicture({ image, ...picture });
+  };
+  image.onerror = () => { loadingPicture = false; };
+  image.src = `picture?id=${id in words.pictures ? id : 0}&number=${picture.number}`;
 }
 
 // A console that was started anew has another token, which stands in the page that it serves to this host.
@@ -95,11 +139,10 @@ async function renewToken() {
 async function loadContour(id) {
   shownContour = id;
   try {
-    const contour = await (await fetch("contour")).json();
+    const contour = await (await fetch(`contour?id=${id}`)).json();
     stage.inset = Math.min(110, stage.canvas.clientHeight / 4);
     stage.setContour(contour);
-    $("contour-text").textContent = contour.id
-      ? `${contour.source.split("/").pop()}, ${contour.mode}, ${contour.closed ? "closed" : "open"}` : "none yet";
+    $("contour-text").textContent = contour.id ? title(contour) : "none yet";
   } catch { shownContour = -1; }
 }
 
@@ -125,11 +168,65 @@ $("beta").addEventListener("change", () => { link.command("beta", { value: Numbe
 $("profile").addEventListener("change", () => { if ($("profile").value) link.command("netem", { text: $("profile").value }); $("profile").blur(); });
 $("burn").addEventListener("change", () => { hand.burnWhilePulling = $("burn").checked; });
 $("press").addEventListener("change", () => { hand.burnByPressure = $("press").checked; });
-$("pan").addEventListener("click", () => {
+// A pointer that pans or chooses pulls nothing.
+let panning = false;
+function setPointer() {
   hand.release();
-  hand.panning = !hand.panning;
-  $("pan").setAttribute("aria-pressed", hand.panning);
+  stage.drawing = $("click").value === "draw" ? [] : null;
+  hand.panning = panning || $("click").value !== "";
+  $("pan").setAttribute("aria-pressed", panning);
+}
+$("pan").addEventListener("click", () => { panning = !panning; setPointer(); });
+$("click").addEventListener("change", () => { setPointer(); $("click").blur(); });
+let pressedAt = null;
+stage.canvas.addEventListener("pointerdown", (e) => { pressedAt = e.button === 0 ? [e.clientX, e.clientY] : null; });
+stage.canvas.addEventListener("click", (e) => {
+  const what = $("click").value;
+  if (!what || what === "draw" || !pressedAt || Math.hypot(e.clientX - pressedAt[0], e.clientY - pressedAt[1]) > 6) return;
+  const { x, y } = stage.toWorld(e.clientX, e.clientY);
+  link.command("look", { text: `${what} ${x.toFixed(7)},${y.toFixed(7)}` });
 });
+// A line over the picture: said in pieces, as long as one event may be.
+const kClose_m = 2e-3, kPlacesAtOnce = 9;
+stage.canvas.addEventListener("pointerdown", (e) => {
+  if (!stage.drawing || e.button !== 0 || stage.fingers.size > 1) return;
+  stage.canvas.setPointerCapture(e.pointerId);
+  const { x, y } = stage.toWorld(e.clientX, e.clientY);
+  stage.drawing = [x, y];
+});
+stage.canvas.addEventListener("pointermove", (e) => {
+  if (!stage.drawing?.length || !stage.fingers.has(e.pointerId)) return;
+  for (const point of e.getCoalescedEvents?.() ?? [e]) {
+    const { x, y } = stage.toWorld(point.clientX, point.clientY);
+    const [lastX, lastY] = stage.drawing.slice(-2);
+    if (Math.hypot(x - lastX, y - lastY) > 1e-4) stage.drawing.push(x, y);
+  }
+});
+stage.canvas.addEventListener("pointerup", () => {
+  const places = stage.drawing;
+  if (!places?.length) return;
+  stage.drawing = [];
+  link.command("look", { text: "draw" });
+  for (let n = 0; n < places.length; n += 2 * kPlacesAtOnce) {
+    const piece = [];
+    for (let k = n; k < Math.min(places.length, n + 2 * kPlacesAtOnce); k += 2)
+      piece.push(`${places[k].toFixed(6)},${places[k + 1].toFixed(6)}`);
+    link.command("look", { text: `draw ${piece.join(" ")}` });
+  }
+  const back = Math.hypot(places[0] - places.at(-2), places[1] - places.at(-1));
+  link.command("look", { text: back < kClose_m ? "draw closed" : "draw open" });
+});
+stage.canvas.addEventListener("pointercancel", () => { if (stage.drawing) stage.drawing = []; });
+$("mode").addEventListener("change", () => {
+  if ($("mode").value) link.command("look", { text: $("mode").value });
+  $("mode").value = "";
+  $("mode").blur();
+});
+$("show-waiting").addEventListener("click", () => { showWaiting = !showWaiting; setWords(words); });
+$("take-contour").addEventListener("click", () => { showWaiting = false; link.command("take-contour"); });
+$("show-picture").addEventListener("change", () => setWords(words));
+$("axis").addEventListener("change", () => { link.command("zoom", { value: Number($("axis").value) }); $("axis").blur(); });
+$("refocus").addEventListener("click", () => link.command("refocus"));
 const middle = () => { const b = stage.canvas.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; };
 $("zoom-in").addEventListener("click", () => stage.zoom(1.4, ...middle()));
 $("zoom-out").addEventListener("click", () => stage.zoom(1 / 1.4, ...middle()));

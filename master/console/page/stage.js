@@ -7,6 +7,7 @@ export class Stage {
     this.canvas = canvas;
     this.layer = document.createElement("canvas");
     this.contour = null;
+    this.picture = null;     // {image, left_m, top_m, width_m, height_m}
     this.mark = [];          // x, y of every place, metres
     this.drawn = 0;          // of these on the layer
     this.dirty = true;
@@ -16,6 +17,7 @@ export class Stage {
     this.fitted = true;      // the view follows the contour until somebody changes it
     this.state = null;
     this.drag = null;
+    this.drawing = null;     // x, y of what somebody draws over the picture, metres
     this.fingers = new Map();
     canvas.addEventListener("wheel", (e) => { e.preventDefault(); this.zoom(Math.exp(-e.deltaY / 500), e.clientX, e.clientY); }, { passive: false });
     new ResizeObserver(() => { this.dirty = true; if (this.fitted) this.fit(); }).observe(canvas);
@@ -26,8 +28,8 @@ export class Stage {
     const c = this.canvas;
     c.addEventListener("pointerdown", (e) => {
       this.fingers.set(e.pointerId, { x: e.clientX, y: e.clientY });
-      if (this.fingers.size === 2) this.drag = null;
-      else if (e.button === 1 || !drives()) this.drag = e.pointerId;
+      if (this.fingers.size === 2) { this.drag = null; this.drawing = this.drawing && []; }
+      else if (e.button === 1 || (!drives() && !this.drawing)) this.drag = e.pointerId;
     });
     c.addEventListener("pointermove", (e) => {
       const before = this.fingers.get(e.pointerId);
@@ -50,6 +52,12 @@ export class Stage {
     this.contour = contour.id ? contour : null;
     this.dirty = true;
     this.fit();
+  }
+
+  // The camera's picture under the contour, or none.
+  setPicture(picture) {
+    this.picture = picture;
+    this.dirty = true;
   }
 
   addMark(first, places) {
@@ -139,6 +147,7 @@ export class Stage {
       context.fillStyle = "#d8ba8c";
       context.fillRect(0, 0, width, height);
       this.drawn = 0;
+      if (this.picture) this.drawPicture(context, ratio);
       if (this.contour) {
         this.place(context, ratio);
         context.lineJoin = context.lineCap = "round";
@@ -170,6 +179,16 @@ export class Stage {
       context.fill();
       this.drawn = this.mark.length / 2;
     }
+  }
+
+  drawPicture(context, ratio) {
+    const { image, left_m, top_m, width_m, height_m } = this.picture;
+    const k = this.scale * ratio;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.globalAlpha = 0.85;  // lines and words stay legible
+    context.drawImage(image, this.canvas.width / 2 + (left_m - this.centre.x) * k,
+      this.canvas.height / 2 - (top_m - this.centre.y) * k, width_m * k, height_m * k);
+    context.globalAlpha = 1;
   }
 
   scaleBar(context, width, height) {
@@ -204,6 +223,14 @@ export class Stage {
     context.drawImage(this.layer, 0, 0);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.scaleBar(context, cssWidth, cssHeight);
+    if (this.drawing?.length) {
+      this.place(context, ratio);
+      this.path(context, this.drawing, false);
+      context.strokeStyle = "#fff";
+      context.lineWidth = 3 / this.scale;
+      context.stroke();
+      context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    }
     const s = this.state;
     if (!s || s.master_age_s < 0) return;
     const at = (x, y) => [cssWidth / 2 + (x - this.centre.x) * this.scale, cssHeight / 2 - (y - this.centre.y) * this.scale];

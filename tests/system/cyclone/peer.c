@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A foreign peer in Telekerf's cell: announces an event, waits for the latched contour and one state block, prints both.
 // Usage: cyclone_peer DOMAIN CELL CONTRACT           the conversation above
+//        cyclone_peer DOMAIN CELL CONTRACT keys STORE   as the cell's peer: the contour and a state, then tries to command
 //        cyclone_peer DOMAIN CELL CONTRACT ROLE      says a hundred times what a master says, as this ROLE; "-": unnamed
 #include <dds/dds.h>
 #include <inttypes.h>
@@ -120,19 +121,76 @@ static int command(dds_entity_t participant, const char* cell) {
   return 0;
 }
 
+static void set_file(dds_qos_t* qos, const char* name, const char* store, const char* file) {
+  char value[1024];
+  snprintf(value, sizeof value, "file:%s/%s", store, file);
+  dds_qset_prop(qos, name, value);
+}
+
+static void set_library(dds_qos_t* qos, const char* what, const char* library, const char* function) {
+  static const char* const parts[] = {"path", "init", "finalize"};
+  for (int i = 0; i < 3; ++i) {
+    char name[128], value[256];
+    snprintf(name, sizeof name, "dds.sec.%s.library.%s", what, parts[i]);
+    if (i == 0) {
+      snprintf(value, sizeof value, "%s/libdds_security_%s.so", CYCLONE_PLUGINS, library);
+    } else {
+      snprintf(value, sizeof value, "%s_%s", parts[i], function);
+    }
+    dds_qset_prop(qos, name, value);
+  }
+}
+
+static dds_qos_t* with_keys(const char* store, const char* cell) {
+  dds_qos_t* qos = dds_create_qos();
+  char file[512];
+  set_library(qos, "auth", "auth", "authentication");
+  set_library(qos, "access", "ac", "access_control");
+  set_library(qos, "crypto", "crypto", "crypto");
+  set_file(qos, "dds.sec.auth.identity_ca", store, "identity_ca.pem");
+  set_file(qos, "dds.sec.access.permissions_ca", store, "permissions_ca.pem");
+  set_file(qos, "dds.sec.access.governance", store, "governance.smime");
+  snprintf(file, sizeof file, "cells/%s/peer/cert.pem", cell);
+  set_file(qos, "dds.sec.auth.identity_certificate", store, file);
+  snprintf(file, sizeof file, "cells/%s/peer/key.pem", cell);
+  set_file(qos, "dds.sec.auth.private_key", store, file);
+  snprintf(file, sizeof file, "cells/%s/peer/permissions.smime", cell);
+  set_file(qos, "dds.sec.access.permissions", store, file);
+  return qos;
+}
+
+static void try_to_command(dds_entity_t participant, const char* cell) {
+  const dds_entity_t topic =
+      dds_create_topic(participant, &telekerf_wire_CommandBlock_desc, "telekerf/command", NULL, NULL);
+  dds_qos_t* in_cell = qos_of(cell, 0, 0);
+  const dds_entity_t writer =
+      topic < 0 ? topic : dds_create_writer(dds_create_publisher(participant, in_cell, NULL), topic, in_cell, NULL);
+  dds_delete_qos(in_cell);
+  printf("commands: %s\n", writer < 0 ? "refused" : "accepted");
+}
+
 int main(int argc, char** argv) {
-  if (argc != 4 && argc != 5) return 2;
+  const int secured = argc == 6 && strcmp(argv[4], "keys") == 0;
+  if (argc != 4 && argc != 5 && !secured) return 2;
   const uint16_t own_contract = (uint16_t)atoi(argv[3]);
   const char* role = argc == 5 ? argv[4] : "console";
-  dds_qos_t* presence = strcmp(role, "-") == 0 ? NULL : announced(argv[2], own_contract, role, 7);
+  dds_qos_t* presence = secured                   ? with_keys(argv[5], argv[2])
+                        : strcmp(role, "-") == 0 ? NULL
+                                                 : announced(argv[2], own_contract, role, 7);
   const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), presence, NULL);
   dds_delete_qos(presence);
+  if (participant < 0) {
+    fprintf(stderr, "no participant\n");
+    return 1;
+  }
   if (argc == 5) return command(participant, argv[2]);
   const dds_entity_t contours =
       dds_create_topic(participant, &telekerf_wire_Contour_desc, "telekerf/contour", NULL, NULL);
   const dds_entity_t states =
       dds_create_topic(participant, &telekerf_wire_StateBlock_desc, "telekerf/state", NULL, NULL);
-  const dds_entity_t events = dds_create_topic(participant, &telekerf_wire_Event_desc, "telekerf/event", NULL, NULL);
+  // A peer with keys may only listen.
+  const dds_entity_t events =
+      secured ? 0 : dds_create_topic(participant, &telekerf_wire_Event_desc, "telekerf/event", NULL, NULL);
 
   // The partition belongs to publisher and subscriber.
   dds_qos_t* in_cell = qos_of(argv[2], 0, 0);
@@ -142,7 +200,7 @@ int main(int argc, char** argv) {
   dds_qos_t* reliable = qos_of(argv[2], 1, 0);
   const dds_entity_t contour_reader = dds_create_reader(subscriber, contours, latched, NULL);
   const dds_entity_t state_reader = dds_create_reader(subscriber, states, in_cell, NULL);
-  const dds_entity_t event_writer = dds_create_writer(publisher, events, reliable, NULL);
+  const dds_entity_t event_writer = secured ? 0 : dds_create_writer(publisher, events, reliable, NULL);
   dds_delete_qos(in_cell);
   dds_delete_qos(latched);
   dds_delete_qos(reliable);
@@ -164,6 +222,11 @@ int main(int argc, char** argv) {
   const uint16_t contract = print_state(state->octets._buffer, state->octets._length);
   telekerf_wire_StateBlock_free(sample, DDS_FREE_ALL);
 
+  if (secured) {
+    try_to_command(participant, argv[2]);
+    dds_delete(participant);
+    return 0;
+  }
   telekerf_wire_Event event = {.contract = contract, .epoch = 7, .kind = 2, .value = 0.5, .text = "from elsewhere"};
   wait_for_reader(event_writer);
   dds_write(event_writer, &event);

@@ -5,11 +5,13 @@
 
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <future>
 #include <string>
 
 #include "tests/unit/bus/cell.h"
 #include "tests/unit/bus/samples.h"
+#include "tests/unit/security/store.h"
 
 namespace telekerf {
 namespace {
@@ -79,6 +81,34 @@ TEST(Cyclone, AForeignMasterThatComesLateIsHeardAndWhoIsNoneIsNot) {
     EXPECT_GT(stranger.strangers, 20u) << other;
     EXPECT_EQ(stranger.damaged, 0u) << other;
   }
+}
+
+TEST(Cyclone, APeerWithKeysReadsAndIsRefusedAsACommander) {
+  if (!std::filesystem::exists(TELEKERF_CYCLONE_PLUGINS "/libdds_security_auth.so"))
+    GTEST_SKIP() << "Cyclone DDS has no security plugins here";
+  const security::Store store;
+  const auto secured = [&](const std::string& role) {
+    BusSettings made = settings(role, Site::kSlave);
+    made.cell = "cell-1";
+    made.security = store.folder().string();
+    return made;
+  };
+  samples::Random random(1);
+  const ContourMessage contour = samples::contour(random, 3000);
+  StateBlock state = samples::state(random, 60);
+  state.sequence = 0;
+  Bus vision(secured("vision"));
+  Bus slave(secured("slave"));
+  Writer<ContourMessage> contours(vision);
+  Writer<StateBlock> states(slave);
+  ASSERT_TRUE(contours.write(contour));
+  auto printed = std::async(std::launch::async,
+                            [&] { return run_peer(slave.settings(), "keys " + store.folder().string()); });
+  while (printed.wait_for(10ms) != std::future_status::ready) ASSERT_TRUE(states.write(state));
+  const std::string said = printed.get();
+  EXPECT_NE(said.find(fmt::format("contour {} {} ", kContractVersion, contour.id)), std::string::npos) << said;
+  EXPECT_NE(said.find(fmt::format("state {} ", state.sequence)), std::string::npos) << said;
+  EXPECT_NE(said.find("commands: refused"), std::string::npos) << said;
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 // Several participants in one process on loopback. A domain and a cell of this process' own keep tests that
 // run side by side apart.
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <future>
 
@@ -221,6 +224,27 @@ TEST(Bus, WaitsForARole) {
   EXPECT_EQ(master.others()[0].version, kVersion);
   slave.reset();
   EXPECT_TRUE(soon([&] { return master.others().empty(); }));
+}
+
+TEST(Bus, RefusesADomainWhoseDiscoveryPortAnotherProgramHasForItself) {
+  const BusSettings ours = settings("master");
+  const int port = 7400 + 250 * ours.domain;
+  const int other = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  ASSERT_EQ(::bind(other, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  std::string refusal;
+  try {
+    const Bus bus(ours);
+  } catch (const StartupError& error) {
+    refusal = error.what();
+  }
+  ::close(other);
+  EXPECT_THAT(refusal, HasSubstr("UDP port " + std::to_string(port) + " of domain " +
+                                 std::to_string(ours.domain) + ", where processes hear of each other"));
+  const Bus one(ours);
+  EXPECT_NO_THROW(const Bus two(settings("slave", Site::kSlave))) << "among our own processes the port is shared";
 }
 
 TEST(Bus, RefusesSettingsWithASentence) {

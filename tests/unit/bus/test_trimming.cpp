@@ -51,9 +51,13 @@ TEST(Trimming, OfEverythingElseTheStatisticsAlone) {
       << "the address may be another's than the event's";
 }
 
+TEST(Trimming, OfAProtectedMessageWhatIsSignedStays) {
+  EXPECT_EQ(what_is_sent(kHead + kProtected + kTime + kStream + kStatistics), kHead + kProtected + kTime + kStream);
+  EXPECT_EQ(what_is_sent(kHead + kProtected + kDestination + kStream), kHead + kProtected + kDestination + kStream);
+}
+
 TEST(Trimming, WhatIsNotKnownForCertainStaysWhole) {
-  const std::vector<Bytes> all = {kHead + kProtected + kTime + kStream + kStatistics,
-                                  kHead + kStatistics + kTime,
+  const std::vector<Bytes> all = {kHead + kStatistics + kTime,
                                   kHead + kStatistics,
                                   kHead,
                                   {},

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
-#include <telekerf.h>
 
 #include <limits>
 
@@ -64,6 +63,16 @@ TEST(Wire, SlowMessagesComeBackAsTheyWere) {
   ASSERT_EQ((sent<wire::Contour>(contour, contour_back)), Verdict::kGood);
   EXPECT_TRUE(samples::same(contour, contour_back));
 
+  const PreviewMessage preview{7, -0.01, 0.02, 0.03, 0.04, {0xff, 0xd8, 0, 1}};
+  PreviewMessage preview_back;
+  ASSERT_EQ((sent<wire::Preview>(preview, preview_back)), Verdict::kGood);
+  EXPECT_EQ(preview_back.contour_id, 7u);
+  EXPECT_EQ(preview_back.left_m, -0.01);
+  EXPECT_EQ(preview_back.top_m, 0.02);
+  EXPECT_EQ(preview_back.width_m, 0.03);
+  EXPECT_EQ(preview_back.height_m, 0.04);
+  EXPECT_EQ(preview_back.jpeg, preview.jpeg);
+
   const EventMessage event{.epoch = 3, .kind = EventMessage::Kind::kSetBeta, .value = 0.25, .text = "finer"};
   EventMessage event_back;
   ASSERT_EQ((sent<wire::Event>(event, event_back)), Verdict::kGood);
@@ -97,6 +106,9 @@ TEST(Wire, AnotherContractIsForeign) {
   samples::Random random(3);
   ContourMessage contour;
   EXPECT_EQ((sent<wire::Contour>(samples::contour(random, 9), contour, 8)), Verdict::kForeignContract);
+  PreviewMessage preview;
+  EXPECT_EQ((sent<wire::Preview>(PreviewMessage{0, 0.0, 0.0, 1.0, 1.0, {}}, preview, 8)),
+            Verdict::kForeignContract);
   EventMessage event;
   EXPECT_EQ((sent<wire::Event>(EventMessage{}, event, 8)), Verdict::kForeignContract);
   TelemetryMessage telemetry;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bounds of idl/telekerf.idl, on the way out and on the way in: exactly that many, and one more.
 #include <gtest/gtest.h>
-#include <telekerf.h>
 
 #include <limits>
 
@@ -46,6 +45,11 @@ TEST(WireBounds, TheSenderKeepsThem) {
   EXPECT_FALSE(sends<wire::Contour>(long_source));
   EXPECT_FALSE(sends<wire::Contour>(long_mode));
 
+  PreviewMessage preview{1, 0.0, 0.0, 1.0, 1.0, std::vector<std::uint8_t>(262'144)};
+  EXPECT_TRUE(sends<wire::Preview>(preview));
+  preview.jpeg.push_back(0);
+  EXPECT_FALSE(sends<wire::Preview>(preview));
+
   EventMessage event;
   event.text.assign(256, 'x');
   EXPECT_TRUE(sends<wire::Event>(event));
@@ -88,6 +92,24 @@ TEST(WireBounds, TheReceiverKeepsThem) {
   EXPECT_FALSE(
       arrives([](wire::Contour& w) { w.further_points()[7].x_m(std::numeric_limits<double>::infinity()); }));
 
+  const auto shows = [](const auto& change) {
+    wire::Preview wire;
+    EXPECT_TRUE(
+        to_wire(PreviewMessage{1, 0.0, 0.0, 1.0, 1.0, std::vector<std::uint8_t>(262'144)}, kContract, wire));
+    change(wire);
+    PreviewMessage back;
+    return from_wire(wire, kContract, back) == Verdict::kGood;
+  };
+  EXPECT_TRUE(shows([](wire::Preview&) {}));
+  EXPECT_FALSE(shows([](wire::Preview& w) { w.jpeg().push_back(0); }));
+  for (const double size_m :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    EXPECT_FALSE(shows([=](wire::Preview& w) { w.width_m(size_m); })) << size_m;
+    EXPECT_FALSE(shows([=](wire::Preview& w) { w.height_m(size_m); })) << size_m;
+  }
+  EXPECT_FALSE(shows([](wire::Preview& w) { w.left_m(std::numeric_limits<double>::quiet_NaN()); }));
+  EXPECT_FALSE(shows([](wire::Preview& w) { w.top_m(std::numeric_limits<double>::infinity()); }));
+
   wire::Telemetry telemetry;
   TelemetryMessage message;
   telemetry.contract(kContract);
@@ -106,7 +128,7 @@ TEST(WireBounds, TheLastOfEachEnumerationIsTakenAndTheNextIsDamage) {
     EventMessage message;
     return from_wire(wire, kContract, message);
   };
-  const auto last_kind = static_cast<std::uint8_t>(EventMessage::Kind::kRefocus);
+  const auto last_kind = static_cast<std::uint8_t>(EventMessage::Kind::kLook);
   EXPECT_EQ(event(last_kind), Verdict::kGood);
   EXPECT_EQ(event(last_kind + 1), Verdict::kDamaged);
   EXPECT_EQ(event(0, std::numeric_limits<double>::quiet_NaN()), Verdict::kDamaged);

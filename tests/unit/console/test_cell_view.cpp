@@ -68,13 +68,68 @@ TEST_F(CellViewTest, TheTelemetryOfOthersIsNotTheMasters) {
   EXPECT_EQ(view.fields(now_ns)[page_field("master_age_s")], -1.0F);
 }
 
-TEST_F(CellViewTest, AnotherContourIsAnotherPieceOfWork) {
+TEST_F(CellViewTest, AnotherContourWaitsUntilSomebodyWorksOnIt) {
+  const auto work_on = [&](std::uint32_t id) {
+    Received<CommandBlock> command;
+    command.value.contour_id = id;
+    command.received_ns = now_ns;
+    view.hear(command);
+  };
   view.hear(contour(4));
   view.mark().add({0.01, 0.0});
   view.hear(contour(4));
   EXPECT_EQ(view.mark().size(), 1u) << "the same, published again";
+  EXPECT_EQ(view.waiting(), nullptr);
   view.hear(contour(5));
-  EXPECT_EQ(view.mark().size(), 0u);
+  work_on(4);
+  ASSERT_NE(view.waiting(), nullptr);
+  EXPECT_EQ(view.waiting()->id, 5u);
+  EXPECT_EQ(view.contour()->id, 4u);
+  EXPECT_EQ(view.mark().size(), 1u);
+  view.hear(contour(6));
+  EXPECT_EQ(view.waiting()->id, 6u) << "of several the last one waits";
+  EXPECT_EQ(view.contour(5), nullptr);
+  EXPECT_EQ(view.contour(4)->id, 4u);
+  EXPECT_EQ(view.contour(6)->id, 6u);
+  work_on(6);
+  EXPECT_EQ(view.contour()->id, 6u);
+  EXPECT_EQ(view.waiting(), nullptr);
+  EXPECT_EQ(view.mark().size(), 0u) << "another piece of work";
+}
+
+TEST_F(CellViewTest, EachContourHasThePictureThatItWasFoundIn) {
+  const auto picture = [](std::uint32_t id, double left_m) {
+    return PreviewMessage{id, left_m, 0.0, 1.0, 1.0, {}};
+  };
+  view.hear(picture(4, 0.1));
+  EXPECT_EQ(view.pictures().size(), 1u) << "before its contour";
+  view.hear(contour(4));
+  view.hear(picture(4, 0.2));
+  view.hear(contour(5));
+  view.hear(picture(5, 0.3));
+  ASSERT_EQ(view.pictures().size(), 2u);
+  EXPECT_EQ(view.pictures().at(4).preview.left_m, 0.2);
+  EXPECT_EQ(view.pictures().at(5).preview.left_m, 0.3);
+  EXPECT_GT(view.pictures().at(5).number, view.pictures().at(4).number);
+  view.hear(contour(6));
+  view.hear(picture(6, 0.4));
+  EXPECT_FALSE(view.pictures().contains(5));
+  EXPECT_TRUE(view.pictures().contains(4));
+}
+
+TEST_F(CellViewTest, TheImagingUnitIsSaidWhileItIsHeard) {
+  EXPECT_EQ(view.imaging_sentence(now_ns), "");
+  view.hear(TelemetryMessage{"vision", 1, {{"frames", 3.0}}}, now_ns);
+  EXPECT_EQ(view.imaging_sentence(now_ns), "") << "vision without one";
+  view.hear(
+      TelemetryMessage{
+          "vision",
+          2,
+          {{"magnification", 2.5}, {"focus_mm", 1.25}, {"sharpness_tenengrad", 312.4}, {"zoom", 0.4}}},
+      now_ns);
+  EXPECT_EQ(view.imaging_sentence(now_ns), "2.50x, focus 1.250 mm, sharpness 312");
+  EXPECT_EQ(view.zoom(), 0.4);
+  EXPECT_EQ(view.imaging_sentence(now_ns + 3100 * kMs), "") << "silent";
 }
 
 TEST_F(CellViewTest, NoBeamIsClaimedThatIsNotSeen) {

@@ -15,6 +15,13 @@ using testing::bytes_of;
 using testing::field_of;
 constexpr std::int64_t kMs = 1'000'000;
 
+ContourMessage contour(std::uint32_t id, const std::string& source) {
+  ContourMessage message;
+  message.id = id;
+  message.source = source;
+  return message;
+}
+
 class ConsoleTest : public ::testing::Test {
  protected:
   void say(std::uint32_t page, const std::string& json) { console.hear_command(page, json, now_ns); }
@@ -207,6 +214,57 @@ TEST_F(ConsoleTest, WhatMayNotBeIsRefusedWithItsReason) {
   const auto sent = events();
   ASSERT_EQ(sent.size(), 1u);
   EXPECT_EQ(sent[0].text, "lan");
+}
+
+TEST_F(ConsoleTest, WhoDrivesSaysWhatIsMeantInThePicture) {
+  say(second, R"({"do":"look","text":"at 0.001,0.002"})");
+  EXPECT_EQ(refusal(second), "You watch: take the hand first");
+  take(first);
+  read(first);
+  say(first, R"({"do":"look","text":"at 0.001,0.002"})");
+  auto said = events();
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].kind, EventMessage::Kind::kLook);
+  EXPECT_EQ(said[0].text, "at 0.001,0.002");
+  EXPECT_EQ(said[0].epoch, 5u) << "whoever answers answers this console";
+
+  say(first, R"({"do":"take-contour"})");
+  EXPECT_EQ(refusal(first), "No other contour waits");
+  console.cell().hear(contour(4, ""));
+  console.cell().hear(contour(9, ""));
+  say(first, R"({"do":"take-contour"})");
+  said = events();
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].kind, EventMessage::Kind::kTakeContour);
+  EXPECT_EQ(said[0].value, 9.0);
+
+  say(first, R"({"do":"zoom","value":1.1})");
+  EXPECT_EQ(refusal(first), "The zoom must be within [0, 1]");
+  say(first, R"({"do":"zoom","value":0.75})");
+  say(first, R"({"do":"refocus"})");
+  said = events();
+  ASSERT_EQ(said.size(), 2u);
+  EXPECT_EQ(said[0].kind, EventMessage::Kind::kSetZoom);
+  EXPECT_EQ(said[0].value, 0.75);
+  EXPECT_EQ(said[1].kind, EventMessage::Kind::kRefocus);
+}
+
+TEST_F(ConsoleTest, PagesLearnWhichContourWaitsAndWhereThePicturesLie) {
+  console.cell().hear(contour(4, "a.png"));
+  console.cell().hear(PreviewMessage{4, -0.01, 0.02, 0.03, 0.04, {1, 2, 3}});
+  console.cell().hear(contour(9, "b.png"));
+  nlohmann::json words;
+  for (const auto& text : read(second))
+    if (text["type"] == "words") words = text;
+  EXPECT_EQ(words["contour"], 4);
+  EXPECT_EQ(words["waiting"], 9);
+  EXPECT_EQ(words["pictures"]["4"]["left_m"], -0.01);
+  EXPECT_EQ(words["pictures"]["4"]["top_m"], 0.02);
+  EXPECT_EQ(words["pictures"]["4"]["width_m"], 0.03);
+  EXPECT_EQ(words["pictures"]["4"]["height_m"], 0.04);
+  EXPECT_EQ(nlohmann::json::parse(console.contour_json(4))["source"], "a.png");
+  EXPECT_EQ(nlohmann::json::parse(console.contour_json(9))["source"], "b.png");
+  EXPECT_EQ(console.contour_json(5), R"({"id":0})");
 }
 
 TEST_F(ConsoleTest, ASlowPageGetsTheNewestStateAndNoQueue) {

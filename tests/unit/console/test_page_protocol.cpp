@@ -89,10 +89,12 @@ TEST(Access, HostsAreAddressesAndNoNamesOfOthers) {
 }
 
 TEST(Access, OriginsAreThisPageAlone) {
-  EXPECT_TRUE(origin_allowed("", "127.0.0.1:8080"));
-  EXPECT_TRUE(origin_allowed("http://127.0.0.1:8080", "127.0.0.1:8080"));
+  EXPECT_TRUE(origin_allowed("", "http", "127.0.0.1:8080"));
+  EXPECT_TRUE(origin_allowed("http://127.0.0.1:8080", "http", "127.0.0.1:8080"));
   for (const char* bad : {"http://127.0.0.1:8081", "https://127.0.0.1:8080", "null", "http://evil.example"})
-    EXPECT_FALSE(origin_allowed(bad, "127.0.0.1:8080")) << bad;
+    EXPECT_FALSE(origin_allowed(bad, "http", "127.0.0.1:8080")) << bad;
+  EXPECT_TRUE(origin_allowed("https://bench:8443", "https", "bench:8443"));
+  EXPECT_FALSE(origin_allowed("http://bench:8443", "https", "bench:8443"));
 }
 
 TEST(Access, OnlyTheTokenOpens) {

@@ -32,11 +32,21 @@ void append_data(Bytes& bytes, int entity, int flags = 0x05) {
 }
 
 TEST(Datagram, NamesTheSite) {
-  EXPECT_EQ(site_of(header()), 0x73);
+  EXPECT_EQ(site_of(header(), {}), Site::kSlave);
   Bytes other = header();
   other[3] = std::byte{'X'};
-  EXPECT_FALSE(site_of(other));
-  EXPECT_FALSE(site_of(Bytes(19)));
+  EXPECT_FALSE(site_of(other, {}));
+  EXPECT_FALSE(site_of(Bytes(19), {}));
+}
+
+TEST(Datagram, NamesTheSiteByATableWhereThereIsOne) {
+  const SiteTable sites({{{1, 15, 0x73, 4, 5, 6}, Site::kOperator}, {{1, 15, 0x73, 4, 5, 7}, Site::kSlave}});
+  EXPECT_EQ(site_of(header(), sites), Site::kOperator) << "whatever its third byte says";
+  Bytes other = header();
+  other[13] = std::byte{7};
+  EXPECT_EQ(site_of(other, sites), Site::kSlave);
+  other[13] = std::byte{8};
+  EXPECT_FALSE(site_of(other, sites));
 }
 
 TEST(Datagram, FindsAStreamsPayload) {
@@ -46,6 +56,14 @@ TEST(Datagram, FindsAStreamsPayload) {
   const Range range = stream_payload(bytes);
   EXPECT_EQ(range.begin, 20 + 12 + 24);
   EXPECT_EQ(range.end, bytes.size());
+}
+
+TEST(Datagram, HasNoPayloadThatDamageMayBeFoundInWhereItIsProtected) {
+  Bytes bytes = header();
+  append(bytes, {0x33, 1, 4, 0, 1, 2, 3, 4});
+  append_data(bytes, kStreamEntity);
+  const Range range = stream_payload(bytes);
+  EXPECT_EQ(range.begin, range.end);
 }
 
 /// The bytes of one DATA submessage behind the header, one of them changed.

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "common/recording/run_folder.h"
 #include "common/recording/run_record.h"
 #include "common/runtime/startup_error.h"
 
@@ -48,19 +49,6 @@ TEST(RunRecord, ContoursThatWereInForceBeforeAreKept) {
   EXPECT_TRUE(back.earlier[1].closed);
   EXPECT_EQ(back.contour_m, record.contour_m);
   fs::remove_all(folder);
-}
-
-TEST(RunRecord, ARecorderGoesOnWhereRoomIsMade) {
-  Recorder<SlaveRow> recorder(2);
-  SlaveRow row;
-  for (row.tick = 0; row.tick < 7; ++row.tick) {
-    if (row.tick < 2) recorder.make_room(3);  // twice is once
-    recorder.push(row);
-  }
-  const std::vector<SlaveRow> rows = recorder.rows();
-  ASSERT_EQ(rows.size(), 5u);
-  for (std::size_t n = 0; n < rows.size(); ++n) EXPECT_EQ(rows[n].tick, n);
-  EXPECT_EQ(recorder.dropped(), 2u);
 }
 
 TEST(RunRecord, ARecorderCountsWhatItHasNoRoomFor) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/reporting/run_lookup.h"
+#include "common/recording/run_folder.h"
 #include "common/reporting/run_report.h"
 #include "common/runtime/startup_error.h"
 

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "common/control/joint_acceleration_control.h"
@@ -107,6 +109,31 @@ TEST(UdpRobot, StrangersAreNotTakenAndNothingIsReadTwice) {
   EXPECT_TRUE(reading.valid);
   EXPECT_LT((reading.joints_m - plant.true_state().joints_m).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_FALSE(robot.read().valid);  // nothing new
+}
+
+TEST(UdpRobot, ADriveWithAKeyObeysWhoHasItAndNobodyElse) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("telekerf-drive-key-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  const auto key = [&](const std::string& name, char digit) {
+    std::ofstream(folder / name) << std::string(64, digit) << '\n';
+    std::filesystem::permissions(folder / name, std::filesystem::perms(0600));
+    return (folder / name).string();
+  };
+  const std::string good = key("good", 'a'), other = key("other", 'b');
+  const RobotModel model = load_robot("slave-keops");
+  SimulatedRobot plant(model, 3, model.workspace.centre_m);
+  UdpDrive drive(plant, 0, good);
+  for (const std::string& wrong : {other, std::string()}) {
+    UdpRobot stranger({"127.0.0.1", drive.port(), wrong}, kPeriod_s);
+    stranger.write(Vec3::Zero());
+    EXPECT_EQ(drive.serve_for(0.05), 0u);
+    EXPECT_FALSE(stranger.read().valid);
+  }
+  UdpRobot robot({"127.0.0.1", drive.port(), good}, kPeriod_s);
+  robot.write(Vec3::Zero());
+  EXPECT_EQ(drive.serve_for(0.05), 1u);
+  EXPECT_TRUE(robot.read().valid);
+  std::filesystem::remove_all(folder);
 }
 
 /// A drive whose answers the test gives itself.

@@ -5,6 +5,7 @@
 
 #include "common/runtime/program.h"
 #include "common/runtime/startup_error.h"
+#include "common/runtime/version.h"
 
 namespace telekerf {
 namespace {
@@ -81,7 +82,7 @@ TEST(Program, HelpVersionAndTheFileAreOnStandardOutput) {
   EXPECT_NE(help.out.find("Usage: telekerf-sample count file [OPTIONS]"), std::string::npos) << help.out;
   EXPECT_NE(help.out.find("--block INTEGER"), std::string::npos);
   EXPECT_NE(help.out.find("--print-config"), std::string::npos);
-  EXPECT_EQ(two_commands({"count", "--version"}).out, TELEKERF_VERSION "\n");
+  EXPECT_EQ(two_commands({"count", "--version"}).out, std::string(kVersion) + "\n");
   EXPECT_EQ(two_commands({"count", "--block", "8", "--print-config"}).out,
             "# samples a block (4 to 64)\nblock = 8\n");
 }

@@ -104,6 +104,42 @@ TEST(Settings, CommandLineOverridesFileOverridesDefault) {
   EXPECT_EQ(sample.input, "here.csv");
 }
 
+Sample loaded_by(const std::string& program, const std::string& text) {
+  Sample sample;
+  Settings settings;
+  declare(sample, settings);
+  settings.table(program);
+  settings.load(ConfigFile(text, "cell-1.toml"));
+  return sample;
+}
+
+TEST(Settings, OneFileServesACellWithATableAProgram) {
+  const std::string file =
+      "stream_hz = 500\nseed = 2\n[slave]\nblock = 8\nseed = 3\n[master]\nblock = 32\nno_such_key = 1\n";
+  const Sample slave = loaded_by("slave", file);
+  EXPECT_EQ(slave.stream_hz, 500) << "above all tables: for everybody";
+  EXPECT_EQ(slave.block, 8);
+  EXPECT_EQ(slave.seed, 3u) << "a program's own comes last";
+  EXPECT_EQ(loaded_by("vision", file).block, 16) << "has no table: the default";
+}
+
+TEST(Settings, ACellsFileIsReadAsStrictlyAsAnother) {
+  const auto refusal = [](const std::string& program, const std::string& file) -> std::string {
+    try {
+      (void)loaded_by(program, file);
+    } catch (const StartupError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal("slave", "[slave]\nblock = 3\n").find("cell-1.toml: slave.block = 3"), std::string::npos);
+  EXPECT_NE(refusal("slave", "[slave]\nblok = 8\n").find("unknown key 'slave.blok'"), std::string::npos);
+  EXPECT_NE(refusal("slave", "[slaves]\nblock = 8\n").find("unknown key 'slaves.block'"), std::string::npos);
+  EXPECT_NE(refusal("slave", "[slave]\nrate_hz = 8\n").find("is stream_hz now"), std::string::npos);
+  EXPECT_NE(refusal("", "[slave]\nblock = 8\n").find("unknown key"), std::string::npos)
+      << "a program that is no service reads no table";
+}
+
 TEST(Settings, NumbersAsPeopleWriteThem) {
   EXPECT_EQ(loaded("--start -.5 +2").start, (std::vector<double>{-0.5, 2}));
   EXPECT_EQ(loaded("--start -1,3 in.csv").input, "in.csv") << "a list that is complete ends";
@@ -243,6 +279,15 @@ TEST(Settings, ThePrintedFileReadsBackAsItWas) {
   EXPECT_EQ(second.drive, "my \"robot\"\\");
   EXPECT_EQ(second.loss, 0.125);
   EXPECT_EQ(second.colour, Colour::kGreen);
+}
+
+TEST(Settings, ThePrintedDefaultsReadBackToo) {
+  Sample first, second;
+  Settings settings, again;
+  declare(first, settings);
+  declare(second, again);
+  again.load(ConfigFile(settings.toml(), "printed"));  // its lists are empty
+  EXPECT_EQ(again.toml(), settings.toml());
 }
 
 TEST(Settings, HelpShowsTypeUnitBoundsAndDefaultOfEverything) {

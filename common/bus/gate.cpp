@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/bus/gate.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "common/bus/rtps_bytes.h"
+
+namespace telekerf::bus {
+namespace {
+
+// RTPS 2.x, 8.3 and 9.4; DDS Security 1.1, 7.3.
+constexpr std::size_t kPrefix = 8;
+constexpr std::uint8_t kSecureMessage = 0x33;  // SRTPS_PREFIX
+constexpr std::uint32_t kAnnouncements = 0x000100c2, kHandshakes = 0x000201c3, kKeys = 0xff0202c3;
+
+/// Where in a submessage the writer's entity id stands; 0: it names none.
+std::size_t writer_at(std::uint8_t kind) {
+  switch (kind) {
+    case 0x15:  // DATA
+    case 0x16:  // DATA_FRAG
+      return kSubmessageHeader + 8;
+    case 0x06:  // ACKNACK
+    case 0x07:  // HEARTBEAT
+    case 0x08:  // GAP
+    case 0x12:  // NACK_FRAG
+    case 0x13:  // HEARTBEAT_FRAG
+      return kSubmessageHeader + 4;
+    default:
+      return 0;
+  }
+}
+
+/// May stand unprotected: it addresses, stamps or fills; a vendor's own; or it is protected by itself.
+bool is_harmless(std::uint8_t kind) {
+  return kind == 0x01 || kind == 0x09 || kind == 0x0e || kind >= 0x80 || (kind >= 0x30 && kind <= 0x32);
+}
+
+/// All of it is what must be sent before there are keys.
+bool comes_before_keys(std::span<const std::byte> datagram) {
+  for (std::size_t at = kHeader; at < datagram.size();) {
+    if (at + kSubmessageHeader > datagram.size()) return false;
+    const std::uint8_t kind = octet_at(datagram, at);
+    const unsigned first = octet_at(datagram, at + 2), second = octet_at(datagram, at + 3);
+    const bool little = (octet_at(datagram, at + 1) & kLittleEndian) != 0;
+    const std::size_t length = little ? first | second << 8 : second | first << 8;
+    const std::size_t end = length == 0 ? datagram.size() : at + kSubmessageHeader + length;
+    if (end > datagram.size()) return false;
+    if (const std::size_t writer = writer_at(kind); writer != 0) {
+      if (at + writer + 4 > end) return false;
+      std::uint32_t entity = 0;
+      for (std::size_t i = 0; i < 4; ++i) entity = entity << 8 | octet_at(datagram, at + writer + i);
+      if (entity != kAnnouncements && entity != kHandshakes && entity != kKeys) return false;
+    } else if (!is_harmless(kind)) {
+      return false;
+    }
+    at = end;
+  }
+  return true;
+}
+
+}  // namespace
+
+Gate::Gate(std::vector<security::SubjectPrefix> known) {
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  identities_.resize(known.size());
+  for (std::size_t i = 0; i < known.size(); ++i) identities_[i].subject = known[i];
+}
+
+bool Gate::admits(std::span<const std::byte> datagram, std::uint32_t from, std::int64_t now_ns) noexcept {
+  if (lets_in(datagram, now_ns)) return true;
+  refused_.fetch_add(1, std::memory_order_relaxed);
+  refused_from_.store(from, std::memory_order_relaxed);
+  return false;
+}
+
+bool Gate::lets_in(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept {
+  Identity* const identity = identity_of(datagram);
+  if (identity == nullptr) return false;
+  if (datagram.size() < kHeader + kSubmessageHeader) return false;
+  // The middleware has the keys, and judges it whole.
+  if (octet_at(datagram, kHeader) == kSecureMessage) return true;
+  if (!comes_before_keys(datagram)) return false;
+  Prefix prefix;
+  std::memcpy(prefix.data(), datagram.data() + kPrefix, prefix.size());
+  return has_room(*identity, prefix, now_ns);
+}
+
+Gate::Identity* Gate::identity_of(std::span<const std::byte> datagram) noexcept {
+  if (datagram.size() < kHeader || std::memcmp(datagram.data(), "RTPS", 4) != 0) return nullptr;
+  security::SubjectPrefix subject;
+  std::memcpy(subject.data(), datagram.data() + kPrefix, subject.size());
+  const auto at =
+      std::lower_bound(identities_.begin(), identities_.end(), subject,
+                       [](const Identity& each, const auto& wanted) { return each.subject < wanted; });
+  return at == identities_.end() || at->subject != subject ? nullptr : &*at;
+}
+
+bool Gate::has_room(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept {
+  const std::lock_guard lock(mutex_);
+  if (identity.proven == prefix) return true;
+  Seen* room = nullptr;
+  for (Seen& seen : identity.unproven) {
+    if (seen.heard_ns != 0 && seen.prefix == prefix) {
+      seen.heard_ns = now_ns;
+      return true;
+    }
+    if (seen.heard_ns == 0 || now_ns - seen.heard_ns > kForgotten_ns) room = &seen;
+  }
+  if (room == nullptr) return false;
+  *room = {prefix, now_ns};
+  return true;
+}
+
+void Gate::proven(const Prefix& prefix) {
+  const std::lock_guard lock(mutex_);
+  for (Identity& identity : identities_) {
+    if (!std::equal(identity.subject.begin(), identity.subject.end(), prefix.begin())) continue;
+    identity.proven = prefix;
+    for (Seen& seen : identity.unproven) {
+      if (seen.prefix == prefix) seen = {};
+    }
+  }
+}
+
+}  // namespace telekerf::bus

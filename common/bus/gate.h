@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a secured participant lets in at all, decided on the datagram before the middleware keeps anything of
+// it. Inside the bus only.
+//
+// A prefix that no certificate of ours leads to is nobody. What is not protected must be an announcement, a
+// handshake or an exchange of keys (DDS Security 1.1, 7.3.7): all else under a known prefix is a forgery,
+// whatever the middleware would make of it. Announcements are clear, and cost the middleware memory for as
+// long as they say; so only a few that have not proved who they are may be under way for each identity.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "common/bus/security/roles.h"
+
+namespace telekerf::bus {
+
+class Gate {
+ public:
+  static constexpr std::size_t kUnproven = 8;                    ///< participants at a time for each identity
+  static constexpr std::int64_t kForgotten_ns = 10'000'000'000;  ///< after it was heard last
+
+  using Prefix = std::array<std::uint8_t, 12>;
+
+  explicit Gate(std::vector<security::SubjectPrefix> known);
+
+  /// In threads of the middleware; allocates nothing. `from`: IPv4 address of the sender, network order.
+  bool admits(std::span<const std::byte> datagram, std::uint32_t from, std::int64_t now_ns) noexcept;
+  /// This participant has proved who it is; it no longer counts among those that have not.
+  void proven(const Prefix& prefix);
+
+  std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
+  /// Who sent the last one that was refused; 0: nobody.
+  std::uint32_t refused_from() const noexcept { return refused_from_.load(std::memory_order_relaxed); }
+
+ private:
+  struct Seen {
+    Prefix prefix{};
+    std::int64_t heard_ns = 0;  ///< 0: free
+  };
+  struct Identity {
+    security::SubjectPrefix subject{};
+    std::array<Seen, kUnproven> unproven;
+    Prefix proven{};  ///< the newest; others wait their turn among the unproven
+  };
+  bool lets_in(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
+  Identity* identity_of(std::span<const std::byte> datagram) noexcept;
+  bool has_room(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
+
+  std::vector<Identity> identities_;  ///< in order of their subjects
+  std::mutex mutex_;                  ///< of what is unproven
+  std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::uint32_t> refused_from_{0};
+};
+
+}  // namespace telekerf::bus

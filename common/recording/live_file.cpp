@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/recording/live_file.h"
+
+#include <unistd.h>
+
+#include <mutex>
+
+#include "common/recording/run_process.h"
+
+namespace telekerf {
+
+LiveFile::LiveFile(const std::filesystem::path& file, const RunIdentity& identity,
+                   const std::vector<Part>& parts) {
+  const std::lock_guard alone(h5::library());
+  file_ = h5::create_file(file, true);
+  run_file::write_identity(file_.get(), identity, RunState::kRecording);
+  write_process(file_.get());
+  for (const Part& part : parts) {
+    const h5::Id group = h5::make_group(file_.get(), part.schema.name);
+    run_file::write_schema(group.get(), part.schema);
+    h5::set_text(group.get(), "ring", part.ring.string());
+    series_.push_back(
+        {h5::make_dataset(group.get(), "rows", H5T_NATIVE_DOUBLE, part.schema.width(), false),
+         part.schema.width(), 0});
+  }
+  event_type_ = run_file::event_type();
+  contour_type_ = run_file::contour_type();
+  events_ = h5::make_dataset(file_.get(), "events", event_type_.get(), 1, false);
+  const h5::Id contours = h5::make_group(file_.get(), "contours");
+  contours_ = h5::make_dataset(contours.get(), "list", contour_type_.get(), 1, false);
+  points_ = h5::make_dataset(contours.get(), "points", H5T_NATIVE_DOUBLE, 2, false);
+  h5::check(H5Fstart_swmr_write(file_.get()), "the file cannot be made safe against a kill (SWMR)");
+  flush();
+}
+
+LiveFile::~LiveFile() {
+  const std::lock_guard alone(h5::library());
+  for (Series& one : series_) one.dataset.close();
+  for (h5::Id* id : {&events_, &contours_, &points_, &event_type_, &contour_type_, &file_}) id->close();
+}
+
+void LiveFile::append(std::size_t part, std::span<const double> numbers) {
+  const std::lock_guard alone(h5::library());
+  Series& series = series_[part];
+  const std::size_t rows = numbers.size() / series.width;
+  h5::append(series.dataset.get(), H5T_NATIVE_DOUBLE, series.width, rows, numbers.data());
+  series.rows += rows;
+}
+
+void LiveFile::append(const RunEvent& event) {
+  const std::lock_guard alone(h5::library());
+  const run_file::EventCell cell = run_file::cell_of(event);
+  h5::append(events_.get(), event_type_.get(), 1, 1, &cell);
+}
+
+void LiveFile::append(const RunContour& contour) {
+  const std::lock_guard alone(h5::library());
+  const run_file::ContourCell cell = run_file::cell_of(contour, point_rows_);
+  std::vector<double> numbers;
+  for (const Vec2& point : contour.points_m) numbers.insert(numbers.end(), {point.x(), point.y()});
+  h5::append(points_.get(), H5T_NATIVE_DOUBLE, 2, contour.points_m.size(), numbers.data());
+  h5::append(contours_.get(), contour_type_.get(), 1, 1, &cell);
+  point_rows_ += contour.points_m.size();
+}
+
+void LiveFile::flush() {
+  const std::lock_guard alone(h5::library());
+  h5::check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL), "what was recorded cannot be written out");
+}
+
+}  // namespace telekerf

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/recording/run_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+
+#include "common/recording/run_reader.h"
+#include "common/recording/run_tables.h"
+#include "common/runtime/startup_error.h"
+
+namespace telekerf {
+namespace fs = std::filesystem;
+namespace {
+
+/// The contours that were in force, in order, as the master's file tells them.
+void read_contours(const RunReader& master, RunRecord& record) {
+  const std::vector<RunContour> contours = master.contours();
+  const auto data = master.data("in_force");
+  const auto began = data ? rows_of(*data, in_force_columns()) : std::vector<InForceRow>();
+  const auto find = [&](std::uint32_t id) {
+    return std::find_if(contours.begin(), contours.end(), [&](const RunContour& c) { return c.id == id; });
+  };
+  for (std::size_t n = 0; n < began.size(); ++n) {
+    const auto found = find(began[n].contour_id);
+    if (found == contours.end()) continue;
+    if (n + 1 < began.size()) {
+      record.earlier.push_back({began[n + 1].tick, found->closed, found->points_m});
+    } else {
+      record.contour_m = found->points_m;
+      record.contour_closed = found->closed;
+      record.words["image"] = found->source;
+      record.words["mode"] = found->mode;
+    }
+  }
+}
+
+template <typename Row>
+std::vector<Row> rows_in(const RunReader& reader, std::span<const Column<Row>> columns) {
+  const auto data = reader.data(reader.identity().role);
+  return data ? rows_of(*data, columns) : std::vector<Row>();
+}
+
+fs::path folder_with(const std::string& file, std::span<const fs::path> folders) {
+  for (const fs::path& folder : folders)
+    if (fs::exists(folder / file)) return folder;
+  std::string all;
+  for (const fs::path& folder : folders) all += (all.empty() ? "" : ", ") + folder.string();
+  const std::string role = file.substr(0, file.find('.'));
+  throw input_error(fmt::format("{}: holds no {}.h5, the recording of telekerf-{}; is this the folder of a run, or must the "
+                                "other site's be named as well?",
+                                all, role, role));
+}
+
+}  // namespace
+
+std::optional<RunKept> recover_run_file(const fs::path& file) {
+  {
+    const RunReader reader(file);
+    if (reader.state() != RunState::kRecording) return std::nullopt;
+    if (const auto writer = reader.writer())
+      throw environment_error(fmt::format("{}: process {} still records into it; end it first (kill -INT {})",
+                                          file.string(), *writer, *writer));
+  }
+  try {
+    return finish_run_file(file, {.state = RunState::kRecovered});
+  } catch (const h5::Failure& failure) {
+    throw environment_error(fmt::format("{}: cannot be recovered: {}", file.string(), failure.what()));
+  }
+}
+
+std::optional<fs::path> recording_of(const std::string& role, std::span<const fs::path> folders) {
+  for (const fs::path& folder : folders) {
+    const fs::path file = folder / (role + ".h5");
+    if (!fs::exists(file)) continue;
+    (void)recover_run_file(file);
+    return file;
+  }
+  return std::nullopt;
+}
+
+RunRecord read_run(std::span<const fs::path> folders) {
+  RunRecord record;
+  if (const auto file = recording_of("master", folders)) {
+    const RunReader reader(*file);
+    record.words = reader.identity().words;
+    record.master_figures = reader.identity().figures;
+    record.master_drive = reader.identity().drive;
+    record.master = rows_in(reader, master_columns());
+    read_contours(reader, record);
+  } else {
+    read_master(folder_with("master.csv", folders), record);
+  }
+  if (const auto file = recording_of("slave", folders)) {
+    const RunReader reader(*file);
+    record.slave_figures = reader.identity().figures;
+    record.slave_drive = reader.identity().drive;
+    record.slave = rows_in(reader, slave_columns());
+  } else {
+    read_slave(folder_with("slave.csv", folders), record);
+  }
+  return record;
+}
+
+void label_run(const fs::path& folder, const RunLabel& label) {
+  const std::lock_guard alone(h5::library());
+  std::size_t files = 0;
+  for (const char* role : {"master", "slave", "vision", "machine", "console"}) {
+    const auto file = recording_of(role, std::span(&folder, 1));
+    if (!file) continue;
+    ++files;
+    try {
+      const h5::Id open(H5Fopen(file->c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "it cannot be written to");
+      for (const char* name : {"label", "label_text"})
+        if (H5Aexists(open.get(), name) > 0) h5::check(H5Adelete(open.get(), name), "its label cannot be replaced");
+      h5::set_text(open.get(), "label", label.good ? "good" : "bad");
+      h5::set_text(open.get(), "label_text", label.text);
+    } catch (const h5::Failure& failure) {
+      throw environment_error(fmt::format("{}: {}", file->string(), failure.what()));
+    }
+  }
+  if (files == 0) throw input_error(fmt::format("{}: holds no recording of a run", folder.string()));
+}
+
+std::optional<RunLabel> label_of(const fs::path& file) {
+  const std::lock_guard alone(h5::library());
+  try {
+    const h5::Id open = h5::open_file(file);
+    const auto label = h5::text_of(open.get(), "label");
+    if (!label) return std::nullopt;
+    return RunLabel{*label == "good", h5::text_of(open.get(), "label_text").value_or("")};
+  } catch (const h5::Failure&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace telekerf

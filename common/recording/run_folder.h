@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the processes of a run have left in one folder, or in one a site.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/recording/run_closing.h"
+#include "common/recording/run_record.h"
+
+namespace telekerf {
+
+/// The recording of a role in the first of the folders that has one; none: none has. One that a killed process
+/// has left is finished first. Throws StartupError: a process is still at it.
+std::optional<std::filesystem::path> recording_of(const std::string& role,
+                                                  std::span<const std::filesystem::path> folders);
+
+/// Finishes what a killed process has left. None: it was finished already. Throws StartupError if it is no
+/// recording, still being written, or cannot be replaced.
+std::optional<RunKept> recover_run_file(const std::filesystem::path& file);
+
+/// The record of the run from its recordings; a part that has none from the text that a process left (read_run).
+/// Throws StartupError that names what is missing.
+RunRecord read_run(std::span<const std::filesystem::path> folders);
+inline RunRecord read_run(const std::filesystem::path& folder) { return read_run(std::span(&folder, 1)); }
+
+/// A person's verdict on a run.
+struct RunLabel {
+  bool good = true;
+  std::string text;
+};
+/// Attached to every recording of the folder, in place of one before. Throws StartupError.
+void label_run(const std::filesystem::path& folder, const RunLabel& label);
+std::optional<RunLabel> label_of(const std::filesystem::path& file);
+
+}  // namespace telekerf

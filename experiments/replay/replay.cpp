@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "experiments/replay/replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+#include "common/recording/run_folder.h"
+#include "common/recording/run_reader.h"
+#include "common/recording/run_tables.h"
+#include "common/runtime/startup_error.h"
+
+namespace telekerf::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of a process' settings those that a run in virtual time has too, by the names that it has them by.
+std::string lap_settings(const std::string& toml, const std::string& prefix, const std::vector<Setting>& known) {
+  std::istringstream lines(toml);
+  std::string out;
+  for (std::string line; std::getline(lines, line);) {
+    const auto equals = line.find(" = ");
+    if (line.starts_with("#") || equals == std::string::npos) continue;
+    std::string name = line.substr(0, equals);
+    if (name == "robot") {
+      name = (prefix.empty() ? "master_" : prefix) + name;
+    } else {
+      name = prefix + name;
+    }
+    if (name == "netem" || name == "duration_s") continue;
+    if (std::any_of(known.begin(), known.end(), [&](const Setting& s) { return s.name == name; }))
+      out += name + line.substr(equals) + "\n";
+  }
+  return out;
+}
+
+std::vector<Setting> known_settings() {
+  LapOptions options;
+  Settings settings;
+  options.add_parameters(settings);
+  return settings.declared();
+}
+
+/// The slave's clock against the master's, s; zero where nobody has estimated it.
+double clock_offset_s(const RunReader& master) {
+  const auto found = master.identity().figures.find("clock_offset_us");
+  return found == master.identity().figures.end() ? 0.0 : 1e-6 * found->second;
+}
+
+void read_operator(const RunReader& master, double period_s, RecordedRun& run) {
+  const auto data = master.data("operator");
+  if (!data) return;
+  for (const OperatorRow& row : rows_of(*data, operator_columns())) {
+    const double at_s = static_cast<double>(row.tick) * period_s;
+    if (row.stop) {
+      run.stops.push_back({at_s, {.number = static_cast<std::uint32_t>(row.value)}});
+    } else {
+      run.events.push_back({at_s, {row.asker, static_cast<EventMessage::Kind>(row.kind), row.value, ""}});
+    }
+  }
+}
+
+fs::path required(const char* role, std::span<const fs::path> folders) {
+  const auto file = recording_of(role, folders);
+  if (!file)
+    throw input_error(fmt::format("{}: holds no {}.h5; is this the folder of a run, or must the other site's be named as well?",
+                                  folders.front().string(), role));
+  return *file;
+}
+
+}  // namespace
+
+RecordedRun read_recorded(std::span<const fs::path> folders) {
+  RecordedRun run;
+  const fs::path master_file = required("master", folders);
+  const fs::path slave_file = required("slave", folders);
+  run.record = read_run(folders);
+  const RunReader master(master_file);
+  const RunReader slave(slave_file);
+  if (run.record.master.empty() || run.record.slave.empty())
+    throw input_error(fmt::format("{}: the run has no rows to play", folders.front().string()));
+  run.virtual_time = master.identity().virtual_time;
+  run.network = master.identity().network;
+  const auto name = run.record.words.find("netem");
+  run.network_name = name == run.record.words.end() ? "recorded" : name->second;
+  const auto contours = master.contours();
+  const auto began = master.data("in_force");
+  if (contours.empty() || !began || began->rows() == 0)
+    throw input_error(fmt::format("{}: no contour was in force: nothing to play", master_file.string()));
+  const auto in_force = rows_of(*began, in_force_columns());
+  const auto first = std::find_if(contours.begin(), contours.end(),
+                                  [&](const RunContour& c) { return c.id == in_force.front().contour_id; });
+  const RunContour& contour = first == contours.end() ? contours.front() : *first;
+  run.contour = {.id = contour.id,
+                 .closed = contour.closed,
+                 .source = contour.source,
+                 .mode = contour.mode,
+                 .metres_per_pixel = contour.metres_per_pixel,
+                 .deviation_m = contour.deviation_m,
+                 .points_m = contour.points_m,
+                 .further = {}};
+  if (run.virtual_time) {
+    run.settings = master.identity().settings;
+    return run;
+  }
+  const std::vector<Setting> known = known_settings();
+  run.settings = lap_settings(master.identity().settings, "", known) +
+                 lap_settings(slave.identity().settings, "slave_", known);
+  const std::uint64_t tick = run.record.master.front().tick;
+  run.contour_from_tick = in_force.front().tick - std::min(in_force.front().tick, tick);
+  run.slave_starts_s = run.record.slave.front().t_s - clock_offset_s(master) - run.record.master.front().t_s;
+  const double rows = static_cast<double>(run.record.master.size() - 1);
+  const double rate_hz = master.identity().figures.contains("rate_hz") ? master.identity().figures.at("rate_hz") : 1000.0;
+  read_operator(master, rows > 0 ? (run.record.master.back().t_s - run.record.master.front().t_s) / rows : 1.0 / rate_hz, run);
+  run.settings += fmt::format("duration_s = {:.3f}\n", std::clamp(run.record.master.back().t_s - run.record.master.front().t_s, 1.0, 600.0));
+  return run;
+}
+
+RunRecord replay(const RecordedRun& run, const std::string& given) {
+  LapOptions options;
+  Settings settings;
+  options.add_parameters(settings);
+  bool record = false;
+  std::string out;
+  settings.add("record", record, "of the lap");
+  settings.add("out", out, kFolder, "of the lap");
+  const ConfigFile wanted(given, "command line");
+  settings.load(ConfigFile(run.settings, "the recorded settings"));
+  settings.load(wanted);
+  settings.refuse_without_effect();
+  const std::string own = options.netem;
+  if (!wanted.has("netem")) options.netem = "ideal";  // the recorded one follows
+  simulation::SimulationSettings lap = options.prepared();
+  if (!wanted.has("netem") && !run.network.empty())
+    lap.network = netem::parse_profile(run.network, run.network_name, fs::path(own).parent_path().string());
+  if (!wanted.has("netem")) lap.network.name = run.network_name;
+  lap.hand = run.record.master;
+  lap.events = run.events;
+  lap.stops = run.stops;
+  lap.contour_from_tick = run.contour_from_tick;
+  lap.slave_starts_s = run.slave_starts_s;
+  if (!run.virtual_time) lap.master.engage = run.settings.find("\nengage = true") != std::string::npos || run.events.empty();
+  return simulation::simulate(lap, run.contour);
+}
+
+namespace {
+
+template <typename Row>
+RowsDifference compare_rows(const char* name, std::span<const Column<Row>> columns, const std::vector<Row>& was,
+                            const std::vector<Row>& is, bool with_times) {
+  RowsDifference difference{.name = name, .recorded = was.size(), .replayed = is.size()};
+  const std::size_t both = std::min(was.size(), is.size());
+  double sum = 0.0;
+  for (std::size_t n = 0; n < both; ++n) {
+    const double distance_m = (was[n].tool_m - is[n].tool_m).norm();
+    sum += distance_m * distance_m;
+    difference.tool_max_m = std::max(difference.tool_max_m, distance_m);
+    const auto differs = std::find_if(columns.begin(), columns.end(), [&](const Column<Row>& column) {
+      if (!with_times && column.unit == "s") return false;
+      const double a = column.read(was[n]);
+      const double b = column.read(is[n]);
+      return std::memcmp(&a, &b, sizeof a) != 0;
+    });
+    if (differs == columns.end()) continue;
+    if (difference.different++ == 0) {
+      difference.first_tick = static_cast<double>(was[n].tick);
+      difference.column = std::string(differs->name);
+    }
+  }
+  difference.tool_rms_m = both == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(both));
+  return difference;
+}
+
+}  // namespace
+
+std::vector<RowsDifference> compare(const RunRecord& recorded, const RunRecord& replayed, bool with_times) {
+  return {compare_rows("master", master_columns(), recorded.master, replayed.master, with_times),
+          compare_rows("slave", slave_columns(), recorded.slave, replayed.slave, with_times)};
+}
+
+}  // namespace telekerf::experiments

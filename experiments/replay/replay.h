@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// A recorded run once more in virtual time: the recorded operator, contour and network through the same
+// nodes, with the recorded settings or others.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/recording/run_record.h"
+#include "common/runtime/settings.h"
+#include "experiments/lap_options.h"
+
+namespace telekerf::experiments {
+
+/// What a replay is made of.
+struct RecordedRun {
+  RunRecord record;
+  bool virtual_time = false;
+  std::string settings;  ///< of a run in virtual time; those of a real one's stations, as far as it has them
+  std::string network;   ///< the profile's file; empty: a real network, which is replayed as an ideal one
+  std::string network_name;
+  ContourMessage contour;
+  std::vector<simulation::TimedEvent> events;
+  std::vector<simulation::TimedStop> stops;
+  Tick contour_from_tick = 0;
+  double slave_starts_s = 0.0;  ///< after the master, by the estimate of its clock
+};
+/// Throws StartupError that names what is missing.
+RecordedRun read_recorded(std::span<const std::filesystem::path> folders);
+
+/// `given`: settings that take the place of the recorded ones, as --config reads them. Throws StartupError.
+RunRecord replay(const RecordedRun& run, const std::string& given);
+
+/// How the rows of a replay differ from the recorded ones: bit by bit, times aside where the run was real.
+struct RowsDifference {
+  std::string name;
+  std::uint64_t recorded = 0;
+  std::uint64_t replayed = 0;
+  std::uint64_t different = 0;  ///< of those that both have
+  double first_tick = -1.0;     ///< of these
+  std::string column = {};      ///< the first that differs there
+  double tool_rms_m = 0.0;      ///< of the tool's distance
+  double tool_max_m = 0.0;
+  bool identical() const { return recorded == replayed && different == 0; }
+};
+std::vector<RowsDifference> compare(const RunRecord& recorded, const RunRecord& replayed, bool with_times);
+
+}  // namespace telekerf::experiments

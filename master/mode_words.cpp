@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master/mode_words.h"
+
+#include "common/protocol/sentences.h"
+
+namespace telekerf::master {
+
+const char* text_of(MasterMode mode, const StateHeader* slave, bool ours) {
+  if (mode == MasterMode::kEngaged && slave != nullptr && (!ours || slave->mode != SlaveMode::kFollowing))
+    return !ours ? "engaged, but the slave does not answer to this master" : led_sentence_of(slave->reason);
+  switch (mode) {
+    case MasterMode::kIdle:
+      return "waiting for a contour";
+    case MasterMode::kApproach:
+      return "moving to the contour";
+    case MasterMode::kGuiding:
+      return "guiding the hand; the slave does not follow";
+    case MasterMode::kEngaged:
+      return "engaged: the slave follows";
+    case MasterMode::kStopped:
+      return "stopped";
+  }
+  return "unknown";
+}
+
+}  // namespace telekerf::master

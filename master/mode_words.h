@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the master says that it does.
+#pragma once
+
+#include "common/protocol/blocks.h"
+#include "master/modes.h"
+
+namespace telekerf::master {
+
+/// A literal. What the slave makes of being led is said by the slave. `slave`: its newest report, or null;
+/// `ours`: it answers to this master.
+const char* text_of(MasterMode mode, const StateHeader* slave, bool ours);
+
+}  // namespace telekerf::master
