@@ -65,8 +65,9 @@ bool holds(const Claim& claim, double value) {
   return false;
 }
 
-/// A cell holds no "|".
+/// A cell holds no "|", and is not empty.
 std::string cell(std::string text) {
+  if (text.empty()) return "-";
   std::replace(text.begin(), text.end(), '|', '/');
   return text;
 }

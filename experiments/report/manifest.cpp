@@ -127,7 +127,8 @@ std::string bound_text(const Claim& claim) {
 }
 
 std::string printed_text(const Claim& claim) {
-  return claim.printed.empty() ? "no number printed" : claim.printed;
+  if (!claim.printed.empty()) return claim.printed;
+  return claim.section == ClaimSection::kThesis ? "no number printed" : "-";
 }
 
 }  // namespace telekerf::experiments

@@ -68,6 +68,7 @@ std::string command_line(const ManifestExperiment& experiment, std::uint64_t see
 
 /// "at most 8 um", "within 2 +- 0.1 mm/s".
 std::string bound_text(const Claim& claim);
+/// "no number printed" of the thesis' claims without one; "-" of the others.
 std::string printed_text(const Claim& claim);
 
 }  // namespace telekerf::experiments
