@@ -134,11 +134,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                       out.observed.slave.position_m, out.observed.aligned, beta,
                       out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                       out.slave_force.force_n};
-  if (ring_ != nullptr) {
-    ring_->push(master_columns(), row);
-  } else {
-    recorder_.push(row);
-  }
+  ring_ != nullptr ? ring_->push(master_columns(), row) : recorder_.push(row);
   hand_.answer({.now_ns = now_ns,
                 .guided = guided_,
                 .tool_m = beta * out.tool_m.head<2>(),

@@ -161,11 +161,7 @@ SlaveOutputs Station::step(std::int64_t now_ns, const Corridor* corridor,
                      static_cast<int>(out.interlock),
                      out.settled,
                      out.force_n};
-  if (ring_ != nullptr) {
-    ring_->push(slave_columns(), row);
-  } else {
-    recorder_.push(row);
-  }
+  ring_ != nullptr ? ring_->push(slave_columns(), row) : recorder_.push(row);
   ++tick_;
   machine_.advance();
   return out;

@@ -10,6 +10,8 @@
 #include <mutex>
 #include <utility>
 
+#include "common/recording/run_cells.h"
+
 namespace telekerf {
 namespace {
 
@@ -41,9 +43,7 @@ ClosedFile::ClosedFile(std::filesystem::path file, const RunIdentity& identity, 
   const std::lock_guard alone(h5::library());
   file_ = h5::create_file(draft_, false);
   run_file::write_identity(file_.get(), identity, state);
-  events_ = h5::make_dataset(file_.get(), "events", run_file::event_type().get(), 1, true);
   const h5::Id contours = h5::make_group(file_.get(), "contours");
-  contours_ = h5::make_dataset(contours.get(), "list", run_file::contour_type().get(), 1, true);
   points_ = h5::make_dataset(contours.get(), "points", H5T_IEEE_F64LE, 2, true);
   h5::set_text(points_.get(), "units", "m");
   h5::set_text(points_.get(), "frame", "workpiece");
@@ -59,7 +59,8 @@ ClosedFile::~ClosedFile() {
 
 void ClosedFile::close() {
   series_.clear();
-  for (h5::Id* id : {&events_, &contours_, &points_, &file_}) id->close();
+  points_.close();
+  file_.close();
 }
 
 std::size_t ClosedFile::add(const SeriesSchema& schema) {
@@ -118,18 +119,15 @@ void ClosedFile::look_at(Series& series, std::span<const double> numbers) {
 }
 
 void ClosedFile::append(const RunEvent& event) {
-  const std::lock_guard alone(h5::library());
-  const run_file::EventCell cell = run_file::cell_of(event);
-  h5::append(events_.get(), run_file::event_type().get(), 1, 1, &cell);
+  run_cells::add(events_, run_file::cell_of(event));
 }
 
 void ClosedFile::append(const RunContour& contour) {
   const std::lock_guard alone(h5::library());
-  const run_file::ContourCell cell = run_file::cell_of(contour, point_rows_);
+  run_cells::add(contours_, run_file::cell_of(contour, point_rows_));
   std::vector<double> numbers;
   for (const Vec2& point : contour.points_m) numbers.insert(numbers.end(), {point.x(), point.y()});
   h5::append(points_.get(), H5T_NATIVE_DOUBLE, 2, contour.points_m.size(), numbers.data());
-  h5::append(contours_.get(), run_file::contour_type().get(), 1, 1, &cell);
   point_rows_ += contour.points_m.size();
 }
 
@@ -140,6 +138,8 @@ void ClosedFile::set_dropped(std::size_t series, std::uint64_t rows) {
 
 std::vector<SeriesAudit> ClosedFile::finish() {
   const std::lock_guard alone(h5::library());
+  run_cells::write(file_.get(), "events", run_file::event_type().get(), events_);
+  run_cells::write(file_.get(), "contours/list", run_file::contour_type().get(), contours_);
   std::vector<SeriesAudit> audits;
   for (Series& series : series_) {
     const hid_t group = series.group.get();

@@ -2,6 +2,7 @@
 // The finished file of a run: a dataset a quantity, compressed, in the format that every HDF5 since 1.8 reads.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -60,8 +61,8 @@ class ClosedFile {
   std::filesystem::path draft_;
   h5::Id file_;
   std::vector<Series> series_;
-  h5::Id events_;
-  h5::Id contours_;
+  std::vector<std::byte> events_;    ///< cells, as in run_file.h
+  std::vector<std::byte> contours_;  ///< likewise
   h5::Id points_;
   std::uint64_t point_rows_ = 0;
 };

@@ -23,7 +23,7 @@ ProcessRecording::ProcessRecording(const RecordFlags& flags, RunIdentity identit
     status_.say(fmt::format("this run is not recorded: {}", refusal.what()));
     return;
   }
-  status_.say(fmt::format("recorded in {}", recording_->file().string()));
+  if (!flags.named()) status_.say(fmt::format("recorded in {}", recording_->file().string()));
   status_.listen([this](const std::string& said) { recording_->add(RunEvent{0.0, -1, "said", 0.0, said}); });
 }
 

@@ -16,7 +16,7 @@ namespace telekerf {
 
 class ProcessRecording {
  public:
-  /// Makes the file, and says where it is. `status`: what it says from now on is recorded. With `off` nothing
+  /// Makes the file, and says where it is, unless the user has. `status`: what it says from now on is recorded. With `off` nothing
   /// is done. Throws StartupError if the folder that the user named cannot be written to; if none was named,
   /// that is said and the run goes on.
   ProcessRecording(const RecordFlags& flags, RunIdentity identity, const std::vector<Recording::Part>& parts,

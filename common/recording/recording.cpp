@@ -2,6 +2,7 @@
 #include "common/recording/recording.h"
 
 #include <fmt/format.h>
+#include <pthread.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -69,6 +70,7 @@ void Recording::add(RunContour contour) {
 }
 
 void Recording::run(const std::stop_token& stop) {
+  ::pthread_setname_np(::pthread_self(), "recorder");
   auto next = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
     look_at_disk();

@@ -12,15 +12,15 @@
 namespace telekerf {
 namespace {
 
-constexpr std::uint64_t kRowsAtOnce = 4096;
+constexpr std::uint64_t kRowsOfAPiece = 4096;
 
 /// What can be read of rows [0, rows), in pieces. Returns the number of rows that cannot.
 template <typename Take>
 std::uint64_t read_pieces(const RunReader& from, std::size_t series, std::uint64_t rows, Take take) {
   std::uint64_t damaged = 0;
   std::vector<double> numbers;
-  for (std::uint64_t first = 0; first < rows; first += kRowsAtOnce) {
-    const std::uint64_t count = std::min(kRowsAtOnce, rows - first);
+  for (std::uint64_t first = 0; first < rows; first += kRowsOfAPiece) {
+    const std::uint64_t count = std::min(kRowsOfAPiece, rows - first);
     numbers.clear();
     if (from.read(series, first, count, numbers)) {
       take(numbers);

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <mutex>
 
+#include "common/recording/run_cells.h"
 #include "common/recording/run_process.h"
 #include "common/runtime/startup_error.h"
 
@@ -16,6 +18,14 @@ constexpr std::uint64_t kRowsAtOnce = 4096;
 
 h5::Id open_dataset(hid_t file, const std::string& path) {
   return {H5Dopen2(file, path.c_str(), H5P_DEFAULT), "a dataset is missing"};
+}
+
+template <typename Cell>
+std::vector<Cell> cells_in(hid_t file, const char* name, const h5::Id& type) {
+  const std::vector<std::byte> bytes = run_cells::read(file, name, type.get());
+  std::vector<Cell> cells(bytes.size() / sizeof(Cell));
+  std::memcpy(cells.data(), bytes.data(), cells.size() * sizeof(Cell));
+  return cells;
 }
 
 RunState state_of(hid_t file) {
@@ -114,10 +124,7 @@ std::vector<RunEvent> RunReader::events() const {
   const std::lock_guard alone(h5::library());
   std::vector<RunEvent> events;
   try {
-    const h5::Id dataset = open_dataset(file_.get(), "events");
-    std::vector<run_file::EventCell> cells(h5::rows_of(dataset.get()));
-    if (!h5::read_rows(dataset.get(), run_file::event_type().get(), 1, 0, cells.size(), cells.data())) return {};
-    for (const run_file::EventCell& cell : cells) events.push_back(run_file::event_of(cell));
+    for (const auto& cell : cells_in<run_file::EventCell>(file_.get(), "events", run_file::event_type())) events.push_back(run_file::event_of(cell));
   } catch (const h5::Failure&) {
     return {};
   }
@@ -128,12 +135,9 @@ std::vector<RunContour> RunReader::contours() const {
   const std::lock_guard alone(h5::library());
   std::vector<RunContour> contours;
   try {
-    const h5::Id list = open_dataset(file_.get(), "contours/list");
     const h5::Id points = open_dataset(file_.get(), "contours/points");
-    std::vector<run_file::ContourCell> cells(h5::rows_of(list.get()));
-    if (!h5::read_rows(list.get(), run_file::contour_type().get(), 1, 0, cells.size(), cells.data())) return {};
     const std::uint64_t there = h5::rows_of(points.get());
-    for (const run_file::ContourCell& cell : cells) {
+    for (const auto& cell : cells_in<run_file::ContourCell>(file_.get(), "contours/list", run_file::contour_type())) {
       RunContour contour = run_file::contour_of(cell);
       if (cell.first > there || cell.count > there - cell.first) continue;
       std::vector<double> numbers(2 * cell.count);

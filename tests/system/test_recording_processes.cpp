@@ -110,6 +110,24 @@ TEST(RecordingProcesses, TheReportOfTwoSitesIsThatOfTheirText) {
   }));
 }
 
+TEST(RecordingProcesses, EveryRunIsRecordedBelowOutUnlessAFolderIsNamed) {
+  const fs::path here = Program::scratch() / "unnamed";
+  fs::create_directories(here);
+  Program slave("/bin/sh", {"-c", "cd " + here.string() + " && exec " TELEKERF_BIN_DIR "/telekerf-slave --domain " +
+                                      own_domain() + " --cell record"});
+  ASSERT_TRUE(slave.says("ready", seconds(20))) << slave.output();
+  EXPECT_TRUE(slave.says("slave: recorded in out/", seconds(1))) << slave.output();
+  slave.interrupt();
+  EXPECT_EQ(slave.wait(seconds(10)), 0) << slave.output();
+  std::size_t files = 0;
+  for (const auto& folder : fs::directory_iterator(here / "out")) {
+    EXPECT_EQ(RunReader(folder.path() / "slave.h5").state(), RunState::kClosed);
+    EXPECT_FALSE(fs::exists(folder.path() / "slave.csv")) << "text is for those who have named a folder";
+    ++files;
+  }
+  EXPECT_EQ(files, 1U);
+}
+
 TEST(RecordingProcesses, NothingIsRecordedWhereNobodyWantsIt) {
   Program slave("telekerf-slave", cell({"--record", "off"}));
   ASSERT_TRUE(slave.says("ready", seconds(20))) << slave.output();

@@ -115,6 +115,7 @@ TEST_F(Script, AProgramThatIsKilledIsNamedAndNothingOfAnEarlierRunStaysBeside) {
   EXPECT_EQ(demo.err, "telekerf: telekerf-slave was killed (signal 9): by somebody, or for want of memory\n");
   EXPECT_TRUE(fs::exists(here_ / "run/notes.txt"));
   EXPECT_TRUE(fs::exists(here_ / "run/master.json")) << "the master had time to write";
+  EXPECT_TRUE(fs::exists(here_ / "run/slave.h5")) << "and what the slave had recorded survives";
   EXPECT_FALSE(fs::exists(here_ / "run/report.json"));
   EXPECT_FALSE(fs::exists(here_ / "run/result.json"));
 }
