@@ -36,6 +36,8 @@ BusSettings validated(BusSettings settings) {
   return settings;
 }
 
+constexpr std::chrono::milliseconds kHandshake{1500};  ///< that a handshake with a lost key takes longer
+
 /// What is kept for people of participants that are none of ours.
 constexpr std::size_t kMostStrangers = 64;
 constexpr std::size_t kMostAddresses = 1024;
@@ -148,6 +150,18 @@ void Bus::Participant::wait_for_objections() {
   // Who has joined is final; who still looks around may yet give way to a third, so those are judged at the
   // end.
   changed_.wait_until(lock, end, [&] { return (reason = objection(true)).has_value(); });
+  // Who has this role's keys is about to say who it is: a handshake may take a second longer.
+  const auto unheard = [&] {
+    return std::any_of(addresses_.begin(), addresses_.end(), [&](const auto& seen) {
+      const auto* const identity = protection_.identity(seen.first);
+      return identity != nullptr && identity->role == settings_.role && identity->cell == settings_.cell &&
+             seen.first != self_.key && !others_.contains(seen.first);
+    });
+  };
+  if (!reason && settings_.discovery_wait.count() > 0 && unheard())
+    changed_.wait_until(lock, end + kHandshake, [&] {
+      return (reason = objection(true)).has_value() || !unheard();
+    });
   if (!reason) reason = objection(false);
   if (reason) throw environment_error(*reason);
   self_.presence.joined = true;

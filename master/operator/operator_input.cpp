@@ -24,7 +24,7 @@ using Registry = DeviceRegistry<std::unique_ptr<OperatorInput>>;
 constexpr Registry::Kind kKinds[] = {
     {"hand", "hand", no_argument, nobody},
     {"pressed", "pressed", no_argument, pressed},
-    {"udp", "udp:HOST:PORT[,key=FILE]", validate_sealed_udp, open_udp_foot_switch},
+    {"udp", "udp:HOST:PORT", validate_sealed_udp, open_udp_foot_switch},
     {"evdev", "evdev:PATH", validate_evdev, open_evdev_button},
 };
 constexpr Registry kInputs("button", kKinds);

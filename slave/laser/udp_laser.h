@@ -84,8 +84,8 @@ class UdpLaser final : public Laser {
 };
 
 std::unique_ptr<Laser> open_udp_laser(std::string_view rest, double control_hz);
-inline constexpr LaserKind kUdpLaser{"udp", "udp:HOST:PORT[,key=FILE]", validate_sealed_udp, open_udp_laser};
+inline constexpr LaserKind kUdpLaser{"udp", "udp:HOST:PORT", validate_sealed_udp, open_udp_laser};
 /// The one of telekerf-plant: the same datagrams, but no light.
-inline constexpr LaserKind kPlantLaser{"plant", "plant:HOST:PORT[,key=FILE]", validate_sealed_udp, open_udp_laser};
+inline constexpr LaserKind kPlantLaser{"plant", "plant:HOST:PORT", validate_sealed_udp, open_udp_laser};
 
 }  // namespace telekerf::laser

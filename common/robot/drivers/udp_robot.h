@@ -113,6 +113,6 @@ class UdpDrive {
 };
 
 Drive open_udp_drive(std::string_view rest, const DriveNeeds& needs);
-inline constexpr DriveKind kUdpDrive{"udp", "udp:HOST:PORT[,key=FILE]", validate_sealed_udp, open_udp_drive};
+inline constexpr DriveKind kUdpDrive{"udp", "udp:HOST:PORT", validate_sealed_udp, open_udp_drive};
 
 }  // namespace telekerf::robot
