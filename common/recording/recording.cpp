@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "common/recording/flight.h"
@@ -27,11 +28,26 @@ std::filesystem::path ring_file(const RunIdentity& identity, const std::string& 
   return fmt::format("/dev/shm/telekerf-{}-{}-{}-{}-{}", identity.role, ::getpid(), monotonic_ns(), count++, series);
 }
 
+/// What processes that were killed more than ten minutes ago have left, and nobody has recovered: at most the last
+/// tenth of a second is not in their files.
+void sweep_rings() {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm", ignored)) {
+    int process = 0;
+    char role[32] = {};
+    if (std::sscanf(entry.path().filename().c_str(), "telekerf-%31[a-z]-%d-", role, &process) != 2) continue;
+    const auto age = std::filesystem::file_time_type::clock::now() - entry.last_write_time(ignored);
+    if (age > std::chrono::minutes(10) && !std::filesystem::exists(fmt::format("/proc/{}", process), ignored))
+      std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
 }  // namespace
 
 Recording::Recording(std::filesystem::path file, const RunIdentity& identity, const std::vector<Part>& parts,
                      Say say)
     : file_(std::move(file)), identity_(identity), say_(std::move(say)) {
+  sweep_rings();
   std::vector<LiveFile::Part> series;
   for (const Part& part : parts) {
     const auto rows = static_cast<std::size_t>(std::ceil((kFlight_s + kSpare_s) * part.rows_per_s)) + 64;
