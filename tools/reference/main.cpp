@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // telekerf-reference: writes the pages and the completion script that come from declarations, never from a
-// hand: docs/reference/settings.md, docs/reference/records.md, tools/reference/telekerf.bash; for packages manual
-// pages and the file of a cell's settings.
+// hand: docs/reference/settings.md, docs/reference/records.md, tools/reference/telekerf.bash; for packages
+// manual pages and the file of a cell's settings.
 #include <fmt/format.h>
 
 #include <array>
@@ -26,7 +26,7 @@ namespace {
 constexpr std::array kPrograms{"telekerf-master",     "telekerf-slave",   "telekerf-machine",
                                "telekerf-vision",     "telekerf-console", "telekerf-ctl",
                                "telekerf-netem",      "telekerf-robot",   "telekerf-plant",
-                               "telekerf-experiment", "telekerf-inspect"};
+                               "telekerf-experiment", "telekerf-inspect", "telekerf-keys"};
 
 struct Options {
   std::string programs;
@@ -50,9 +50,7 @@ nlohmann::ordered_json description_of(const std::filesystem::path& program) {
 /// Of the programs that are built.
 int write_package(const Options& options) {
   nlohmann::ordered_json programs;
-  std::vector<const char*> names(kPrograms.begin(), kPrograms.end());
-  names.push_back("telekerf-keys");
-  for (const char* name : names) {
+  for (const char* name : kPrograms) {
     const auto program = std::filesystem::path(options.programs) / name;
     if (std::filesystem::exists(program)) programs.push_back(description_of(program));
   }

@@ -63,6 +63,7 @@ _telekerf_flags() {
     'telekerf-inspect recover') echo '--config --print-config --help --version' ;;
     'telekerf-inspect robot') echo '--ik --fk --jacobian --workspace --hall --picture --config --print-config --help --version' ;;
     'telekerf-inspect run') echo '--csv --mcap --out --config --print-config --help --version' ;;
+    'telekerf-keys ') echo '--cells --days --check --renew --config --print-config --help --version' ;;
   esac
 }
 
@@ -71,10 +72,10 @@ _telekerf_values() {
   case $1 in
     'telekerf-master  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-master  --beta') echo "" ;;
-    'telekerf-master  --drive') echo "-W 'simulated udp: key='" ;;
+    'telekerf-master  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-master  --drive-stale-s') echo "" ;;
     'telekerf-master  --hand') echo "-W 'simulated browser browser: udp: evdev: recorded:'" ;;
-    'telekerf-master  --button') echo "-W 'hand pressed udp: key= evdev:'" ;;
+    'telekerf-master  --button') echo "-W 'hand pressed udp: evdev:'" ;;
     'telekerf-master  --mismatch') echo "" ;;
     'telekerf-master  --seed') echo "" ;;
     'telekerf-master  --control-hz') echo "" ;;
@@ -118,9 +119,9 @@ _telekerf_values() {
     'telekerf-master  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-master  --netem-seed') echo "" ;;
     'telekerf-slave  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
-    'telekerf-slave  --drive') echo "-W 'simulated udp: key='" ;;
+    'telekerf-slave  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-slave  --drive-stale-s') echo "" ;;
-    'telekerf-slave  --laser') echo "-W 'simulated udp: key= plant: key='" ;;
+    'telekerf-slave  --laser') echo "-W 'simulated udp: plant:'" ;;
     'telekerf-slave  --laser-max-w') echo "" ;;
     'telekerf-slave  --mismatch') echo "" ;;
     'telekerf-slave  --seed') echo "" ;;
@@ -155,9 +156,9 @@ _telekerf_values() {
     'telekerf-slave  --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-slave  --netem-seed') echo "" ;;
     'telekerf-machine  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
-    'telekerf-machine  --drive') echo "-W 'simulated udp: key='" ;;
+    'telekerf-machine  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-machine  --drive-stale-s') echo "" ;;
-    'telekerf-machine  --laser') echo "-W 'simulated udp: key= plant: key='" ;;
+    'telekerf-machine  --laser') echo "-W 'simulated udp: plant:'" ;;
     'telekerf-machine  --laser-max-w') echo "" ;;
     'telekerf-machine  --laser-w') echo "" ;;
     'telekerf-machine  --dose-max-j') echo "" ;;
@@ -647,7 +648,7 @@ _telekerf_values() {
     'telekerf-inspect contour --colours') echo "" ;;
     'telekerf-inspect contour --out') echo "-d" ;;
     'telekerf-inspect drive --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
-    'telekerf-inspect drive --drive') echo "-W 'simulated udp: key='" ;;
+    'telekerf-inspect drive --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-inspect drive --drive-stale-s') echo "" ;;
     'telekerf-inspect drive --mismatch') echo "" ;;
     'telekerf-inspect drive --seed') echo "" ;;
@@ -672,6 +673,9 @@ _telekerf_values() {
     'telekerf-inspect run ') echo "-d" ;;
     'telekerf-inspect run --mcap') echo "-f" ;;
     'telekerf-inspect run --out') echo "-d" ;;
+    'telekerf-keys  ') echo "" ;;
+    'telekerf-keys  --cells') echo "" ;;
+    'telekerf-keys  --days') echo "" ;;
     *' --config') echo '-f' ;;
     *) return 1 ;;
   esac
@@ -694,4 +698,4 @@ _telekerf() {
     eval "mapfile -t COMPREPLY < <(compgen $how -- \"\$word\")"
   fi
 }
-complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-console telekerf-ctl telekerf-netem telekerf-robot telekerf-plant telekerf-experiment telekerf-inspect
+complete -o filenames -F _telekerf telekerf-master telekerf-slave telekerf-machine telekerf-vision telekerf-console telekerf-ctl telekerf-netem telekerf-robot telekerf-plant telekerf-experiment telekerf-inspect telekerf-keys
