@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -23,9 +22,6 @@ namespace {
 using Type = Setting::Type;
 
 constexpr const char* kCommandLine = "command line";
-
-/// Those that may have a table in a cell's file.
-constexpr std::array kPrograms{"master", "slave", "vision", "console", "machine"};
 
 /// The whole of `text` as a number. "+1", "-.5" and "1e3" are some.
 std::optional<double> number_in(std::string_view text) {
@@ -244,7 +240,8 @@ void Settings::load(const ConfigFile& file) {
   load_keys(file, "");
   if (!table_.empty()) {
     load_keys(file, table_ + ".");
-    for (const char* const program : kPrograms) {
+    // The tables of the others in a cell's file.
+    for (const char* const program : {"master", "slave", "vision", "console", "machine"}) {
       if (program != table_) file.pass_over(program);
     }
   }

@@ -51,7 +51,7 @@ class EvdevState {
 
   explicit EvdevState(const EvdevTraits& traits) noexcept : traits_(traits) {}
 
-  /// One event; type and code as in linux/input-event-codes.h.
+  /// One event; type and code by the kernel's numbers.
   void hear(int type, int code, int value) noexcept;
   /// Events were lost, or the device is gone: nothing is held.
   void lose() noexcept;
