@@ -60,7 +60,7 @@ const char* word_of(RunState state);
 
 namespace run_file {
 
-inline constexpr const char* kFormat = "telekerf" "-run";  // no program of that name
+inline constexpr const char* kFormat = "telekerf-run";
 inline constexpr std::uint64_t kVersion = 1;
 
 /// The rows of `events` and of `contours/list` as they stand in memory and in the file.
