@@ -20,9 +20,10 @@ constexpr std::int64_t kMs = 1'000'000;
 
 TEST(HandSetting, WhatIsNoneIsRefusedWithWhatItMustBe) {
   for (const char* wrong : {"", "mouse", "browsers"})
-    EXPECT_NE(validate_hand(wrong).find(
-                  "must be one of simulated, browser, browser:HOST:PORT, udp:HOST:PORT, recorded:FILE"),
-              std::string::npos)
+    EXPECT_NE(
+        validate_hand(wrong).find(
+            "must be one of simulated, browser, browser:HOST:PORT, udp:HOST:PORT, evdev:PATH, recorded:FILE"),
+        std::string::npos)
         << wrong;
   EXPECT_EQ(validate_hand("browser"), "");
   EXPECT_NE(validate_hand("browser:here"), "");
