@@ -30,7 +30,7 @@ class PlantCell {
     folder_ = Program::scratch() / name;
     plant = std::make_unique<Program>("telekerf-plant",
                                       in_cell(joined({"--record", folder_.string()}, flags.plant), {}));
-    if (!plant->says("\n", std::chrono::seconds(20))) return;
+    if (!plant->says(", laser ", std::chrono::seconds(20))) return;
     const std::string said = plant->output();
     drive_ = after(said, "drive ");
     laser_ = after(said, "laser ");
