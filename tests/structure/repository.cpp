@@ -14,7 +14,8 @@ namespace {
 bool has_text(const std::string& path) {
   static const std::set<std::string> kKinds{".h",   ".cpp",   ".c",    ".md", ".idl",
                                             ".txt", ".cmake", ".toml", ".py"};
-  return kKinds.contains(fs::path(path).extension().string()) || path == "telekerf" || path == "debian/control";
+  return kKinds.contains(fs::path(path).extension().string()) || path == "telekerf" ||
+         path == "debian/control";
 }
 
 std::string text_of(const fs::path& file) {

@@ -73,13 +73,16 @@ std::vector<std::string> private_definitions(std::string_view source) {
   return found;
 }
 
-/// The sources of each library of a build file, by their paths from the top folder.
+/// The sources of each library, and of each program, that a build file may compile together, by their paths
+/// from the top folder.
 std::vector<std::vector<std::string>> libraries_of(const std::string& path, const std::string& text) {
-  static const std::regex kLibrary(R"(telekerf_library\(([^)]*)\))"), kSource(R"([\w/.]+\.cpp)");
+  static const std::regex kLibrary(R"(telekerf_(?:library|program)\(([^)]*)\))"), kSource(R"([\w/.]+\.cpp)");
   std::vector<std::vector<std::string>> libraries;
   for (auto library = std::sregex_iterator(text.begin(), text.end(), kLibrary);
        library != std::sregex_iterator(); ++library) {
     const std::string arguments = library->str(1);
+    const std::string name = arguments.substr(0, arguments.find_first_of(" \n"));
+    if (text.find(name + " PROPERTIES UNITY_BUILD OFF") != text.npos) continue;
     auto& sources = libraries.emplace_back();
     for (auto source = std::sregex_iterator(arguments.begin(), arguments.end(), kSource);
          source != std::sregex_iterator(); ++source)

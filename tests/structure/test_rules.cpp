@@ -71,6 +71,14 @@ TEST(Rules, NamesThatCollideInOneLibraryAreFound) {
       << "overloads";
   EXPECT_TRUE(found("void f() { const int kInside = 1; }", "void g() { const int kInside = 1; }").empty())
       << "in bodies";
+  const auto program = [&](const std::string& more) {
+    return colliding_names(
+        Repository{{{"tools/a/CMakeLists.txt", "telekerf_program(a SOURCES a.cpp b.cpp LINK x)" + more},
+                    {"tools/a/a.cpp", in("struct Options { };")},
+                    {"tools/a/b.cpp", in("struct Options { };")}}});
+  };
+  EXPECT_EQ(program("").size(), 1u);
+  EXPECT_TRUE(program("\nset_target_properties(a PROPERTIES UNITY_BUILD OFF)").empty());
   EXPECT_TRUE(found("constexpr int kOne = 1;", "constexpr int kTwo = 2; // kOne = 1;").empty());
   EXPECT_TRUE(
       colliding_names(Repository{{{"common/low/CMakeLists.txt",

@@ -11,7 +11,7 @@ namespace {
 
 constexpr EnumRow<bool> kVerdicts[] = {{"good", true, "as it should be"}, {"bad", false, "not to be used"}};
 
-struct Options {
+struct LabelOptions {
   std::string folder;
   RunLabel label;
 };
@@ -20,13 +20,13 @@ struct Options {
 
 void add_label_command(Program& program) {
   program.add(
-      "label", "Attaches a person's verdict to a run: label FOLDER good|bad \"why\"", Options{},
-      [](Options& o, Settings& s) {
+      "label", "Attaches a person's verdict to a run: label FOLDER good|bad \"why\"", LabelOptions{},
+      [](LabelOptions& o, Settings& s) {
         s.add("folder", o.folder, kFolder, "that the run recorded into").as_argument();
         s.add("verdict", o.label.good, EnumTable<bool>(kVerdicts), "good or bad").as_argument();
         s.add("text", o.label.text, kName, "why").as_argument();
       },
-      [](const Options& o) {
+      [](const LabelOptions& o) {
         label_run(o.folder, o.label);
         fmt::print("{}: {}\n", o.label.good ? "good" : "bad", o.label.text);
         return 0;
