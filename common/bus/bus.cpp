@@ -7,6 +7,13 @@
 
 namespace telekerf {
 
+std::string complaint_about_cell(const std::string& cell) {
+  if (cell.empty()) return "a cell needs a name";
+  // DDS takes a partition with one of these for a pattern: it would be every cell at once.
+  if (cell.find_first_of("*?[]") != std::string::npos) return "a cell's name must hold none of * ? [ ]";
+  return "";
+}
+
 Bus::Bus(BusSettings settings) : participant_(std::make_shared<Participant>(std::move(settings))) {
   participant_->join();
 }

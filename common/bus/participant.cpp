@@ -58,13 +58,6 @@ std::array<std::uint8_t, 12> key_of(const rtps::GUID_t& guid) {
 
 }  // namespace
 
-std::string complaint_about_cell(const std::string& cell) {
-  if (cell.empty()) return "a cell needs a name";
-  // DDS takes a partition with one of these for a pattern: it would be every cell at once.
-  if (cell.find_first_of("*?[]") != std::string::npos) return "a cell's name must hold none of * ? [ ]";
-  return "";
-}
-
 Bus::Participant::Participant(BusSettings settings)
     : settings_(validated(std::move(settings))), protection_(settings_), udp_(bus::udp_transport()) {
   bus::settle_library(protection_.on());
@@ -159,9 +152,8 @@ void Bus::Participant::wait_for_objections() {
     });
   };
   if (!reason && settings_.discovery_wait.count() > 0 && unheard())
-    changed_.wait_until(lock, end + kHandshake, [&] {
-      return (reason = objection(true)).has_value() || !unheard();
-    });
+    changed_.wait_until(lock, end + kHandshake,
+                        [&] { return (reason = objection(true)).has_value() || !unheard(); });
   if (!reason) reason = objection(false);
   if (reason) throw environment_error(*reason);
   self_.presence.joined = true;
@@ -236,6 +228,7 @@ void Bus::Participant::discovered(const Discovered& participant) {
   {
     const std::lock_guard lock(mutex_);
     if (gone) {
+      if (const auto other = others_.find(key); other != others_.end()) departures_.note(key, other->second);
       others_.erase(key);
       authenticated_.erase(key);
       elsewhere_.erase(key);
@@ -362,6 +355,9 @@ bool Bus::Participant::may_say(const rtps::GUID_t& writer, const char* topic, co
                                std::optional<std::uint32_t> epoch) {
   const Key key = key_of(writer);
   const std::lock_guard lock(mutex_);
+  if (!protection_.on() && !others_.contains(key)) {
+    if (const auto who = departures_.heard(key)) others_[key] = *who;
+  }
   const auto other = others_.find(key);
   if (other != others_.end()) {
     const PresenceMessage& presence = other->second.presence;

@@ -14,6 +14,7 @@
 #include <set>
 
 #include "common/bus/bus.h"
+#include "common/bus/departures.h"
 #include "common/bus/middleware.h"
 #include "common/bus/network_watch.h"
 #include "common/bus/participant_qos.h"
@@ -102,6 +103,7 @@ class Bus::Participant : private middleware::Discovery {
   mutable std::condition_variable changed_;
   Neighbour self_;
   std::map<Key, Neighbour> others_;
+  bus::Departures departures_;
   std::set<Key> incompatible_;  // seen since we joined
   std::mutex endpoints_mutex_;
   std::set<Endpoint*> endpoints_;

@@ -63,9 +63,12 @@ StartupError nobody_listens(const Bus& bus) {
 std::vector<std::string> tell(Bus& bus, EventMessage event, const std::vector<std::string>& roles) {
   const Answered answered(bus);
   Writer<EventMessage> writer(bus);
-  const std::size_t others = bus.others().size();
-  if (others == 0) throw nobody_listens(bus);
-  const std::vector<std::string> asked = present(bus, roles);
+  // A computer that has much to do, or a long way, takes its time until those that are there are found.
+  std::vector<std::string> asked = present(bus, roles);
+  for (const auto begun = Clock::now(); asked.empty() && Clock::now() - begun < kAnswered;
+       asked = present(bus, roles))
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  if (bus.others().empty()) throw nobody_listens(bus);
   if (asked.empty())
     throw environment_error(fmt::format("there is no {} in cell '{}' of domain {} to do it",
                                         fmt::join(roles, " or "), bus.settings().cell,
