@@ -134,7 +134,7 @@ def cut(page):
     page.watch_the_line()
     time.sleep(1)  # the slave comes to the master
     marks = page.js("return telekerf.stage.mark.length / 2")
-    for _ in range(6):  # on a machine that is short of time the beam is off where a step came late
+    for _ in range(15):  # on a machine that is short of time the beam is off where a step came late
         places = page.along(70)
         hold(page, page.tool())
         for place in places:
