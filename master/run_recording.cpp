@@ -85,22 +85,11 @@ void RunRecording::values(const TelemetryMessage& values) {
   ring->push(row_);
 }
 
-void RunRecording::contours(std::span<const ContourMessage> adopted) {
-  for (const ContourMessage& message : adopted) {
-    recording_.contour({.id = message.id,
-                        .closed = message.closed,
-                        .metres_per_pixel = message.metres_per_pixel,
-                        .deviation_m = message.deviation_m,
-                        .mode = message.mode,
-                        .source = message.source,
-                        .points_m = message.points_m});
-  }
-}
-
 bool RunRecording::close(RunRecord& record) {
   record.master_figures["dropped_rows"] = static_cast<double>(recording_.dropped());
   if (!recording_.close({.figures = record.master_figures, .words = record.words}) || !text_) return false;
-  if (const auto rows = RunReader(recording_.file()).data("master")) record.master = rows_of(*rows, master_columns());
+  if (const auto rows = RunReader(recording_.file()).data("master"))
+    record.master = rows_of(*rows, master_columns());
   return true;
 }
 

@@ -17,8 +17,8 @@ namespace telekerf::master {
 
 class RunRecording {
  public:
-  /// `identity`: with what the station does not know (cell, network, settings). The station's rows go into the
-  /// record from now on. Throws StartupError.
+  /// `identity`: with what the station does not know (cell, network, settings). The station's rows go into
+  /// the record from now on. Throws StartupError.
   RunRecording(const RecordFlags& flags, RunIdentity identity, Station& station, StatusReporter& status);
 
   /// The loop, after each step; wait-free.
@@ -26,7 +26,7 @@ class RunRecording {
             std::span<const EventMessage> events, const StationOutputs& out) noexcept;
   /// Beside the loop.
   void values(const TelemetryMessage& values);
-  void contours(std::span<const ContourMessage> adopted);
+  void contours(std::span<const ContourMessage> adopted) { recording_.contours(adopted); }
 
   /// After the loop, with the figures that `record` holds. Where the user has named the folder, `record` gets
   /// the rows as well, and true is returned: text is wanted too.

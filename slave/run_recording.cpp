@@ -45,8 +45,8 @@ void RunRecording::step(std::int64_t now_ns, const Corridor* corridor,
                      static_cast<std::uint32_t>(out.reason),
                      out.stop};
   if (out.stop != guards_.stop && out.stop != 0) recording_.fault("emergency stop");
-  if (!any_ || now.forbidden != guards_.forbidden || now.mode != guards_.mode || now.reason != guards_.reason ||
-      now.stop != guards_.stop)
+  if (!any_ || now.forbidden != guards_.forbidden || now.mode != guards_.mode ||
+      now.reason != guards_.reason || now.stop != guards_.stop)
     recording_.push(kGuards, guard_columns(), now);
   guards_ = now;
   any_ = true;
@@ -58,22 +58,11 @@ void RunRecording::step(std::int64_t now_ns, const Corridor* corridor,
   if (station_.beam().failed()) recording_.fault("the laser has failed");
 }
 
-void RunRecording::contours(std::span<const ContourMessage> adopted) {
-  for (const ContourMessage& message : adopted) {
-    recording_.contour({.id = message.id,
-                        .closed = message.closed,
-                        .metres_per_pixel = message.metres_per_pixel,
-                        .deviation_m = message.deviation_m,
-                        .mode = message.mode,
-                        .source = message.source,
-                        .points_m = message.points_m});
-  }
-}
-
 bool RunRecording::close(RunRecord& record) {
   record.slave_figures["dropped_rows"] = static_cast<double>(recording_.dropped());
   if (!recording_.close({.figures = record.slave_figures}) || !text_) return false;
-  if (const auto rows = RunReader(recording_.file()).data("slave")) record.slave = rows_of(*rows, slave_columns());
+  if (const auto rows = RunReader(recording_.file()).data("slave"))
+    record.slave = rows_of(*rows, slave_columns());
   return true;
 }
 

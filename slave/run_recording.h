@@ -14,15 +14,15 @@ namespace telekerf::slave {
 
 class RunRecording {
  public:
-  /// `identity`: with what the station does not know (cell, network, settings). The station's rows go into the
-  /// record from now on. Throws StartupError.
+  /// `identity`: with what the station does not know (cell, network, settings). The station's rows go into
+  /// the record from now on. Throws StartupError.
   RunRecording(const RecordFlags& flags, RunIdentity identity, Station& station, StatusReporter& status);
 
   /// The loop, after each step; wait-free.
   void step(std::int64_t now_ns, const Corridor* corridor, std::span<const Received<CommandBlock>> commands,
             const SlaveOutputs& out) noexcept;
   /// Beside the loop.
-  void contours(std::span<const ContourMessage> adopted);
+  void contours(std::span<const ContourMessage> adopted) { recording_.contours(adopted); }
 
   /// As the master's.
   bool close(RunRecord& record);

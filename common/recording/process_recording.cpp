@@ -29,10 +29,6 @@ ProcessRecording::ProcessRecording(const RecordFlags& flags, RunIdentity identit
 
 ProcessRecording::~ProcessRecording() { status_.listen({}); }
 
-void ProcessRecording::contour(const RunContour& contour) {
-  if (recording_ && contours_.insert(contour.id).second) recording_->add(contour);
-}
-
 bool ProcessRecording::close(const RunEnd& end) {
   if (!recording_) return false;
   status_.listen({});
@@ -40,8 +36,9 @@ bool ProcessRecording::close(const RunEnd& end) {
   if (!kept) return false;
   for (const SeriesAudit& audit : kept->series) {
     if (audit.gaps + audit.jumps + audit.non_finite == 0) continue;
-    status_.say(fmt::format("the record of {} has {} gaps ({} ticks), {} jumps, {} values that are no numbers", audit.name,
-                            audit.gaps, audit.missing_ticks, audit.jumps, audit.non_finite));
+    status_.say(
+        fmt::format("the record of {} has {} gaps ({} ticks), {} jumps, {} values that are no numbers",
+                    audit.name, audit.gaps, audit.missing_ticks, audit.jumps, audit.non_finite));
   }
   if (const auto lost = recording_->dropped(); lost > 0)
     status_.say(fmt::format("{} rows are not in the record", lost));

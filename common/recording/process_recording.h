@@ -16,9 +16,9 @@ namespace telekerf {
 
 class ProcessRecording {
  public:
-  /// Makes the file, and says where it is, unless the user has. `status`: what it says from now on is recorded. With `off` nothing
-  /// is done. Throws StartupError if the folder that the user named cannot be written to; if none was named,
-  /// that is said and the run goes on.
+  /// Makes the file, and says where it is, unless the user has. `status`: what it says from now on is
+  /// recorded. With `off` nothing is done. Throws StartupError if the folder that the user named cannot be
+  /// written to; if none was named, that is said and the run goes on.
   ProcessRecording(const RecordFlags& flags, RunIdentity identity, const std::vector<Recording::Part>& parts,
                    StatusReporter& status);
   ~ProcessRecording();
@@ -37,8 +37,13 @@ class ProcessRecording {
     if (recording_ && what != fault_ && what != nullptr) recording_->fault(what);
     fault_ = what;
   }
-  /// Beside the loop: a contour that was prepared, unless it is known already.
-  void contour(const RunContour& contour);
+  /// Beside the loop: contours that were prepared, unless they are known already.
+  template <typename Contours>
+  void contours(const Contours& prepared) {
+    for (const auto& contour : prepared) {
+      if (recording_ && contours_.insert(contour.id).second) recording_->add(recorded(contour));
+    }
+  }
 
   /// After the loop. True: there is a finished file.
   bool close(const RunEnd& end);

@@ -21,12 +21,12 @@ struct RunIdentity {
   std::string cell = {};
   std::uint32_t epoch = 0;
   bool virtual_time = false;
-  std::string created_utc = {};         ///< ISO 8601
+  std::string created_utc = {};     ///< ISO 8601
   std::int64_t utc_at_zero_ns = 0;  ///< of the monotonic clock's zero, so that stamps can be dated
-  std::string settings = {};  ///< as --config reads them
-  std::string network = {};   ///< the profile's file; empty: the real network
-  Metadata words = {};        ///< as far as they are known
-  Metrics figures = {};       ///< likewise
+  std::string settings = {};        ///< as --config reads them
+  std::string network = {};         ///< the profile's file; empty: the real network
+  Metadata words = {};              ///< as far as they are known
+  Metrics figures = {};             ///< likewise
   DriveRecord drive = {};
 };
 /// Created now, on this computer.
@@ -53,6 +53,18 @@ struct RunContour {
   std::string source = {};
   std::vector<Vec2> points_m = {};
 };
+
+/// A contour as it was published (ContourMessage, which a recording need not know), prepared only.
+template <typename Contour>
+RunContour recorded(const Contour& contour) {
+  return {.id = contour.id,
+          .closed = contour.closed,
+          .metres_per_pixel = contour.metres_per_pixel,
+          .deviation_m = contour.deviation_m,
+          .mode = contour.mode,
+          .source = contour.source,
+          .points_m = contour.points_m};
+}
 
 /// How a file came to its end.
 enum class RunState { kRecording, kClosed, kRecovered };

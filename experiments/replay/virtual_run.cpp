@@ -20,14 +20,9 @@ void write_virtual_run(const std::filesystem::path& folder, const RunRecord& rec
   identity.settings = settings.config;
   std::ifstream profile(find_resource(kProfile.shipped, settings.netem, kProfile.extension));
   identity.network.assign(std::istreambuf_iterator<char>(profile), {});
-  const RunContour kept{.id = contour.id,
-                        .closed = contour.closed,
-                        .metres_per_pixel = contour.metres_per_pixel,
-                        .deviation_m = contour.deviation_m,
-                        .mode = contour.mode,
-                        .source = contour.source,
-                        .points_m = contour.points_m};
-  const InForceRow in_force{.tick = record.master.empty() ? 0 : record.master.front().tick, .contour_id = contour.id};
+  const RunContour kept = recorded(contour);
+  const InForceRow in_force{.tick = record.master.empty() ? 0 : record.master.front().tick,
+                            .contour_id = contour.id};
   const auto write = [&](const std::string& role, const SeriesData& rows) {
     identity.role = role;
     try {

@@ -22,7 +22,7 @@ bootstrap() {
   local at=$folder/$1
   if [[ ! -e $at/.whole ]]; then
     rm -rf "$at"
-    debootstrap --variant=minbase "--include=systemd${3:+,$3}" --cache-dir="$folder/archives" "$2" "$at" http://deb.debian.org/debian
+    debootstrap --variant=minbase "--include=systemd${3:+,$3}" --cache-dir="$folder/archives" "$2" "$at"
     # Packages stay cached.
     printf 'APT::Keep-Downloaded-Packages "true";\nAPT::Install-Recommends "false";\n' >"$at/etc/apt/apt.conf.d/90keep"
     rm -f "$at/etc/apt/apt.conf.d/docker-clean"
