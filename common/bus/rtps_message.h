@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The little that is read of an RTPS message below the middleware (RTPS 2.x, 8.3 and 9.4). Inside the bus
-// only.
+// and its receive filters only.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,8 @@
 #include <cstring>
 #include <optional>
 #include <span>
+
+#include "common/protocol/site.h"
 
 namespace telekerf::bus {
 
@@ -35,6 +37,14 @@ inline std::optional<std::span<const std::byte>> submessage(std::span<const std:
   if (length == 0) return datagram.subspan(at);  // to the end
   if (at + kSubmessageHeader + length > datagram.size()) return std::nullopt;
   return datagram.subspan(at, kSubmessageHeader + length);
+}
+
+/// DATA of one of a stream's writers (site.h).
+inline bool is_stream_data(std::span<const std::byte> submessage) {
+  constexpr std::uint8_t kData = 0x15;
+  constexpr std::size_t kWriterEntity = 12;
+  return octet_at(submessage, 0) == kData && submessage.size() > kWriterEntity + 1 &&
+         octet_at(submessage, kWriterEntity) == 0 && octet_at(submessage, kWriterEntity + 1) == kStreamEntity;
 }
 
 }  // namespace telekerf::bus

@@ -17,7 +17,6 @@
 
 #include "common/bus/participant_qos.h"
 #include "common/bus/rtps_message.h"
-#include "common/protocol/site.h"
 #include "common/runtime/clock.h"
 
 namespace telekerf::bus {
@@ -34,15 +33,8 @@ using middleware::rtps::SenderResource;
 // RTPS 2.x, 8.3 and 9.4.
 constexpr std::uint8_t kInfoTimestamp = 0x09;
 constexpr std::uint8_t kInfoDestination = 0x0e;
-constexpr std::uint8_t kData = 0x15;
 constexpr std::uint8_t kStatistics = 0x80;
 constexpr std::size_t kStatisticsBytes = 60;
-constexpr std::size_t kWriterEntity = 12;  // in a DATA submessage
-
-bool is_stream_data(std::span<const std::byte> submessage) {
-  return octet_at(submessage, 0) == kData && submessage.size() > kWriterEntity + 1 &&
-         octet_at(submessage, kWriterEntity) == 0 && octet_at(submessage, kWriterEntity + 1) == kStreamEntity;
-}
 
 /// Datagrams to one host, without the middleware's sockets. Never waits.
 class UnicastSocket {

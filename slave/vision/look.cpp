@@ -39,15 +39,7 @@ bool holds(const geometry::Polyline& line, const Vec2& place_m) {
   return cv::pointPolygonTest(points, place, false) >= 0.0;
 }
 
-double area_m2(const geometry::Polyline& line) {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const Vec2& a = line.points_m[i];
-    const Vec2& b = line.points_m[(i + 1) % line.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return 0.5 * std::abs(twice);
-}
+double area_m2(const geometry::Polyline& line) { return std::abs(geometry::signed_area_m2(line)); }
 
 /// Which of the further contours is meant: the smallest around the place, or the line beside it.
 std::optional<std::size_t> further_at(const ContourMessage& shown, const Vec2& place_m) {
