@@ -165,7 +165,7 @@ class WebServer::Impl::PageOver : public Page, public std::enable_shared_from_th
   }
 
   std::shared_ptr<Impl> server_;
-  websocket::stream<Stream> socket_;
+  websocket::stream<Stream, false> socket_;  // not compressed: the messages are short, and the page is near
   Request request_;
   beast::flat_buffer in_;
   std::string out_;

@@ -133,7 +133,7 @@ nlohmann::json list_of(const vision::LoadedContours& loaded) {
   return out;
 }
 
-int inspect(const ContourOptions& o) {
+int inspect_contour(const ContourOptions& o) {
   const std::string file = find_resource("pictures", o.input, ".png").string();
   const auto loaded = vision::load_contours(file, request_of(o));
   if (!loaded) throw input_error(loaded.error());
@@ -237,7 +237,7 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
 
 void add_contour_command(Program& program) {
   program.add("contour", "Turns a picture or drawing into an ordered path, with its size and quality",
-              ContourOptions{}, add_contour_parameters, inspect);
+              ContourOptions{}, add_contour_parameters, inspect_contour);
 }
 
 }  // namespace telekerf::inspect

@@ -23,7 +23,7 @@ struct EfdOptions {
   std::size_t harmonics = 20;
 };
 
-int inspect(const std::string& path, std::size_t harmonics) {
+int inspect_points(const std::string& path, std::size_t harmonics) {
   std::ifstream file(path, std::ios::binary);
   if (!file || !std::filesystem::is_regular_file(path))
     throw input_error(fmt::format("{}: cannot be read", path));
@@ -56,7 +56,7 @@ void add_efd_command(Program& program) {
         s.add("points", o.points, kFile, "CSV with x,y a line").as_argument();
         s.add("harmonics", o.harmonics, {.min = 1, .max = 4096}, "how many");
       },
-      [](const EfdOptions& o) { return inspect(o.points, o.harmonics); });
+      [](const EfdOptions& o) { return inspect_points(o.points, o.harmonics); });
 }
 
 }  // namespace telekerf::inspect

@@ -94,7 +94,7 @@ std::vector<std::unique_ptr<Watched>> open_all(std::vector<std::string>& left_ou
   return all;
 }
 
-void print(const InputsOptions& options, const std::vector<std::unique_ptr<Watched>>& all,
+void print_inputs(const InputsOptions& options, const std::vector<std::unique_ptr<Watched>>& all,
            const std::vector<std::string>& left_out, double watched_s) {
   Json rows = Json::array();
   for (const auto& watched : all) {
@@ -118,7 +118,7 @@ void print(const InputsOptions& options, const std::vector<std::unique_ptr<Watch
   for (const std::string& refusal : left_out) fmt::print("left out: {}\n", refusal);
 }
 
-int run(const InputsOptions& options) {
+int watch_inputs(const InputsOptions& options) {
   std::vector<std::string> left_out;
   const auto all = open_all(left_out);
   catch_stop_signals();
@@ -133,11 +133,11 @@ int run(const InputsOptions& options) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  print(options, all, left_out, std::max(passed_s(), 1e-3));
+  print_inputs(options, all, left_out, std::max(passed_s(), 1e-3));
   return 0;
 }
 
-void add_parameters(InputsOptions& options, Settings& settings) {
+void add_inputs_parameters(InputsOptions& options, Settings& settings) {
   settings.add("seconds", options.seconds, {.min = 0, .max = 3600, .unit = "s"}, "how long they are watched");
   settings.add("json", options.json, "for machines");
 }
@@ -146,7 +146,7 @@ void add_parameters(InputsOptions& options, Settings& settings) {
 
 void add_inputs_command(Program& program) {
   program.add("inputs", "Lists gamepads, pens and pedals at this computer, with what they say now",
-              InputsOptions{}, add_parameters, run);
+              InputsOptions{}, add_inputs_parameters, watch_inputs);
 }
 
 }  // namespace telekerf::inspect

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct RunOptions {
   std::string folder;
   std::string other;
   std::string out;
@@ -32,7 +32,7 @@ std::string label_row(std::span<const fs::path> folders) {
   return reporting::table_row("label", fmt::format("{}: {}", label->good ? "good" : "bad", label->text));
 }
 
-int run(const Options& options) {
+int report_run(const RunOptions& options) {
   std::vector<fs::path> folders = {options.folder};
   if (!options.other.empty()) folders.emplace_back(options.other);
   const std::string out = options.out.empty() ? options.folder : options.out;
@@ -58,8 +58,8 @@ int run(const Options& options) {
 
 void add_run_command(Program& program) {
   program.add(
-      "run", "Report of a finished run: report.json, trace.csv, cut.png", Options{},
-      [](Options& o, Settings& s) {
+      "run", "Report of a finished run: report.json, trace.csv, cut.png", RunOptions{},
+      [](RunOptions& o, Settings& s) {
         s.add("folder", o.folder, kFolder, "that the run recorded into").as_argument();
         s.add("other_folder", o.other, kFolder, "that of the other site, if it is not the same")
             .empty_is_said()
@@ -70,7 +70,7 @@ void add_run_command(Program& program) {
             .empty_is_said();
         s.add("out", o.out, kFolder, "folder for the results; not said: the run's").empty_is_said();
       },
-      run);
+      report_run);
 }
 
 }  // namespace telekerf::inspect
