@@ -14,6 +14,9 @@ namespace telekerf {
 namespace fs = std::filesystem;
 namespace {
 
+/// Whose recordings a folder may hold.
+constexpr const char* kRoles[] = {"master", "slave", "vision", "machine", "console"};
+
 /// The contours that were in force, in order, as the master's file tells them.
 void read_contours(const RunReader& master, RunRecord& record) {
   const std::vector<RunContour> contours = master.contours();
@@ -40,6 +43,20 @@ template <typename Row>
 std::vector<Row> rows_in(const RunReader& reader, std::span<const Column<Row>> columns) {
   const auto data = reader.data(reader.identity().role);
   return data ? rows_of(*data, columns) : std::vector<Row>();
+}
+
+void take_master(const RunReader& reader, RunRecord& record) {
+  record.words = reader.identity().words;
+  record.master_figures = reader.identity().figures;
+  record.master_drive = reader.identity().drive;
+  record.master = rows_in(reader, master_columns());
+  read_contours(reader, record);
+}
+
+void take_slave(const RunReader& reader, RunRecord& record) {
+  record.slave_figures = reader.identity().figures;
+  record.slave_drive = reader.identity().drive;
+  record.slave = rows_in(reader, slave_columns());
 }
 
 fs::path folder_with(const std::string& file, std::span<const fs::path> folders) {
@@ -83,30 +100,42 @@ std::optional<fs::path> recording_of(const std::string& role, std::span<const fs
 RunRecord read_run(std::span<const fs::path> folders) {
   RunRecord record;
   if (const auto file = recording_of("master", folders)) {
-    const RunReader reader(*file);
-    record.words = reader.identity().words;
-    record.master_figures = reader.identity().figures;
-    record.master_drive = reader.identity().drive;
-    record.master = rows_in(reader, master_columns());
-    read_contours(reader, record);
+    take_master(RunReader(*file), record);
   } else {
     read_master(folder_with("master.csv", folders), record);
   }
   if (const auto file = recording_of("slave", folders)) {
-    const RunReader reader(*file);
-    record.slave_figures = reader.identity().figures;
-    record.slave_drive = reader.identity().drive;
-    record.slave = rows_in(reader, slave_columns());
+    take_slave(RunReader(*file), record);
   } else {
     read_slave(folder_with("slave.csv", folders), record);
   }
   return record;
 }
 
+fs::path place_of_run(const fs::path& folder) {
+  std::error_code error;
+  const auto has_some = [&error](const fs::path& place) {
+    return std::any_of(std::begin(kRoles), std::end(kRoles),
+                       [&](const char* role) { return fs::exists(place / fmt::format("{}.h5", role), error); });
+  };
+  if (has_some(folder)) return folder;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (at->path().filename().string().starts_with(".run-") && has_some(at->path())) return at->path();
+  }
+  return folder;
+}
+
+RunRecord read_run_so_far(const fs::path& folder) {
+  RunRecord record;
+  if (fs::exists(folder / "master.h5")) take_master(RunReader(folder / "master.h5"), record);
+  if (fs::exists(folder / "slave.h5")) take_slave(RunReader(folder / "slave.h5"), record);
+  return record;
+}
+
 void label_run(const fs::path& folder, const RunLabel& label) {
   const std::lock_guard alone(h5::library());
   std::size_t files = 0;
-  for (const char* role : {"master", "slave", "vision", "machine", "console"}) {
+  for (const char* role : kRoles) {
     const auto file = recording_of(role, std::span(&folder, 1));
     if (!file) continue;
     ++files;

@@ -27,6 +27,14 @@ std::optional<RunKept> recover_run_file(const std::filesystem::path& file);
 RunRecord read_run(std::span<const std::filesystem::path> folders);
 inline RunRecord read_run(const std::filesystem::path& folder) { return read_run(std::span(&folder, 1)); }
 
+/// Where the recordings of a run lie: in its folder, or in the draft below it (.run-*) that ./telekerf keeps until
+/// the run has ended. Without recordings: the folder itself.
+std::filesystem::path place_of_run(const std::filesystem::path& folder);
+
+/// What is there so far of a run that may still go on: nothing is finished or changed, and what a folder lacks stays
+/// empty. Throws StartupError: a recording is none.
+RunRecord read_run_so_far(const std::filesystem::path& folder);
+
 /// A person's verdict on a run.
 struct RunLabel {
   bool good = true;

@@ -42,4 +42,17 @@ bool joined_at(const RunRecord& record, double tick) {
 
 double beta_at(const RunRecord& record, double tick) { return row_at(record, tick).beta; }
 
+Contours::Contours(const RunRecord& record) {
+  for (const EarlierContour& earlier : record.earlier) {
+    until_.push_back(static_cast<double>(earlier.until_tick));
+    indices_.emplace_back(geometry::Polyline{earlier.points_m, earlier.closed});
+  }
+  indices_.emplace_back(geometry::Polyline{record.contour_m, record.contour_closed});
+}
+
+const geometry::NearestIndex& Contours::at(double master_tick) const {
+  const auto later = std::upper_bound(until_.begin(), until_.end(), master_tick);
+  return indices_[static_cast<std::size_t>(later - until_.begin())];
+}
+
 }  // namespace telekerf::reporting

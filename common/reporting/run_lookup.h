@@ -4,7 +4,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "common/geometry/nearest.h"
 #include "common/recording/run_record.h"
 #include "common/runtime/vectors.h"
 
@@ -26,5 +28,18 @@ bool joined_at(const RunRecord& record, double tick);
 
 /// Slave motion = beta x master motion at that tick, which the record must hold.
 double beta_at(const RunRecord& record, double tick);
+
+/// Which contour was in force when; workpiece frame.
+class Contours {
+ public:
+  explicit Contours(const RunRecord& record);
+  /// That of the end of the run.
+  const geometry::NearestIndex& last() const { return indices_.back(); }
+  const geometry::NearestIndex& at(double master_tick) const;
+
+ private:
+  std::vector<double> until_;
+  std::vector<geometry::NearestIndex> indices_;
+};
 
 }  // namespace telekerf::reporting

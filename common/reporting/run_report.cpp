@@ -21,40 +21,10 @@
 namespace telekerf::reporting {
 namespace {
 
-using geometry::Polyline;
-
 nlohmann::ordered_json um(const ErrorStatistics& spread, const char* rms_um = "rms_um") {
   if (spread.count == 0) return {{rms_um, nullptr}, {"max_um", nullptr}, {"samples", 0}};
   return {{rms_um, spread.rms() * 1e6}, {"max_um", spread.max * 1e6}, {"samples", spread.count}};
 }
-
-Polyline contour_of(const RunRecord& record) {
-  Polyline line;
-  line.closed = record.contour_closed;
-  line.points_m = record.contour_m;
-  return line;
-}
-
-/// Which contour was in force when.
-class Contours {
- public:
-  explicit Contours(const RunRecord& record) {
-    for (const EarlierContour& earlier : record.earlier) {
-      until_.push_back(static_cast<double>(earlier.until_tick));
-      indices_.emplace_back(Polyline{earlier.points_m, earlier.closed});
-    }
-    indices_.emplace_back(contour_of(record));
-  }
-  const geometry::NearestIndex& last() const { return indices_.back(); }
-  const geometry::NearestIndex& at(double master_tick) const {
-    const auto later = std::upper_bound(until_.begin(), until_.end(), master_tick);
-    return indices_[static_cast<std::size_t>(later - until_.begin())];
-  }
-
- private:
-  std::vector<double> until_;
-  std::vector<geometry::NearestIndex> indices_;
-};
 
 /// The sum of figures; null if one of them was never measured.
 nlohmann::ordered_json known(std::initializer_list<std::pair<const Metrics*, const char*>> parts) {

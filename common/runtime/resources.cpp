@@ -13,9 +13,13 @@
 namespace telekerf {
 namespace fs = std::filesystem;
 
+fs::path program_beside(const std::string& name) {
+  return fs::read_symlink("/proc/self/exe").parent_path() / name;
+}
+
 fs::path data_folder() {
   if (const char* set = std::getenv("TELEKERF_DATA")) return set;
-  return fs::read_symlink("/proc/self/exe").parent_path().parent_path() / "share" / "telekerf";
+  return program_beside("").parent_path().parent_path() / "share" / "telekerf";
 }
 
 std::vector<std::string> shipped_names(const std::string& kind, const std::string& extension) {

@@ -11,6 +11,9 @@ namespace telekerf {
 /// Folder that holds the shipped data: $TELEKERF_DATA, else ../share/telekerf beside the running program.
 std::filesystem::path data_folder();
 
+/// Another program of Telekerf, beside the running one.
+std::filesystem::path program_beside(const std::string& name);
+
 /// A path that exists is taken as it is; otherwise `name` + `extension` is looked up in the shipped `kind`
 /// ("robots", "profiles", "pictures", "config"). Throws StartupError that lists the shipped names.
 std::filesystem::path find_resource(const std::string& kind, const std::string& name,

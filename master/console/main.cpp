@@ -34,6 +34,7 @@ struct Flags {
   WebServerSettings web;
   std::string hand;
   std::string as = "operator";
+  std::string runs = "out";
 };
 
 /// Everything that has come from the bus.
@@ -62,6 +63,7 @@ int run(Flags& flags) {
   if (flags.web.token.empty()) flags.web.token = new_token();
   if (flags.web.certificate.empty() != flags.web.key.empty())
     throw usage_error("--tls-cert and --tls-key belong together; give both or neither");
+  flags.web.runs = {.folder = flags.runs, .inspect = program_beside("telekerf-inspect")};
   BusSettings settings = flags.bus.bus_settings(Site::kOperator, "console");
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
@@ -140,6 +142,7 @@ void add_parameters(Flags& flags, Settings& settings) {
                    [](const std::string& text) { return text.empty() ? std::string() : validate_udp(text); }},
       "where the master's --hand browser listens; without: 127.0.0.1 and the page's port");
   settings.add("as", flags.as, kName, "who stops from the page: a stop is cleared by nobody else");
+  settings.add("runs", flags.runs, kFolder, "whose folders are the recorded runs that the page lists and plays");
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);
 }

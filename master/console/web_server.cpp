@@ -11,15 +11,13 @@
 #include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
 #include <boost/beast/websocket/ssl.hpp>
-#include <charconv>
 #include <chrono>
 #include <set>
 #include <utility>
 
 #include "common/runtime/clock.h"
 #include "common/runtime/startup_error.h"
-#include "master/console/access.h"
-#include "master/console/page_files.h"
+#include "master/console/web_answers.h"
 
 namespace telekerf::master {
 namespace {
@@ -29,28 +27,20 @@ namespace http = beast::http;
 namespace ssl = boost::asio::ssl;
 namespace websocket = beast::websocket;
 using boost::asio::ip::tcp;
-using Request = http::request<http::empty_body>;
-using Response = http::response<http::string_body>;
+using Request = WebRequest;
+using Response = WebResponse;
 using Error = beast::error_code;
 using Plain = beast::tcp_stream;
 using Encrypted = beast::ssl_stream<beast::tcp_stream>;
 
 constexpr std::chrono::seconds kHttpPatience{5};
+/// A file of a run over a slow line.
+constexpr std::chrono::seconds kFilePatience{600};
 /// A page that answers no ping for this long is gone.
 constexpr std::chrono::seconds kSilence{3};
 constexpr std::size_t kMostHeaderBytes = 8192;
 constexpr std::size_t kMostMessageBytes = 4096;
 constexpr int kMostConnections = 64;
-
-std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
-
-/// Of "id=7", with more behind it or not; 0 of anything else.
-std::uint32_t id_of(std::string_view query) {
-  std::uint32_t id = 0;
-  constexpr std::string_view kKey = "id=";
-  if (query.starts_with(kKey)) std::from_chars(query.data() + kKey.size(), query.data() + query.size(), id);
-  return id;
-}
 
 }  // namespace
 
@@ -68,14 +58,17 @@ struct WebServer::Impl : std::enable_shared_from_this<Impl> {
 
   Impl(boost::asio::io_context& io, const WebServerSettings& chosen, Console& target,
        std::function<void()> on_heard)
-      : context(io), settings(chosen), console(target), heard(std::move(on_heard)), acceptor(io) {}
+      : context(io),
+        settings(chosen),
+        console(target),
+        heard(std::move(on_heard)),
+        acceptor(io),
+        shelf(io, chosen.runs) {}
 
   void open();
   void encrypt();
   void accept();
   std::string_view scheme() const { return tls ? "https" : "http"; }
-  Response answer(const Request& request, const tcp::endpoint& from) const;
-  std::string index(const std::string& text, const tcp::endpoint& from) const;
 
   boost::asio::io_context& context;
   WebServerSettings settings;
@@ -83,6 +76,7 @@ struct WebServer::Impl : std::enable_shared_from_this<Impl> {
   std::function<void()> heard;
   tcp::acceptor acceptor;
   std::optional<ssl::context> tls;
+  RunShelf shelf;
   std::uint16_t port = 0;
   std::set<Page*> pages;
   int connections = 0;
@@ -210,12 +204,36 @@ class WebServer::Impl::Http : public std::enable_shared_from_this<Http<Stream>> 
     Error error;
     const tcp::endpoint from = line().socket().remote_endpoint(error);
     if (error) return;
-    response_ = server_->answer(request, from);
+    response_ = answer_to(request, from.address(), server_->settings, server_->port, server_->console);
+    if (response_.result() == http::status::accepted) return fetch(std::string(request.target()));
     if (response_.result() == http::status::switching_protocols) {
       line().expires_never();
       std::make_shared<PageOver<Stream>>(server_, std::move(stream_))->accept(std::move(request));
       return;
     }
+    write(kHttpPatience);
+  }
+  /// Something of a recorded run, which takes its time.
+  void fetch(const std::string& target) {
+    RunQuestion question;
+    parse_run_question(target, question);
+    line().expires_never();
+    server_->shelf.ask(question, [self = this->shared_from_this(), question](RunShelf::Answer answer) {
+      self->response_.result(static_cast<unsigned>(answer.status));
+      self->response_.set(http::field::content_type,
+                          answer.status != 200       ? "text/plain; charset=utf-8"
+                          : question.what.empty()    ? "application/json"
+                                                     : "application/octet-stream");
+      if (answer.status == 200 && !question.what.empty() && question.what != "playback")
+        self->response_.set(http::field::content_disposition,
+                            "attachment; filename=\"" + question.what + "\"");
+      self->response_.body() = std::move(answer.bytes);
+      self->response_.prepare_payload();
+      self->write(kFilePatience);
+    });
+  }
+  void write(std::chrono::seconds patience) {
+    line().expires_after(patience);
     http::async_write(stream_, response_, [self = this->shared_from_this()](Error failed, std::size_t) {
       if (failed) return;
       if (self->response_.keep_alive()) return self->read();
@@ -279,70 +297,6 @@ void WebServer::Impl::accept() {
     }
     self->accept();
   });
-}
-
-std::string WebServer::Impl::index(const std::string& text, const tcp::endpoint& from) const {
-  // The token is for who sits at this very host; all others have to be told it.
-  constexpr std::string_view kPlace = "TELEKERF_TOKEN";
-  std::string page = text;
-  if (const std::size_t place = page.find(kPlace); place != page.npos)
-    page.replace(place, kPlace.size(), from.address().is_loopback() ? settings.token : "");
-  return page;
-}
-
-Response WebServer::Impl::answer(const Request& request, const tcp::endpoint& from) const {
-  Response response{http::status::ok, request.version()};
-  response.keep_alive(request.keep_alive());
-  response.set(http::field::cache_control, "no-store");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Cross-Origin-Resource-Policy", "same-origin");
-  const auto say = [&response](http::status status, std::string_view type, std::string_view text) {
-    response.result(status);
-    response.set(http::field::content_type, beast::string_view(type.data(), type.size()));
-    response.body() = text;
-    response.prepare_payload();
-    return response;
-  };
-  constexpr std::string_view kPlain = "text/plain; charset=utf-8";
-  const std::string_view host = view(request[http::field::host]);
-  if (!host_allowed(host, settings.name, port))
-    return say(http::status::misdirected_request, kPlain,
-               "Ask by this host's address, or start telekerf-console with --host-name\n");
-  // Not every browser takes a WebSocket of this host for 'self'.
-  response.set("Content-Security-Policy",
-               fmt::format("default-src 'self'; connect-src 'self' {}://{}; img-src "
-                           "'self' blob:; frame-ancestors 'none'; base-uri 'none'",
-                           tls ? "wss" : "ws", host));
-  if (!origin_allowed(view(request[http::field::origin]), scheme(), host))
-    return say(http::status::forbidden, kPlain, "Another page than this server's own\n");
-  if (request.method() != http::verb::get && request.method() != http::verb::head)
-    return say(http::status::method_not_allowed, kPlain, "Only GET\n");
-  std::string_view target = view(request.target());
-  const std::size_t query = target.find('?');
-  const std::uint32_t id = query == target.npos ? 0 : id_of(target.substr(query + 1));
-  target = target.substr(0, query);
-  if (target == "/ws") {
-    if (!websocket::is_upgrade(request))
-      return say(http::status::upgrade_required, kPlain, "A WebSocket is spoken here\n");
-    response.result(http::status::switching_protocols);
-    return response;
-  }
-  if (target == "/contour") return say(http::status::ok, "application/json", console.contour_json(id));
-  if (target == "/picture") {
-    const auto picture = console.cell().pictures().find(id);
-    if (picture == console.cell().pictures().end())
-      return say(http::status::not_found, kPlain, "No picture of this contour\n");
-    const auto& jpeg = picture->second.preview.jpeg;
-    return say(http::status::ok, "image/jpeg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
-  }
-  const std::string_view name = target == "/" ? "index.html" : target.substr(target.starts_with('/') ? 1 : 0);
-  for (const PageFile& file : kPageFiles) {
-    if (file.name != name) continue;
-    if (name == "index.html")
-      return say(http::status::ok, type_of(name), index(std::string(file.text), from));
-    return say(http::status::ok, type_of(name), file.text);
-  }
-  return say(http::status::not_found, kPlain, "Nothing is here\n");
 }
 
 WebServer::WebServer(boost::asio::io_context& context, const WebServerSettings& settings, Console& console,

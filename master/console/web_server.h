@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// HTTP and WebSocket around the console, with TLS or without: the page's files, /contour, /picture, and /ws.
+// HTTP and WebSocket around the console, with TLS or without: the page's files, /contour, /picture, /runs, /run,
+// and /ws.
 // All in one thread, the io_context's.
 #pragma once
 
@@ -10,6 +11,7 @@
 #include <string>
 
 #include "master/console/console.h"
+#include "master/console/run_shelf.h"
 
 namespace telekerf::master {
 
@@ -20,6 +22,7 @@ struct WebServerSettings {
   std::string token;               ///< stands in the page that is served to this host itself
   std::string certificate = {};    ///< PEM file, with those above it; without: plain HTTP
   std::string key = {};            ///< PEM file
+  RunShelfSettings runs = {};
 };
 
 class WebServer {

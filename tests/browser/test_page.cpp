@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The console's page in a real browser: test_page.py says what is done there.
+// The console's page in a real browser: the Python files say what is done there.
 #include <gtest/gtest.h>
 
 #include "tests/system/programs.h"
@@ -7,10 +7,15 @@
 namespace telekerf::integration {
 namespace {
 
-TEST(Page, APersonCutsAndThePageLetsGoWheneverItShould) {
-  Program test(TELEKERF_PYTHON, {TELEKERF_PAGE_TEST, TELEKERF_BIN_DIR, TELEKERF_SCREENSHOTS, own_domain()});
-  EXPECT_EQ(test.wait(std::chrono::seconds(100)), 0) << test.output();
+/// What it says is good, or the figures of what is not.
+void expect_good(const std::string& test) {
+  Program run(TELEKERF_PYTHON,
+              {TELEKERF_BROWSER_TESTS + ("/" + test), TELEKERF_BIN_DIR, TELEKERF_SCREENSHOTS, own_domain()});
+  EXPECT_EQ(run.wait(std::chrono::seconds(100)), 0) << run.output();
 }
+
+TEST(Page, APersonCutsAndThePageLetsGoWheneverItShould) { expect_good("test_page.py"); }
+TEST(Page, PlaysRecordedRunsAndGivesTheirFiles) { expect_good("test_playback.py"); }
 
 }  // namespace
 }  // namespace telekerf::integration

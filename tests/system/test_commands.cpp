@@ -160,6 +160,19 @@ TEST(Commands, ARunThatBurntBeyondTheCorridorEndsWithABadVerdict) {
   EXPECT_EQ(verdict_on(), 1);
 }
 
+TEST(Commands, WhatIsNoRunIsNeitherListedNorExported) {
+  const fs::path folder = Program::scratch() / "shelf";
+  fs::create_directories(folder / "no-run");
+  Program none("telekerf-inspect", {"runs", folder.string()});
+  EXPECT_EQ(none.wait(seconds(30)), 0);
+  EXPECT_NE(none.output().find("no recorded run"), std::string::npos) << none.output();
+  Program nowhere("telekerf-inspect", {"runs", (folder / "nowhere").string()});
+  EXPECT_EQ(nowhere.wait(seconds(30)), 2) << nowhere.output();
+  Program exported("telekerf-inspect", {"export", (folder / "no-run").string(), "master.csv"});
+  EXPECT_EQ(exported.wait(seconds(30)), 2);
+  EXPECT_NE(exported.output().find("holds no recording of a run"), std::string::npos) << exported.output();
+}
+
 TEST(Commands, EachSaysItsVersion) {
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"--version"}, {"lap", "--version"}, {"delay", "--version"}}) {

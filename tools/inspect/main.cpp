@@ -9,10 +9,12 @@ int main(int argc, char** argv) {
   telekerf::inspect::add_contour_command(program);
   telekerf::inspect::add_drive_command(program);
   telekerf::inspect::add_efd_command(program);
+  telekerf::inspect::add_export_command(program);
   telekerf::inspect::add_inputs_command(program);
   telekerf::inspect::add_label_command(program);
   telekerf::inspect::add_recover_command(program);
   telekerf::inspect::add_robot_command(program);
   telekerf::inspect::add_run_command(program);
+  telekerf::inspect::add_runs_command(program);
   return program.run(argc, argv);
 }

@@ -8,7 +8,7 @@ _telekerf_commands() {
     telekerf-ctl) echo 'stop clear-stop look engage disengage beta take-contour zoom refocus look ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
     telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor kinematics lap open-contour replay remote-machining robots space-contour ' ;;
-    telekerf-inspect) echo 'codec contour drive efd inputs label recover robot run ' ;;
+    telekerf-inspect) echo 'codec contour drive efd export inputs label recover robot run runs ' ;;
   esac
 }
 
@@ -18,7 +18,7 @@ _telekerf_flags() {
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --touched --look-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --dose-max-j --dose-max-j-per-mm2 --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --imaging --imaging-file --law --zoom --focus-region --calibrate --grid-mm --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --runs --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl look') echo '--wait-s --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
@@ -58,11 +58,13 @@ _telekerf_flags() {
     'telekerf-inspect contour') echo '--mode --start --end --at --not --box --paper --smallest-mm --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --speed-mm-s --travel-mm-s --power --passes --overlap-mm --kerf-um --origin-mm --arcs --join-mm --dpi --units --layers --colours --out --config --print-config --help --version' ;;
     'telekerf-inspect drive') echo '--robot --drive --drive-stale-s --mismatch --seed --control-hz --force-n --travel-mm --duration-s --move --json --out --config --print-config --help --version' ;;
     'telekerf-inspect efd') echo '--harmonics --config --print-config --help --version' ;;
+    'telekerf-inspect export') echo '--out --config --print-config --help --version' ;;
     'telekerf-inspect inputs') echo '--seconds --json --config --print-config --help --version' ;;
     'telekerf-inspect label') echo '--config --print-config --help --version' ;;
     'telekerf-inspect recover') echo '--config --print-config --help --version' ;;
     'telekerf-inspect robot') echo '--ik --fk --jacobian --workspace --hall --picture --config --print-config --help --version' ;;
     'telekerf-inspect run') echo '--csv --mcap --out --config --print-config --help --version' ;;
+    'telekerf-inspect runs') echo '--json --config --print-config --help --version' ;;
     'telekerf-keys ') echo '--cells --days --check --renew --config --print-config --help --version' ;;
   esac
 }
@@ -224,6 +226,7 @@ _telekerf_values() {
     'telekerf-console  --token') echo "" ;;
     'telekerf-console  --hand') echo "" ;;
     'telekerf-console  --as') echo "" ;;
+    'telekerf-console  --runs') echo "-d" ;;
     'telekerf-console  --domain') echo "" ;;
     'telekerf-console  --cell') echo "" ;;
     'telekerf-console  --name') echo "" ;;
@@ -659,6 +662,9 @@ _telekerf_values() {
     'telekerf-inspect drive --out') echo "-d" ;;
     'telekerf-inspect efd ') echo "-f" ;;
     'telekerf-inspect efd --harmonics') echo "" ;;
+    'telekerf-inspect export ') echo "-d" ;;
+    'telekerf-inspect export ') echo "-W 'playback report.json cut.png master.csv slave.csv contour.csv master.h5 slave.h5'" ;;
+    'telekerf-inspect export --out') echo "-f" ;;
     'telekerf-inspect inputs --seconds') echo "" ;;
     'telekerf-inspect label ') echo "-d" ;;
     'telekerf-inspect label ') echo "-W 'good bad'" ;;
@@ -673,6 +679,7 @@ _telekerf_values() {
     'telekerf-inspect run ') echo "-d" ;;
     'telekerf-inspect run --mcap') echo "-f" ;;
     'telekerf-inspect run --out') echo "-d" ;;
+    'telekerf-inspect runs ') echo "-d" ;;
     'telekerf-keys  ') echo "" ;;
     'telekerf-keys  --cells') echo "" ;;
     'telekerf-keys  --days') echo "" ;;

@@ -3,6 +3,7 @@ import { Link } from "./link.js";
 import { Hand } from "./hand.js";
 import { Stage } from "./stage.js";
 import { Plot } from "./plots.js";
+import { Player } from "./play.js";
 
 const kStale_ms = 250;
 const $ = (id) => document.getElementById(id);
@@ -64,6 +65,8 @@ const error = new Plot(...figures[1], [line("#2bb58a"), line("#e69f00", [6, 3]),
 const trip = new Plot(...figures[2], [line("#56b4e9"), line("#cc79a7", [6, 3])],
   () => `p50 ${quantile(trips_ms, 0.5).toFixed(1)} · p99 ${quantile(trips_ms, 0.99).toFixed(1)}`);
 const bytes = new Plot(...figures[3], [line("#56b4e9"), line("#e69f00", [6, 3])], ([a, b]) => `${a.toFixed(1)} · ${b.toFixed(1)}`);
+
+const player = new Player(figures, () => (hand.lease ? "Let go of the hand first: who drives looks at the cell" : ""), say);
 
 function setWords(m) {
   words = m;
@@ -159,7 +162,10 @@ function stop() {
 
 $("stop").addEventListener("pointerdown", stop);
 $("stop").addEventListener("click", stop);
-$("take").addEventListener("click", () => (hand.lease ? link.command("leave") : link.command("take", { text: token })));
+$("take").addEventListener("click", () => {
+  player.close();
+  hand.lease ? link.command("leave") : link.command("take", { text: token });
+});
 $("engage").addEventListener("click", () => link.command(words.engaged ? "disengage" : "engage"));
 $("arm").addEventListener("click", () => link.command("arm", { value: words.armed ? 0 : 1 }));
 $("clear-stop").addEventListener("click", () => link.command("clear-stop"));
@@ -227,10 +233,11 @@ $("take-contour").addEventListener("click", () => { showWaiting = false; link.co
 $("show-picture").addEventListener("change", () => setWords(words));
 $("axis").addEventListener("change", () => { link.command("zoom", { value: Number($("axis").value) }); $("axis").blur(); });
 $("refocus").addEventListener("click", () => link.command("refocus"));
+const shown = () => (player.run ? player.stage : stage);
 const middle = () => { const b = stage.canvas.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; };
-$("zoom-in").addEventListener("click", () => stage.zoom(1.4, ...middle()));
-$("zoom-out").addEventListener("click", () => stage.zoom(1 / 1.4, ...middle()));
-$("zoom-fit").addEventListener("click", () => stage.fit());
+$("zoom-in").addEventListener("click", () => shown().zoom(1.4, ...middle()));
+$("zoom-out").addEventListener("click", () => shown().zoom(1 / 1.4, ...middle()));
+$("zoom-fit").addEventListener("click", () => shown().fit());
 
 $("fire").addEventListener("pointerdown", (e) => { $("fire").setPointerCapture(e.pointerId); hand.setFire(true); });
 for (const end of ["pointerup", "pointercancel", "lostpointercapture", "contextmenu"])
@@ -290,8 +297,12 @@ function frame(now_ms) {
     echo_ms = s.echo_ms;
     remember(drawn_ms, begun - echo_ms);
   }
-  stage.draw(hand.held ? hand.at : null);
-  for (const plot of [speed, error, trip, bytes]) plot.draw(begun / 1e3);
+  if (player.run) {
+    player.frame(now_ms);
+  } else {
+    stage.draw(hand.held ? hand.at : null);
+    for (const plot of [speed, error, trip, bytes]) plot.draw(begun / 1e3);
+  }
   document.body.classList.toggle("burning", Boolean(s?.laser_on));
   document.body.classList.toggle("trigger", hand.trigger);
   if (begun > refusalEnds) $("refusal").textContent = "";
@@ -318,7 +329,7 @@ requestAnimationFrame(frame);
 
 // For tests and the benchmark: what is known here, in numbers.
 window.telekerf = {
-  stage, hand, link,
+  stage, hand, link, player,
   get state() { return newest; },
   get words() { return words; },
   figures: () => ({ drawn_ms: [...drawn_ms], step_ms: [...step_ms], trip_ms: [...trip_ms], frame_ms: [...frame_ms], script_ms: [...script_ms] }),

@@ -14,6 +14,11 @@ export class Plot {
     this.top = 1;
   }
 
+  clear() {
+    this.t.fill(-Infinity);
+    this.next = 0;
+  }
+
   push(t_s, numbers) {
     const at = this.next++ % kPoints;
     this.t[at] = t_s;

@@ -13,7 +13,8 @@ export class Stage {
     this.dirty = true;
     this.centre = { x: 0, y: 0 };
     this.scale = 20000;      // pixels (CSS) a metre
-    this.inset = 0;          // pixels at the top that words cover
+    this.inset = 0;          // pixels at the top that words cover,
+    this.below = 0;          // and at the bottom
     this.fitted = true;      // the view follows the contour until somebody changes it
     this.state = null;
     this.drag = null;
@@ -75,9 +76,9 @@ export class Stage {
     for (let n = 0; n < p.length; n += 2) {
       x0 = Math.min(x0, p[n]); x1 = Math.max(x1, p[n]); y0 = Math.min(y0, p[n + 1]); y1 = Math.max(y1, p[n + 1]);
     }
-    const margin = Math.min(width, height) * 0.06 + 24, room = height - this.inset;
+    const margin = Math.min(width, height) * 0.06 + 24, room = height - this.inset - this.below;
     this.scale = Math.min((width - 2 * margin) / (x1 - x0 || 1e-3), (room - 2 * margin) / (y1 - y0 || 1e-3));
-    this.centre = { x: (x0 + x1) / 2, y: (y0 + y1) / 2 + this.inset / 2 / this.scale };
+    this.centre = { x: (x0 + x1) / 2, y: (y0 + y1) / 2 + (this.inset - this.below) / 2 / this.scale };
   }
 
   zoom(by, clientX, clientY) {
@@ -194,7 +195,7 @@ export class Stage {
   scaleBar(context, width, height) {
     const lengths_mm = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
     const mm = lengths_mm.find((l) => l * 1e-3 * this.scale > 70) ?? 100;
-    const px = mm * 1e-3 * this.scale, x = 16, y = height - 20;
+    const px = mm * 1e-3 * this.scale, x = 16, y = height - 20 - this.below;
     context.strokeStyle = context.fillStyle = "#111";
     context.lineWidth = 3;
     context.beginPath();

@@ -29,7 +29,7 @@ TEST(Chaos, MeetsEveryBarWithoutFaults) {
 }
 
 TEST(Chaos, IsTheSameReportHoweverManyRunAtATime) {
-  ChaosCampaign c = campaign(5, 9.0);
+  ChaosCampaign c = campaign(3, 8.0);
   c.jobs = 1;
   const auto one = run_campaign(c, kQuiet).json;
   c.jobs = 3;
@@ -51,13 +51,13 @@ TEST(Chaos, AFaultOfTheLinkIsSurvived) {
 }
 
 TEST(Chaos, ASliceOfTheSwarmMissesNoBar) {
-  const ChaosReport report = run_campaign(campaign(30, 20.0), kQuiet);
+  const ChaosReport report = run_campaign(campaign(20, 20.0), kQuiet);
   EXPECT_TRUE(report.passed) << report.json["missed"].dump();
   EXPECT_TRUE(report.json["energy_enough"].get<bool>());
 }
 
 TEST(Chaos, WhereSensorsLieNothingMovesOrBurnsWhereItMayNot) {
-  ChaosCampaign c = campaign(8, 20.0);
+  ChaosCampaign c = campaign(5, 20.0);
   c.kinds = {FaultKind::kSensorSlip, FaultKind::kSensorStuck, FaultKind::kSensorDropout};
   const ChaosReport report = run_campaign(c, kQuiet);
   EXPECT_TRUE(report.passed) << report.json["missed"].dump();
@@ -73,7 +73,7 @@ TEST(Chaos, ADelayThatHasGoneIsGivenBackSoThatOneEngageSuffices) {
 }
 
 TEST(Chaos, NothingButALyingContourMovesOrBurnsWhereItMayNot) {
-  ChaosCampaign c = campaign(8, 20.0);
+  ChaosCampaign c = campaign(5, 20.0);
   c.kinds = {FaultKind::kDelay,   FaultKind::kSwizzle, FaultKind::kSlaveClock, FaultKind::kSlaveRestart,
              FaultKind::kContour, FaultKind::kBeta,    FaultKind::kStop,       FaultKind::kReplayer};
   const auto json = run_campaign(c, kQuiet).json;

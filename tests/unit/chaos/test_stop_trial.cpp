@@ -10,9 +10,10 @@
 namespace telekerf::experiments {
 namespace {
 
-TEST(StopTrial, IsAnsweredInTimeInAThousandTrialsWithAndWithoutLosses) {
+// `./telekerf check chaos` tries a thousand.
+TEST(StopTrial, IsAnsweredInTimeInTwoHundredTrialsWithAndWithoutLosses) {
   nlohmann::ordered_json out;
-  EXPECT_TRUE(try_stops(1, 1000, out)) << out.dump();
+  EXPECT_TRUE(try_stops(1, 200, out)) << out.dump();
   EXPECT_LE(out["acknowledged_over_rtt_ms_max"].get<double>(), 2.0);
   EXPECT_LE(out["acknowledged_over_rtt_ms_max_at_20_percent_loss"].get<double>(), 60.0);
   EXPECT_GT(out["acknowledged_over_rtt_ms_max_at_20_percent_loss"].get<double>(), 5.0) << "some were lost";
