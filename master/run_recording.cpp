@@ -7,33 +7,12 @@
 #include "common/runtime/clock.h"
 
 namespace telekerf::master {
-namespace {
-
-/// Of a value's name, which says it: "tool_x_m_per_s".
-std::string unit_of_name(std::string_view name) {
-  constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
-      {"_m_per_s2", "m/s^2"}, {"_m_per_s", "m/s"}, {"_m", "m"}, {"_n", "N"}, {"_s", "s"}};
-  for (const auto& [suffix, unit] : kUnits)
-    if (name.ends_with(suffix)) return std::string(unit);
-  return {};
-}
-
-SeriesSchema telemetry_schema() {
-  SeriesSchema schema{"telemetry", {}};
-  schema.columns.push_back({"tick", "", "", "control step of the master", ColumnKind::kCount});
-  schema.columns.push_back({"t_s", "s", "", "monotonic clock of the master's computer"});
-  for (const char* name : kMasterValueNames) schema.columns.push_back({name, unit_of_name(name), "", ""});
-  return schema;
-}
-
-}  // namespace
-
 std::vector<Recording::Part> RunRecording::parts(double control_hz) {
   return {{schema_of("master", master_columns(), true), control_hz},
           {schema_of("blocks", block_columns()), 2500.0},
           {schema_of("operator", operator_columns()), 100.0},
           {schema_of("in_force", in_force_columns()), 10.0},
-          {telemetry_schema(), 100.0}};
+          {telemetry_schema(std::vector<std::string>(kMasterValueNames.begin(), kMasterValueNames.end())), 100.0}};
 }
 
 RunIdentity RunRecording::with_station(RunIdentity identity) const {

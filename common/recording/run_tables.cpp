@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/recording/run_tables.h"
 
+#include <utility>
+
 namespace telekerf {
 namespace {
 
@@ -67,7 +69,24 @@ constexpr Column<GuardRow> kGuards[] = {
 };
 // clang-format on
 
+/// Of a value's name, which says it: "tool_x_m_per_s".
+std::string unit_of_name(std::string_view name) {
+  constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
+      {"_m_per_s2", "m/s^2"}, {"_m_per_s", "m/s"}, {"_m", "m"}, {"_n", "N"}, {"_s", "s"}};
+  for (const auto& [suffix, unit] : kUnits)
+    if (name.ends_with(suffix)) return std::string(unit);
+  return {};
+}
+
 }  // namespace
+
+SeriesSchema telemetry_schema(std::span<const std::string> names) {
+  SeriesSchema schema{"telemetry", {}};
+  schema.columns.push_back({"tick", "", "", "control step of the process", ColumnKind::kCount});
+  schema.columns.push_back({"t_s", "s", "", "monotonic clock of this computer"});
+  for (const std::string& name : names) schema.columns.push_back({name, unit_of_name(name), "", ""});
+  return schema;
+}
 
 std::span<const Column<BlockRow>> block_columns() { return kBlocks; }
 std::span<const Column<GuardRow>> guard_columns() { return kGuards; }

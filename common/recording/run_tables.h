@@ -5,8 +5,10 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "common/recording/columns.h"
+#include "common/recording/series.h"
 
 namespace telekerf {
 
@@ -82,6 +84,10 @@ BlockRow row_of(const Block& block, std::uint64_t tick, std::int64_t at_ns, bool
   }
   return row;
 }
+
+/// The series `telemetry` of a process: tick, t_s, and the values with these names, whose endings say their units
+/// ("tool_x_m_per_s").
+SeriesSchema telemetry_schema(std::span<const std::string> names);
 
 std::span<const Column<BlockRow>> block_columns();
 std::span<const Column<GuardRow>> guard_columns();

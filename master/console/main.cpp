@@ -19,6 +19,7 @@
 #include "master/console/access.h"
 #include "master/console/console.h"
 #include "master/console/hand_line.h"
+#include "master/console/console_recording.h"
 #include "master/console/web_server.h"
 #include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
@@ -35,6 +36,8 @@ struct Flags {
   std::string hand;
   std::string as = "operator";
   std::string runs = "out";
+  RecordFlags record;
+  std::string config;
 };
 
 /// Everything that has come from the bus.
@@ -60,6 +63,7 @@ struct Ears {
 };
 
 int run(Flags& flags) {
+  flags.record.validate("console");
   if (flags.web.token.empty()) flags.web.token = new_token();
   if (flags.web.certificate.empty() != flags.web.key.empty())
     throw usage_error("--tls-cert and --tls-key belong together; give both or neither");
@@ -89,14 +93,26 @@ int run(Flags& flags) {
   Writer<EventMessage> events(process.bus());
   Writer<StopMessage> stops(process.bus());
   const netem::NetemSwitch netem_switch(process.bus(), emulator);
+  ConsoleRecording recording(
+      flags.record, flags.netem.with_network(run_identity(settings, "telekerf-console", flags.config)),
+      process.status());
   deliver = [&] {
     const std::int64_t now_ns = monotonic_ns();
     if (console.stop().due(now_ns)) {
-      if (const auto stop = console.stop().step(process.bus().others(), now_ns)) stops.write(*stop);
+      if (const auto stop = console.stop().step(process.bus().others(), now_ns)) {
+        stops.write(*stop);
+        recording.sent(*stop);
+      }
     }
     const Console::Outbox outbox = console.take_outbox();
-    for (const UdpHandFrame& frame : outbox.hand) hand.send(frame);
-    for (const EventMessage& event : outbox.events) events.write(event);
+    for (const UdpHandFrame& frame : outbox.hand) {
+      hand.send(frame);
+      recording.sent(frame);
+    }
+    for (const EventMessage& event : outbox.events) {
+      events.write(event);
+      recording.sent(event);
+    }
   };
 
   boost::asio::steady_timer timer(context);
@@ -115,6 +131,7 @@ int run(Flags& flags) {
   step();
   context.run();
   deliver = [] {};
+  recording.close();
   process.refuse_ended();
   process.status().say("ended in order");
   return 0;
@@ -143,6 +160,7 @@ void add_parameters(Flags& flags, Settings& settings) {
       "where the master's --hand browser listens; without: 127.0.0.1 and the page's port");
   settings.add("as", flags.as, kName, "who stops from the page: a stop is cleared by nobody else");
   settings.add("runs", flags.runs, kFolder, "whose folders are the recorded runs that the page lists and plays");
+  flags.record.add_parameters(settings);
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);
 }

@@ -21,6 +21,7 @@
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
+#include "slave/machining/run_recording.h"
 #include "slave/machining/station.h"
 
 namespace telekerf::machining {
@@ -31,7 +32,8 @@ struct Flags {
   netem::NetemFlags netem;
   StationSettings station;
   StopFlags stop;
-  std::string record;
+  RecordFlags record;
+  std::string config;
   double wait_s = 20.0;  ///< for vision, then it gives up
   bool dry_run = false;
   void validate() const { station.validate(); }
@@ -89,8 +91,9 @@ const Job* awaited(ContourSubscriber<Job>& contour, Process& process, StopLine& 
   return contour.current();
 }
 
-int run(const Flags& flags) {
-  if (!flags.record.empty()) refuse_record_folder("--record", flags.record, "result");
+int run(Flags& flags) {
+  flags.record.validate("result");
+  flags.record.validate("machine");
   BusSettings settings = flags.bus.bus_settings(Site::kSlave, "slave");  // of which a cell has one
   if (settings.name.empty()) settings.name = "machine";
   const auto emulator = flags.netem.emulator(settings.site);
@@ -118,7 +121,10 @@ int run(const Flags& flags) {
     print_plan(*job);
     return 0;
   }
-  if (!flags.record.empty()) make_folder("--record", flags.record);
+  RunIdentity identity = flags.netem.with_network(run_identity(settings, "telekerf-machine", flags.config));
+  identity.role = "machine";  // on the bus it takes the slave's place
+  RunRecording recording(flags.record, std::move(identity), station.control_hz(), status);
+  recording.contours(contour.adopted());
   status.say(fmt::format("{} {} to cut, {:.1f} mm, about {:.1f} s in all", job->plans.size(),
                          job->plans.size() == 1 ? "contour" : "contours", job->cut_length_m * 1e3,
                          job->time_s()));
@@ -132,6 +138,7 @@ int run(const Flags& flags) {
     stop = stop || number != 0 || stop_requested() || process.ended();
     emergency.obeyed(number);
     const JobExecutorOutputs out = station.step(now_ns, stop);
+    recording.step(now_ns, out, station.last().tool_m, station.last().laser_w, stop);
     status.state(text_of(out.phase));
     status.progress(out.progress, station.time_s());
     return !station.ended();
@@ -139,8 +146,11 @@ int run(const Flags& flags) {
   station.release();
 
   bool inside = true;
-  if (!flags.record.empty()) {
-    const auto result = station.report(flags.record, loop);
+  Metrics figures;
+  add_figures(loop, figures);
+  recording.close(std::move(figures));
+  if (flags.record.named()) {
+    const auto result = station.report(flags.record.record, loop);
     inside = result["burn"]["energy_outside_corridor_j"].get<double>() == 0.0;
     fmt::print("{}", reporting::work_table(result));
   }
@@ -160,7 +170,7 @@ int run(const Flags& flags) {
 void add_parameters(Flags& flags, Settings& settings) {
   flags.station.add_parameters(settings);
   flags.stop.add_parameters(settings);
-  settings.add("record", flags.record, kFolder, "for what the work leaves");
+  flags.record.add_parameters(settings);
   settings.add("wait_s", flags.wait_s, {.min = 1, .max = 3600, .unit = "s"},
                "gives up after this long without a contour");
   settings.add("dry_run", flags.dry_run, "prints the cuts, their time and reach; nothing moves");

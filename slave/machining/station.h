@@ -77,6 +77,8 @@ class Station {
   /// Everything was worked off.
   bool finished() const noexcept { return work_.finished; }
   double time_s() const { return job_->time_s(); }
+  /// What came of the step before; there has been one.
+  const WorkRow& last() const noexcept { return work_.rows.back(); }
 
   /// Writes all that the work left; returns what result.json holds. Throws StartupError.
   nlohmann::ordered_json report(const std::filesystem::path& folder, const LoopStatistics& loop) const;

@@ -26,6 +26,7 @@
 #include "netem/drivers/netem_switch.h"
 #include "slave/vision/cameras/cameras.h"
 #include "slave/vision/imaging_flags.h"
+#include "slave/vision/run_recording.h"
 #include "slave/vision/vision_node.h"
 
 namespace telekerf::vision_process {
@@ -55,6 +56,8 @@ struct Flags {
   std::string robot = "slave-keops";
   std::string master_robot = "master-horizontal";
   double master_beta = 0.5;
+  RecordFlags record;
+  std::string config;
 };
 
 ContourRequest request_of(const Flags& flags) {
@@ -101,17 +104,20 @@ void say(const ContourMessage& contour, StatusReporter& status) {
 
 /// What the cell says: to the imaging unit, if there is one, and of what is meant in the picture.
 VisionNode::Outcome obey(Reader<EventMessage>& events, EventAnswers& answers, ImagingCamera* unit,
-                         VisionNode& node) {
+                         VisionNode& node, RunRecording& recording) {
   VisionNode::Outcome outcome;
   while (const auto event = events.take()) {
     const EventMessage& said = event->value;
-    if (said.kind == EventMessage::Kind::kLook) {
+    const bool looks = said.kind == EventMessage::Kind::kLook;
+    const bool adjusts = said.kind == EventMessage::Kind::kSetZoom || said.kind == EventMessage::Kind::kRefocus;
+    if (looks || adjusts) recording.heard(said, node.record().tick);
+    if (looks) {
       auto looked = node.look(said.text);
       answers.give(said.epoch, looked ? "" : looked.error());
       if (looked) outcome = std::move(*looked);
       continue;
     }
-    if (said.kind != EventMessage::Kind::kSetZoom && said.kind != EventMessage::Kind::kRefocus) continue;
+    if (!adjusts) continue;
     if (unit != nullptr) said.kind == EventMessage::Kind::kSetZoom ? unit->zoom(said.value) : unit->refocus();
     answers.give(said.epoch, unit != nullptr ? "" : "there is no imaging unit; start vision with --imaging");
   }
@@ -135,7 +141,18 @@ class Preview {
   std::chrono::steady_clock::time_point next_;
 };
 
-int run(const Flags& flags) {
+TelemetryMessage values_of(const VisionNode& node, const ImagingCamera* unit, std::chrono::duration<double> unseen) {
+  TelemetryMessage values = node.record();
+  values.values.emplace_back("look_age_s", unseen.count());
+  if (unit != nullptr) {
+    const auto more = unit->values();
+    values.values.insert(values.values.end(), more.begin(), more.end());
+  }
+  return values;
+}
+
+int run(Flags& flags) {
+  flags.record.validate("vision");
   if (!flags.imaging.calibrate.empty()) {
     run_calibration(flags.imaging, flags.camera);
     return 0;
@@ -163,6 +180,9 @@ int run(const Flags& flags) {
   Reader<EventMessage> events(process.bus());
   EventAnswers answers(process.bus());
   Preview preview(process.bus());
+  RunRecording recording(flags.record,
+                         flags.netem.with_network(run_identity(settings, "telekerf-vision", flags.config)),
+                         values_of(node, unit.get(), {}), process.status());
   auto report_at = std::chrono::steady_clock::now();
   auto looked = report_at;  // when it was last seen where it is
   while (!stop_requested() && !process.ended()) {
@@ -171,20 +191,17 @@ int run(const Flags& flags) {
     if (!outcome.remark.empty()) write_line(stderr, "vision: " + outcome.remark);
     if (outcome.publish) {
       writer.write(*outcome.publish);
+      recording.published(*outcome.publish);
       say(*outcome.publish, process.status());
     }
     preview.step(node, outcome.publish.has_value(), seen && *seen && (*seen)->settles);
     if (const auto now = std::chrono::steady_clock::now(); now >= report_at) {
-      TelemetryMessage record = node.record();
-      record.values.emplace_back("look_age_s", std::chrono::duration<double>(now - looked).count());
-      if (unit) {
-        const auto values = unit->values();
-        record.values.insert(record.values.end(), values.begin(), values.end());
-      }
-      telemetry.write(record);
+      const TelemetryMessage values = values_of(node, unit.get(), now - looked);
+      telemetry.write(values);
+      recording.values(values);
       report_at = now + (unit ? kImagingReport : kReport);
     }
-    const VisionNode::Outcome meant = obey(events, answers, unit.get(), node);
+    const VisionNode::Outcome meant = obey(events, answers, unit.get(), node, recording);
     if (unit) {
       if (const std::string remark = unit->remark(); !remark.empty()) process.status().say(remark);
     }
@@ -195,6 +212,7 @@ int run(const Flags& flags) {
     outcome = node.step(seen);
     if (meant.publish && !outcome.publish) outcome.publish = meant.publish;
   }
+  recording.close();
   process.refuse_ended();
   return 0;
 }
@@ -231,6 +249,7 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("master_robot", flags.master_robot, kRobot, "the operator's, for the size alone");
   settings.add("master_beta", flags.master_beta, {.min = 0, .max = 10},
                "slave motion = beta x master motion, for the size alone; 0: no operator");
+  flags.record.add_parameters(settings);
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);
 }
