@@ -226,9 +226,9 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
   s.add("dpi", o.dpi, {.min = 1, .max = 100000, .unit = "pixels an inch"},
         "of a scan, or of an SVG file in pixels; without it: what the file says");
   s.add("units", o.units, vision::kLengthUnits, "a unit of an SVG or DXF file");
-  s.add("layers", o.layers, TextForm{"NAME"}, "these layers of a drawing alone");
+  s.add("layers", o.layers, TextForm{"NAME"}, "these layers of a drawing alone, with those within them");
   s.add("colours", o.colours, TextForm{"COLOUR"},
-        "these colours of a drawing alone: #rrggbb, or a DXF number");
+        "these colours of a drawing alone: #rrggbb, a name, or a DXF number");
   s.add("out", o.out, kFolder, "for contour.csv, contour.svg, contour.dxf, contour.ngc and overlay.png")
       .must_be_given();
 }
