@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "common/vision/extraction/dashes.h"
 #include "common/vision/extraction/ends.h"
 #include "common/vision/raster/field.h"
 #include "common/vision/raster/grey_plane.h"
@@ -259,7 +260,9 @@ bool holds(const Scene& scene, const cv::Mat& mask, const Extraction& drawing) {
 
 }  // namespace
 
-tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const PictureRequest& request) {
+namespace {
+
+tl::expected<Extraction, std::string> found_in(const cv::Mat& image, const PictureRequest& request) {
   const ExtractionMode mode = request.extraction.mode;
   if (request.pointing.any()) {
     if (mode == ExtractionMode::kStroke || mode == ExtractionMode::kThesis)
@@ -312,6 +315,17 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
   if (!drawing) return tl::unexpected(fmt::format("{}; or {}", drawing.error(), kRemedy));
   return tl::unexpected(fmt::format("the picture is no drawing on an even background, and {}; {}",
                                     things ? "nothing stands out from it" : things.error(), kRemedy));
+}
+
+}  // namespace
+
+tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const PictureRequest& request) {
+  auto out = found_in(image, request);
+  if (!out) return out;
+  if (const int dashes = dashes_in(out->contours); dashes > 0)
+    out->why += fmt::format("; {} of {} contours are dashes, each of which is cut by itself", dashes,
+                            out->contours.size());
+  return out;
 }
 
 }  // namespace telekerf::vision

@@ -206,7 +206,8 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
         "elliptic Fourier descriptors of a closed contour");
   s.add("tolerance_mm", o.tolerance_mm, {.min = 1e-6, .max = 1e3, .unit = "mm"},
         "largest deviation that harmonics = auto allows");
-  s.add("select", o.select, {.min = 0, .max = 1e9}, "which contour, 0 is the largest");
+  s.add("select", o.select, {.min = 0, .max = 1e9},
+        "the one contour that is anchored, fitted and measured, by its number in list; 0 is the largest");
   s.add("speed_mm_s", o.speed_mm_s, {.min = 0.01, .max = 1000, .unit = "mm/s"},
         "of cutting, for contour.ngc");
   s.add("travel_mm_s", o.travel_mm_s, {.min = 0.01, .max = 10000, .unit = "mm/s"},

@@ -112,6 +112,16 @@ tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines fo
 
 /// The outlines of what no stroke runs through: dots beside lines.
 Contours dots_beside(const Contours& strokes, const Outlines& found, const cv::Size& picture) {
+  constexpr double kSlender = 0.15;  // width over size: what is larger and more slender has a stroke
+  constexpr double kLarge_px = 40.0;
+  std::vector<std::size_t> stout;
+  for (std::size_t i = 0; i < found.contours.size(); ++i) {
+    const PixelContour& shape = found.contours[i];
+    const double size = size_px(shape);
+    if (found.areas_px[i] <= 0.0 || size < kNoise_px) continue;
+    if (size < kLarge_px || 2.0 * found.areas_px[i] > kSlender * size * length_px(shape)) stout.push_back(i);
+  }
+  if (stout.empty()) return {};
   cv::Mat along(picture, CV_8U, cv::Scalar(0));
   for (const PixelContour& stroke : strokes) {
     if (length_px(stroke) < kMinAskedLength_px) continue;
@@ -120,15 +130,13 @@ Contours dots_beside(const Contours& strokes, const Outlines& found, const cv::S
                               std::clamp(static_cast<int>(std::lround(p.x())), 0, picture.width - 1)) = 255;
   }
   Contours out;
-  for (std::size_t i = 0; i < found.contours.size(); ++i) {
-    const PixelContour& shape = found.contours[i];
-    if (found.areas_px[i] <= 0.0 || size_px(shape) < kNoise_px) continue;
-    const geometry::Box box = geometry::bounding_box(shape.points_px);
+  for (const std::size_t i : stout) {
+    const geometry::Box box = geometry::bounding_box(found.contours[i].points_px);
     const cv::Rect held =
         cv::Rect(cv::Point(static_cast<int>(box.min.x()), static_cast<int>(box.min.y())),
                  cv::Point(static_cast<int>(box.max.x()) + 2, static_cast<int>(box.max.y()) + 2)) &
         cv::Rect({}, picture);
-    if (cv::countNonZero(along(held)) == 0) out.push_back(shape);
+    if (cv::countNonZero(along(held)) == 0) out.push_back(found.contours[i]);
   }
   return out;
 }

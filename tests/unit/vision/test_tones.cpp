@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drawings in more than one tone: pencil beside ink, a shape of two greys, light and dark on a ground between
-// them, dots beside lines. What is drawn is found, or named; none of it is lost without a word.
+// them, dots beside lines, dashes. What is drawn is found, or named; none of it is lost without a word.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -162,6 +162,36 @@ TEST(Tones, DotsBesideALineAreKeptOrCounted) {
   ASSERT_EQ(lengths.size(), 1u + kDots);
   for (std::size_t i = 0; i < kDots; ++i)
     EXPECT_NEAR(lengths[1 + i], 2.0 * M_PI * (13.5 - 2.0 * static_cast<double>(i)), 9.0) << i;
+}
+
+TEST(Dashes, AreNamed) {
+  cv::Mat dashed = sheet();
+  for (int i = 0; i < 24; ++i)
+    cv::ellipse(dashed, {320, 240}, {150, 150}, 0, 15 * i, 15 * i + 9, cv::Scalar::all(30), 5, cv::LINE_AA);
+  for (const cv::Mat& seen : {dashed, photographed(dashed)}) {
+    const auto found = contours_in(seen, {});
+    ASSERT_TRUE(found) << found.error();
+    EXPECT_EQ(found->contours.size(), 24u);
+    EXPECT_NE(found->why.find("24 of 24 contours are dashes"), std::string::npos) << found->why;
+  }
+  cv::Mat fence = sheet();  // strokes side by side are none
+  for (int i = 0; i < 12; ++i)
+    cv::line(fence, {60 + 45 * i, 180}, {60 + 45 * i, 300}, cv::Scalar::all(30), 5, cv::LINE_AA);
+  const auto found = contours_in(fence, {});
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_EQ(found->why.find("dashes"), std::string::npos) << found->why;
+}
+
+TEST(Select, ANumberThatIsNoneIsToldWhichThereAre) {
+  cv::Mat picture = sheet();
+  disc(picture, {180, 240}, 90, 30);
+  disc(picture, {460, 240}, 60, 30);
+  LoadRequest request;
+  request.select = 2;
+  const auto found = contours_of(picture, request);
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().find("--select 2: there are the contours 0 to 1"), std::string::npos)
+      << found.error();
 }
 
 }  // namespace
