@@ -303,7 +303,7 @@ std::vector<Settings::Given> Settings::sorted(std::span<const std::string> words
       throw usage_error(fmt::format("{}: {} needs a value; see --help", kCommandLine, flag));
     // A list of any length may be given in parts.
     const auto before = std::find_if(all.begin(), all.end(), [&](const Given& g) {
-      return g.entry == given.entry && type == Type::kNumbers && given.entry->setting.count == 0;
+      return several && g.entry == given.entry && given.entry->setting.count == 0;
     });
     if (before != all.end()) {
       before->words.insert(before->words.end(), given.words.begin(), given.words.end());

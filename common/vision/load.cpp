@@ -20,6 +20,12 @@ std::vector<Vec2> all_points(const std::vector<geometry::Polyline>& lines) {
   return all;
 }
 
+std::string no_contour(std::size_t asked, std::size_t count) {
+  return fmt::format(
+      "--select {}: {}; they are numbered from 0, the largest", asked,
+      count == 1 ? "there is contour 0 alone" : fmt::format("there are the contours 0 to {}", count - 1));
+}
+
 double size_of(const geometry::Polyline& line) { return geometry::bounding_box(line.points_m).size().norm(); }
 
 tl::expected<LoadedContours, std::string> vector_contours(const std::string& path,
@@ -50,10 +56,8 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
     out.left_out_labels.push_back({left.pen.layer, left.pen.colour, left.why});
   }
   out.selected = request.select;
-  if (out.selected >= out.contours.size()) {
-    return tl::unexpected(
-        fmt::format("{}: contour {} is asked for, there are {}", path, request.select, out.contours.size()));
-  }
+  if (out.selected >= out.contours.size())
+    return tl::unexpected(fmt::format("{}: {}", path, no_contour(request.select, out.contours.size())));
   const geometry::Polyline& chosen = out.contours[out.selected];
   if (request.scale.picture_height_m) {
     return tl::unexpected(
@@ -123,10 +127,8 @@ tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, cons
     found = contours_in(image, wanted);
   }
   if (!found) return tl::unexpected(found.error());
-  if (request.select >= found->contours.size()) {
-    return tl::unexpected(
-        fmt::format("contour {} is asked for, the picture has {}", request.select, found->contours.size()));
-  }
+  if (request.select >= found->contours.size())
+    return tl::unexpected(no_contour(request.select, found->contours.size()));
   LoadedContours out;
   out.mode = kExtractionModes.word(found->mode);
   out.why = found->why;

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "common/vision/extraction/dashes.h"
 #include "common/vision/extraction/ends.h"
 #include "common/vision/raster/field.h"
 #include "common/vision/raster/grey_plane.h"
@@ -26,6 +27,11 @@ constexpr const char* kRemedy =
 /// A picture of one ink on one paper: nearly all sharp edges lie on the contours, and the paper is even.
 bool is_sure(const Extraction& drawing) {
   const DrawingEvidence& e = drawing.evidence;
+  // Two tones on even paper, each of next to one grey; a photograph has many.
+  constexpr std::size_t kFew = 24;
+  if (e.fainter && e.explained_with_fainter > 0.95 && e.unevenness_beside < 0.05 && e.ink_range < 0.9 &&
+      e.cut_off == 0 && drawing.contours.size() <= kFew)
+    return true;
   // Edges of what was cleared away are still explained by nothing.
   if (e.cleared && e.unevenness < 0.15 && e.ink_range < 0.5) return e.explained > 0.5;
   if (!e.one_pen || (e.cut_off >= 3 && e.cut_off_share > 0.35)) return false;
@@ -225,9 +231,9 @@ bool keep_pointed_at(Extraction& drawing, const Pointing& pointing) {
   return true;
 }
 
-/// The drawing's outlines enclose what was cut out of the scene, nearly.
-bool is_like(const Extraction& drawing, const Scene& scene, const cv::Mat& mask) {
-  cv::Mat drawn(mask.size(), CV_8U, cv::Scalar(0));
+/// What the drawing's outlines enclose, in the scene.
+cv::Mat enclosed_by(const Extraction& drawing, const Scene& scene) {
+  cv::Mat drawn(scene.lab.size(), CV_8U, cv::Scalar(0));
   for (const PixelContour& c : drawing.contours) {
     if (c.hole) continue;
     std::vector<cv::Point> polygon;
@@ -237,12 +243,26 @@ bool is_like(const Extraction& drawing, const Scene& scene, const cv::Mat& mask)
     }
     cv::fillPoly(drawn, std::vector<std::vector<cv::Point>>{polygon}, cv::Scalar(255));
   }
+  return drawn;
+}
+
+/// The drawing's outlines enclose what was cut out of the scene, nearly.
+bool is_like(const Extraction& drawing, const Scene& scene, const cv::Mat& mask) {
+  const cv::Mat drawn = enclosed_by(drawing, scene);
   return cv::countNonZero(drawn & mask) > 0.85 * cv::countNonZero(drawn | mask);
+}
+
+/// All of the drawing is among what was cut out of the scene.
+bool holds(const Scene& scene, const cv::Mat& mask, const Extraction& drawing) {
+  const cv::Mat drawn = enclosed_by(drawing, scene);
+  return cv::countNonZero(drawn & mask) > 0.9 * cv::countNonZero(drawn);
 }
 
 }  // namespace
 
-tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const PictureRequest& request) {
+namespace {
+
+tl::expected<Extraction, std::string> found_in(const cv::Mat& image, const PictureRequest& request) {
   const ExtractionMode mode = request.extraction.mode;
   if (request.pointing.any()) {
     if (mode == ExtractionMode::kStroke || mode == ExtractionMode::kThesis)
@@ -254,7 +274,8 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
     const Scene scene = scene_of(bgr, kPointed_px);
     auto drawing = extract(image, request.extraction);
     if (drawing && !is_sure(*drawing)) drawing = tl::unexpected<std::string>("");
-    if (drawing && drawing->mode == ExtractionMode::kStroke && keep_pointed_at(*drawing, request.pointing))
+    if (drawing && drawing->mode == ExtractionMode::kStroke && !drawing->evidence.fainter &&
+        keep_pointed_at(*drawing, request.pointing))
       return drawing;
     const auto mask = pointed_at(scene, request.pointing);
     if (!mask) return tl::unexpected(mask.error());
@@ -271,12 +292,22 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
   }
   if (mode == ExtractionMode::kStroke || mode == ExtractionMode::kThesis) return drawing;
   const bool sure = drawing && is_sure(*drawing);
-  if (sure && !drawing->evidence.flattened) return drawing;
+  const bool both_sides = sure && drawing->evidence.opposite > 0.05;
+  if (sure && !drawing->evidence.flattened && !both_sides) return drawing;
   const cv::Mat bgr = colour_plane(image);
   if (bgr.empty()) return drawing;
   const Scene scene = scene_of(bgr, kThings_px);
   const auto things = things_in(scene);
-  if (sure && (!things || !are_solid(scene, things->mask))) return drawing;
+  if (both_sides) {  // dark and light on a ground between them
+    if (!things || !holds(scene, things->mask, *drawing)) {
+      drawing->why +=
+          "; what lies off the background to the other side, lighter or darker, is left out (--at "
+          "X,Y takes one of it)";
+      return drawing;
+    }
+  } else if (sure && (!things || !are_solid(scene, things->mask))) {
+    return drawing;
+  }
   if (things) {
     auto out = extraction_of(image, scene, things->mask, bgr, request, why_of(*things));
     if (!out.contours.empty()) return out;
@@ -284,6 +315,17 @@ tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const Pi
   if (!drawing) return tl::unexpected(fmt::format("{}; or {}", drawing.error(), kRemedy));
   return tl::unexpected(fmt::format("the picture is no drawing on an even background, and {}; {}",
                                     things ? "nothing stands out from it" : things.error(), kRemedy));
+}
+
+}  // namespace
+
+tl::expected<Extraction, std::string> contours_in(const cv::Mat& image, const PictureRequest& request) {
+  auto out = found_in(image, request);
+  if (!out) return out;
+  if (const int dashes = dashes_in(out->contours); dashes > 0)
+    out->why += fmt::format("; {} of {} contours are dashes, each of which is cut by itself", dashes,
+                            out->contours.size());
+  return out;
 }
 
 }  // namespace telekerf::vision

@@ -242,9 +242,9 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("dpi", flags.dpi, {.min = 1, .max = 100000, .unit = "pixels an inch"},
                "of a scan, or of an SVG file in pixels; without it: what the file says");
   settings.add("units", flags.units, vision::kLengthUnits, "a unit of an SVG or DXF file");
-  settings.add("layers", flags.layers, TextForm{"NAME"}, "these layers of a drawing alone");
+  settings.add("layers", flags.layers, TextForm{"NAME"}, "these layers of a drawing alone, with those within them");
   settings.add("colours", flags.colours, TextForm{"COLOUR"},
-               "these colours of a drawing alone: #rrggbb, or a DXF number");
+               "these colours of a drawing alone: #rrggbb, a name, or a DXF number");
   settings.add("robot", flags.robot, kRobot, "the slave's robot: a shipped name or a file");
   settings.add("master_robot", flags.master_robot, kRobot, "the operator's, for the size alone");
   settings.add("master_beta", flags.master_beta, {.min = 0, .max = 10},

@@ -206,7 +206,8 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
         "elliptic Fourier descriptors of a closed contour");
   s.add("tolerance_mm", o.tolerance_mm, {.min = 1e-6, .max = 1e3, .unit = "mm"},
         "largest deviation that harmonics = auto allows");
-  s.add("select", o.select, {.min = 0, .max = 1e9}, "which contour, 0 is the largest");
+  s.add("select", o.select, {.min = 0, .max = 1e9},
+        "the one contour that is anchored, fitted and measured, by its number in list; 0 is the largest");
   s.add("speed_mm_s", o.speed_mm_s, {.min = 0.01, .max = 1000, .unit = "mm/s"},
         "of cutting, for contour.ngc");
   s.add("travel_mm_s", o.travel_mm_s, {.min = 0.01, .max = 10000, .unit = "mm/s"},
@@ -226,9 +227,9 @@ void add_contour_parameters(ContourOptions& o, Settings& s) {
   s.add("dpi", o.dpi, {.min = 1, .max = 100000, .unit = "pixels an inch"},
         "of a scan, or of an SVG file in pixels; without it: what the file says");
   s.add("units", o.units, vision::kLengthUnits, "a unit of an SVG or DXF file");
-  s.add("layers", o.layers, TextForm{"NAME"}, "these layers of a drawing alone");
+  s.add("layers", o.layers, TextForm{"NAME"}, "these layers of a drawing alone, with those within them");
   s.add("colours", o.colours, TextForm{"COLOUR"},
-        "these colours of a drawing alone: #rrggbb, or a DXF number");
+        "these colours of a drawing alone: #rrggbb, a name, or a DXF number");
   s.add("out", o.out, kFolder, "for contour.csv, contour.svg, contour.dxf, contour.ngc and overlay.png")
       .must_be_given();
 }

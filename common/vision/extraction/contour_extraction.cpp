@@ -110,9 +110,46 @@ tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines fo
   return contours;
 }
 
+/// The outlines of what no stroke runs through: dots beside lines.
+Contours dots_beside(const Contours& strokes, const Outlines& found, const cv::Size& picture) {
+  constexpr double kSlender = 0.15;  // width over size: what is larger and more slender has a stroke
+  constexpr double kLarge_px = 40.0;
+  std::vector<std::size_t> stout;
+  for (std::size_t i = 0; i < found.contours.size(); ++i) {
+    const PixelContour& shape = found.contours[i];
+    const double size = size_px(shape);
+    if (found.areas_px[i] <= 0.0 || size < kNoise_px) continue;
+    if (size < kLarge_px || 2.0 * found.areas_px[i] > kSlender * size * length_px(shape)) stout.push_back(i);
+  }
+  if (stout.empty()) return {};
+  cv::Mat along(picture, CV_8U, cv::Scalar(0));
+  for (const PixelContour& stroke : strokes) {
+    if (length_px(stroke) < kMinAskedLength_px) continue;
+    for (const Vec2& p : stroke.points_px)
+      along.at<unsigned char>(std::clamp(static_cast<int>(std::lround(p.y())), 0, picture.height - 1),
+                              std::clamp(static_cast<int>(std::lround(p.x())), 0, picture.width - 1)) = 255;
+  }
+  Contours out;
+  for (const std::size_t i : stout) {
+    const geometry::Box box = geometry::bounding_box(found.contours[i].points_px);
+    const cv::Rect held =
+        cv::Rect(cv::Point(static_cast<int>(box.min.x()), static_cast<int>(box.min.y())),
+                 cv::Point(static_cast<int>(box.max.x()) + 2, static_cast<int>(box.max.y()) + 2)) &
+        cv::Rect({}, picture);
+    if (cv::countNonZero(along(held)) == 0) out.push_back(found.contours[i]);
+  }
+  return out;
+}
+
 tl::expected<Contours, std::string> stroke_mode(const Field& field, const Outlines& found,
                                                 const ExtractionSettings& settings, SmallParts& left_out) {
-  return finished(strokes_of(field, found), settings, left_out,
+  Contours all = strokes_of(field, found);
+  if (std::any_of(all.begin(), all.end(), [](const auto& c) { return length_px(c) >= kMinLength_px; })) {
+    Contours dots = dots_beside(all, found, field.drawn.size());
+    std::erase_if(all, [](const auto& c) { return length_px(c) < kMinAskedLength_px; });  // within the dots
+    std::move(dots.begin(), dots.end(), std::back_inserter(all));
+  }
+  return finished(std::move(all), settings, left_out,
                   found.cut_off > 0 ? kAllCutOff : "the picture holds specks only, no stroke");
 }
 
@@ -163,23 +200,29 @@ tl::expected<Contours, std::string> both_modes(const Field& field, ShapeKinds ki
 /// Looked at in some pixels only.
 DrawingEvidence evidence_of(const Separation& found) {
   constexpr int kClear_px = 3;  // from what is drawn
-  const cv::Mat& drawn = found.field.drawn;
+  const cv::Mat& drawn = found.fainter ? found.fainter->darker : found.field.drawn;
+  const cv::Mat* const fainter = found.fainter ? &found.fainter->field.drawn : nullptr;
   const int step = std::max(4, std::min(drawn.rows, drawn.cols) / 120);
   Histogram paper{};
+  Histogram beside{};
   Histogram ink{};
   double inked = 0.0;
   for (int y = kClear_px; y + kClear_px < drawn.rows; y += step) {
-    const auto* above = drawn.ptr<unsigned char>(y - kClear_px);
+    const auto near = [&](const cv::Mat& plane, int x) {
+      const auto* here = plane.ptr<unsigned char>(y);
+      return here[x - kClear_px] | here[x + kClear_px] | here[x] | plane.at<unsigned char>(y - kClear_px, x) |
+             plane.at<unsigned char>(y + kClear_px, x);
+    };
     const auto* here = drawn.ptr<unsigned char>(y);
-    const auto* below = drawn.ptr<unsigned char>(y + kClear_px);
     const auto* grey = found.field.smooth.ptr<unsigned char>(y);
     for (int x = kClear_px; x + kClear_px < drawn.cols; x += step) {
       if (here[x] != 0) {
         inked += 1.0;
         ink[grey[x]] += 1.0;
       }
-      const int near = above[x] | below[x] | here[x - kClear_px] | here[x + kClear_px] | here[x];
-      if (near == 0) paper[grey[x]] += 1.0;
+      if (near(drawn, x) != 0) continue;
+      paper[grey[x]] += 1.0;
+      if (fainter == nullptr || near(*fainter, x) == 0) beside[grey[x]] += 1.0;
     }
   }
   double whole = 0.0;
@@ -189,15 +232,50 @@ DrawingEvidence evidence_of(const Separation& found) {
            std::max(1.0, found.field.contrast);
   };
   DrawingEvidence out;
-  out.explained = found.explained;
+  out.explained = found.edges.explained;
+  out.explained_with_fainter = found.explained_with_fainter;
+  out.opposite = found.edges.opposite;
+  out.fainter = found.fainter.has_value();
   out.flattened = found.flattened;
   out.unevenness = range(paper);
+  out.unevenness_beside = range(beside);
   out.ink_range = range(ink);
   out.cut_off = found.outlines.cut_off;
   out.one_pen = out.cut_off < 3 || !found.outlines.thin() || is_of_one_pen(found.field, found.outlines);
   out.cut_off_share =
       out.cut_off == 0 ? 0.0 : std::max(0.0, 1.0 - whole / std::max(1.0, inked * step * step));
   return out;
+}
+
+/// Each shape in its mode; says in `out` which that is and why.
+tl::expected<Contours, std::string> followed(const Field& field, Outlines outlines,
+                                             const ExtractionSettings& settings, Extraction& out) {
+  out.mode = settings.mode;
+  out.why = "asked for";
+  ShapeKinds kinds;
+  if (settings.mode == ExtractionMode::kAuto) {
+    kinds = kinds_of(field, outlines);
+    const bool strokes = !kinds.strokes.contours.empty();
+    const bool regions = !kinds.regions.contours.empty();
+    const double size = std::max(1.0, outlines.size_px);
+    const bool mostly_strokes = strokes && (!regions || kinds.strokes.size_px >= kinds.regions.size_px);
+    out.mode = mostly_strokes ? ExtractionMode::kStroke : ExtractionMode::kOutline;
+    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", outlines.width_px,
+                          size, mostly_strokes ? "stroke" : "region");
+    if (strokes && regions) out.why += mostly_strokes ? ", and regions beside it" : ", and strokes beside it";
+  }
+  if (!kinds.strokes.contours.empty() && !kinds.regions.contours.empty())
+    return both_modes(field, std::move(kinds), settings, out.left_out);
+  switch (out.mode) {
+    case ExtractionMode::kStroke:
+      return stroke_mode(field, outlines, settings, out.left_out);
+    case ExtractionMode::kThesis:
+      return thesis_mode(field, outlines, settings, out.left_out);
+    case ExtractionMode::kAuto:
+    case ExtractionMode::kOutline:
+      break;
+  }
+  return outline_mode(field, std::move(outlines), settings, out.left_out);
 }
 
 }  // namespace
@@ -219,7 +297,7 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
     }
   }
   if (!found) return tl::unexpected(found.error());
-  Field& field = found->field;
+  Field field = found->field;
   Outlines& outlines = found->outlines;
 
   Extraction out;
@@ -229,28 +307,26 @@ tl::expected<Extraction, std::string> extract(const cv::Mat& image, const Extrac
   out.noise = field.noise;
   out.evidence = evidence_of(*found);
   out.evidence.cleared = !hidden.empty();
-  out.mode = settings.mode;
-  out.why = "asked for";
-  ShapeKinds kinds;
-  if (settings.mode == ExtractionMode::kAuto) {
-    kinds = kinds_of(field, outlines);
-    const bool strokes = !kinds.strokes.contours.empty();
-    const bool regions = !kinds.regions.contours.empty();
-    const double size = std::max(1.0, outlines.size_px);
-    const bool mostly_strokes = strokes && (!regions || kinds.strokes.size_px >= kinds.regions.size_px);
-    out.mode = mostly_strokes ? ExtractionMode::kStroke : ExtractionMode::kOutline;
-    out.why = fmt::format("what is drawn is {:.1f} px wide and {:.0f} px across: a {}", outlines.width_px,
-                          size, mostly_strokes ? "stroke" : "region");
-    if (strokes && regions) out.why += mostly_strokes ? ", and regions beside it" : ", and strokes beside it";
-  }
-  tl::expected<Contours, std::string> contours;
-  if (!kinds.strokes.contours.empty() && !kinds.regions.contours.empty()) {
-    contours = both_modes(field, std::move(kinds), settings, out.left_out);
-  } else {
-    contours = out.mode == ExtractionMode::kStroke ? stroke_mode(field, outlines, settings, out.left_out)
-               : out.mode == ExtractionMode::kThesis
-                   ? thesis_mode(field, outlines, settings, out.left_out)
-                   : outline_mode(field, std::move(outlines), settings, out.left_out);
+  if (found->fainter) field.contrast = found->fainter->step;
+  auto contours = outlines.contours.empty()  // all of it is fainter in part
+                      ? tl::expected<Contours, std::string>(Contours{})
+                      : followed(field, std::move(outlines), settings, out);
+  if (found->fainter && settings.mode != ExtractionMode::kThesis) {
+    FainterParts& more = *found->fainter;
+    const bool alone = contours && contours->empty();
+    Extraction beside;
+    auto fainter = followed(more.field, std::move(more.outlines), settings, beside);
+    if (alone) {
+      out.mode = beside.mode == ExtractionMode::kAuto ? out.mode : beside.mode;
+      out.why = beside.why;
+      out.left_out = beside.left_out;
+      contours = std::move(fainter);
+    } else if (contours && fainter) {
+      contours->insert(contours->end(), std::make_move_iterator(fainter->begin()),
+                       std::make_move_iterator(fainter->end()));
+      out.left_out.add(beside.left_out);
+      keep_large(*contours, settings, out.left_out);
+    }
   }
   if (!contours) return tl::unexpected(contours.error());
   out.why += cleared;

@@ -2,6 +2,7 @@
 // Picture -> ordered points: one interface for the three ways to get there (thesis 3.1).
 #pragma once
 
+#include <algorithm>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
@@ -40,20 +41,29 @@ struct ExtractionSettings {
 
 /// What speaks for a picture being a drawing, one ink on one paper.
 struct DrawingEvidence {
-  double explained = 0.0;      ///< fraction of its sharp edges that lie on the border of what is drawn
-  double unevenness = 0.0;     ///< range of four fifths of the paper's grey levels, over the contrast
-  double ink_range = 0.0;      ///< likewise of what is drawn
-  bool flattened = false;      ///< lines across shadows, or what was taken for them
-  bool cleared = false;        ///< hair has been taken away
-  bool one_pen = true;         ///< strokes among shapes that are cut off are of even width
-  int cut_off = 0;             ///< shapes that run over the picture's border
-  double cut_off_share = 0.0;  ///< of what is drawn
+  double explained = 0.0;  ///< fraction of its sharp edges that lie on the border of what is drawn
+  double explained_with_fainter = 0.0;  ///< likewise of the two levels of a drawing in two tones
+  double unevenness = 0.0;         ///< range of four fifths of the paper's grey levels, over the contrast
+  double unevenness_beside = 0.0;  ///< of the paper beside what is fainter, too
+  double ink_range = 0.0;          ///< likewise of what is drawn
+  double opposite = 0.0;           ///< clear edges on the other side of the background, beside one of its own
+  bool fainter = false;            ///< parts of it stand out by less than half of the contrast
+  bool flattened = false;          ///< lines across shadows, or what was taken for them
+  bool cleared = false;            ///< hair has been taken away
+  bool one_pen = true;             ///< strokes among shapes that are cut off are of even width
+  int cut_off = 0;                 ///< shapes that run over the picture's border
+  double cut_off_share = 0.0;      ///< of what is drawn
 };
 
 /// Contours that are too small to count.
 struct SmallParts {
   int small = 0;
   double largest_px = 0.0;  ///< diagonal of the box of the largest
+
+  void add(const SmallParts& others) {
+    small += others.small;
+    largest_px = std::max(largest_px, others.largest_px);
+  }
 };
 
 struct Extraction {

@@ -139,4 +139,21 @@ Outlines outlines_of(const Field& field) {
   return out;
 }
 
+void measure(Outlines& part) {
+  part.size_px = 0.0;
+  double area = 0.0;
+  double perimeter = 0.0;
+  for (std::size_t i = 0; i < part.contours.size(); ++i) {
+    area += part.areas_px[i];
+    perimeter += length_px(part.contours[i]);
+    if (part.areas_px[i] > 0.0) part.size_px = std::max(part.size_px, size_px(part.contours[i]));
+  }
+  part.width_px = perimeter > 0.0 ? 2.0 * std::max(0.0, area) / perimeter : 0.0;
+}
+
+cv::Point seed_of(const PixelContour& contour) {
+  const Vec2& p = contour.points_px.front();
+  return {static_cast<int>(std::floor(p.x())) + 1, static_cast<int>(std::lround(p.y()))};
+}
+
 }  // namespace telekerf::vision

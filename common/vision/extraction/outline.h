@@ -27,4 +27,10 @@ struct Outlines {
 };
 Outlines outlines_of(const Field& field);
 
+/// Fills `areas_px`'s companions, `width_px` and `size_px`, after contours were taken out or put in.
+void measure(Outlines& part);
+
+/// The drawn pixel on whose western side the walk round a contour began.
+cv::Point seed_of(const PixelContour& contour);
+
 }  // namespace telekerf::vision

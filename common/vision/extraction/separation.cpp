@@ -82,10 +82,11 @@ std::optional<std::string> clutter(const Field& field, const Outlines& outlines)
 }
 
 Separation judged(Field field) {
-  Separation out{std::move(field), {}, {}};
+  Separation out;
+  out.field = std::move(field);
   out.outlines = outlines_of(out.field);
   out.complaint = clutter(out.field, out.outlines);
-  out.explained = explained_edges(out.field);
+  out.edges = edge_evidence(out.field);
   out.stands_out = out.outlines.size_px >= 0.2 * std::hypot(out.field.drawn.cols, out.field.drawn.rows);
   return out;
 }
@@ -97,7 +98,7 @@ constexpr double kExplained = 0.95;  ///< a separation that explains more edges 
 std::optional<Separation> by_level(const Separation& first) {
   constexpr std::ptrdiff_t kFew = 8;
   Separation found = judged(at_explaining_level(first.field));
-  if (!found.whole() || found.explained <= kExplained) return std::nullopt;
+  if (!found.whole() || found.edges.explained <= kExplained) return std::nullopt;
   const auto& contours = found.outlines.contours;
   const auto rivals = std::count_if(contours.begin(), contours.end(), [&](const PixelContour& c) {
     return size_px(c) > 0.1 * found.outlines.size_px;
@@ -121,6 +122,16 @@ std::vector<Separation> across_shadows(const cv::Mat& grey) {
   return out;
 }
 
+/// What is fainter than half of the drawing is drawn too.
+Separation with_fainter(Separation first) {
+  constexpr double kWorthALook = 0.02;  // edges, beside one of the drawing
+  if (first.edges.fainter < kWorthALook) return first;
+  first.fainter = fainter_parts(first.field, first.outlines);
+  if (first.fainter)
+    first.explained_with_fainter = explained_by_either(first.field, first.fainter->field.level);
+  return first;
+}
+
 /// The other way round: a lit plate in a dark frame.
 std::optional<Separation> in_frame(const Field& field) {
   if (!frames(field.drawn)) return std::nullopt;
@@ -135,7 +146,7 @@ tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
   auto field = make_field(grey);
   if (!field) return tl::unexpected(field.error());
   Separation first = judged(std::move(*field));
-  if (!first.complaint && first.explained > kExplained) return first;
+  if (!first.complaint && first.edges.explained > kExplained) return with_fainter(std::move(first));
   const auto complaint = first.complaint;
   std::vector<Separation> candidates;
   auto level = by_level(first);
@@ -150,9 +161,9 @@ tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
     candidates.push_back(std::move(*plate));
   }
   if (candidates.empty()) return tl::unexpected(*complaint);
-  return std::move(
+  return with_fainter(std::move(
       *std::max_element(candidates.begin(), candidates.end(),
-                        [](const Separation& a, const Separation& b) { return a.score() < b.score(); }));
+                        [](const Separation& a, const Separation& b) { return a.score() < b.score(); })));
 }
 
 }  // namespace telekerf::vision

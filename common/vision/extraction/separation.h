@@ -7,7 +7,9 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "common/vision/extraction/fainter_parts.h"
 #include "common/vision/extraction/outline.h"
+#include "common/vision/raster/edge_evidence.h"
 #include "common/vision/raster/field.h"
 
 namespace telekerf::vision {
@@ -22,12 +24,15 @@ struct Separation {
   Field field;
   Outlines outlines;
   std::optional<std::string> complaint;
-  double explained = 0.0;   ///< fraction of the sharp edges
+  EdgeEvidence edges;
   bool flattened = false;   ///< lines across shadows: the field is not the picture's own grey
   bool stands_out = false;  ///< large enough to be what the picture is about
 
+  double explained_with_fainter = 0.0;  ///< `edges.explained`, by either level
+  std::optional<FainterParts> fainter;  ///< of the drawing; `outlines` holds none of them
+
   bool whole() const { return !complaint && stands_out; }
-  double score() const { return explained * field.contrast; }  ///< many edges on a clear border
+  double score() const { return edges.explained * field.contrast; }  ///< many edges on a clear border
 };
 
 /// Drawing and background of a picture. Where the first level finds no whole drawing or leaves sharp edges

@@ -33,12 +33,6 @@ struct Shape {
 
 double perimeter_of(const PixelContour& c) { return length_px(c); }
 
-/// The pixel on whose western side the walk round a contour began.
-cv::Point seed_of(const PixelContour& c) {
-  const Vec2& p = c.points_px.front();
-  return {static_cast<int>(std::floor(p.x())) + 1, static_cast<int>(std::lround(p.y()))};
-}
-
 /// How much the distance of the middle line from the rim varies along a shape: its largest values over its
 /// smallest, 1 for a pen's line. Nothing if there is too little of it.
 std::optional<double> variation_of(const Field& field, const Shape& shape, const cv::Mat& labels) {
@@ -88,17 +82,6 @@ bool are_dashes(const std::vector<Shape>& shapes, const cv::Size& picture) {
   const double mean = sum / count;
   return mean < kWidest * std::hypot(picture.width, picture.height) &&
          squares / count - mean * mean < kSame * kSame * mean * mean;
-}
-
-void finish(Outlines& part) {
-  double area = 0.0;
-  double perimeter = 0.0;
-  for (std::size_t i = 0; i < part.contours.size(); ++i) {
-    area += part.areas_px[i];
-    perimeter += perimeter_of(part.contours[i]);
-    if (part.areas_px[i] > 0.0) part.size_px = std::max(part.size_px, size_px(part.contours[i]));
-  }
-  part.width_px = perimeter > 0.0 ? 2.0 * std::max(0.0, area) / perimeter : 0.0;
 }
 
 }  // namespace
@@ -193,8 +176,8 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
   }
   out.strokes.cut_off = std::max(1, outlines.cut_off);
   out.regions.cut_off = outlines.cut_off;
-  finish(out.strokes);
-  finish(out.regions);
+  measure(out.strokes);
+  measure(out.regions);
   return out;
 }
 

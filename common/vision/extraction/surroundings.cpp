@@ -62,7 +62,7 @@ std::optional<Cleared> on_sheet(const cv::Mat& grey, const tl::expected<Separati
   const auto sheet = sheet_in(grey);
   if (!sheet) return std::nullopt;
   auto found = separated(without_desk(grey, *sheet));
-  if (!found || !found->field.dark || found->outlines.contours.empty() || found->explained < kExplained)
+  if (!found || !found->field.dark || found->outlines.contours.empty() || found->edges.explained < kExplained)
     return std::nullopt;
   const double contrast = found->field.contrast;
   const bool even_ground = sheet->desk_range < 0.08 * contrast;

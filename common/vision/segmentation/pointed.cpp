@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "common/vision/segmentation/rating.h"
 
@@ -40,8 +41,11 @@ class Search {
     by_level(distance_from_seeds(), true);
     const PointedCandidate first = best_;
     if (first.score > 0.0) consider(refined(first.mask));
-    for (const double share : {0.22, 0.4, 0.65, 0.95}) consider(cut_out(around_points(share)));
-    if (best_.score > 0.0) consider(grown(best_.mask));
+    for (const double share : {0.22, 0.4, 0.65, 0.95}) {
+      const cv::Rect box = around_points(share);
+      consider(cut_out(box), box);
+    }
+    if (best_.score > 0.0) consider(grown(best_.mask), room_round(best_.mask));
     if (best_.score > 0.0) consider(refined(best_.mask));
     return best_;
   }
@@ -73,9 +77,29 @@ class Search {
     return total > 0.0 ? sum / total : 0.0;
   }
 
-  void consider(const cv::Mat& mask) {
+  /// Ends where the search did: along the sides of the box that it was looked for in.
+  bool is_cut_by(const cv::Rect& box, const cv::Mat& mask) const {
+    constexpr double kAlong = 0.25;  // of the outline
+    constexpr int kRim = 4;          // of the picture: there the thing may end
+    const cv::Rect own(kRim, kRim, mask.cols - 2 * kRim, mask.rows - 2 * kRim);
+    std::size_t along = 0;
+    std::size_t all = 0;
+    for (const auto& outline : outlines_of_mask(mask, 12.0)) {
+      for (const cv::Point& p : outline) {
+        const bool at_side = p.x <= box.x + 1 || p.y <= box.y + 1 || p.x >= box.x + box.width - 2 ||
+                             p.y >= box.y + box.height - 2;
+        along += at_side && own.contains(p);
+      }
+      all += outline.size();
+    }
+    return static_cast<double>(along) > kAlong * static_cast<double>(all);
+  }
+
+  /// `box`: where it was looked for, if not everywhere.
+  void consider(const cv::Mat& mask, const std::optional<cv::Rect>& box = std::nullopt) {
     if (mask.empty()) return;
     const cv::Mat parts = parts_holding(mask, at_);
+    if (box && is_cut_by(*box, parts)) return;
     for (const cv::Point& p : at_) {
       if (parts.at<unsigned char>(p) == 0) return;
     }
@@ -138,12 +162,16 @@ class Search {
     return grab_cut(labels, 4);
   }
 
+  static cv::Rect room_round(const cv::Mat& mask) {
+    const cv::Rect held = cv::boundingRect(mask);
+    return cv::Rect(held.x - held.width / 2, held.y - held.height / 2, 2 * held.width, 2 * held.height) &
+           cv::Rect({}, mask.size());
+  }
+
   /// What belongs to a known region's colours round it: a tail, a handle.
   cv::Mat grown(const cv::Mat& mask) {
     const cv::Rect held = cv::boundingRect(mask);
-    const cv::Rect box =
-        cv::Rect(held.x - held.width / 2, held.y - held.height / 2, 2 * held.width, 2 * held.height) &
-        cv::Rect({}, mask.size());
+    const cv::Rect box = room_round(mask);
     const int rim = std::max(2, std::min(held.width, held.height) / 15);
     cv::Mat inner;
     cv::erode(mask, inner, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * rim + 1, 2 * rim + 1}));
@@ -200,6 +228,7 @@ tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing
   constexpr double kBackground = 0.46;  // of the outline lies along the border
   constexpr double kAround = 0.25;      // likewise, where it touches three sides or more
   constexpr double kRagged = 0.1;       // see Rating::round
+  constexpr double kBlind = 0.15;       // and Rating::blind: of things that are right at most a third of this
   const auto refused = [](const char* why) {
     return tl::unexpected(
         fmt::format("{}; give --box X,Y,WIDTH,HEIGHT around the thing, more points of it (--at), or points "
@@ -230,7 +259,7 @@ tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing
     const Rating rating = rating_of(scene, outline);
     if (rating.touching > (rating.sides >= 3 ? kAround : kBackground))
       return refused("what is pointed at runs along the picture's border: it looks like the background");
-    if (rating.round < kRagged)
+    if (rating.round < kRagged || rating.blind > kBlind)
       return refused("what is pointed at has no outline that can be told from its surroundings");
   }
   return found.mask;

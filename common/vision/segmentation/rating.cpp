@@ -33,6 +33,7 @@ double Rating::score() const {
 
 Rating rating_of(const Scene& scene, const std::vector<cv::Point>& outline) {
   constexpr double kHalf = 2.0;      // half of the step across the outline, pixels
+  constexpr double kNothing = 2.5;   // a step that is hardly seen, units of L*a*b*
   constexpr double kParallel = 6.0;  // how far the parallels lie off it
   const cv::Mat& lab = scene.lab;
   const auto n = outline.size();
@@ -69,6 +70,9 @@ Rating rating_of(const Scene& scene, const std::vector<cv::Point>& outline) {
   }
   out.touching = static_cast<double>(touching) / static_cast<double>(looked);
   out.sides = static_cast<int>(std::count(seen.begin(), seen.end(), true));
+  out.blind = static_cast<double>(
+                  std::count_if(across.begin(), across.end(), [](double off) { return off < kNothing; })) /
+              static_cast<double>(std::max<std::size_t>(1, across.size()));
   out.median = percentile(across, 0.5);
   out.weak = percentile(across, 0.25);
   out.texture = percentile(beside, 0.5);

@@ -13,6 +13,7 @@ struct Rating {
   double median = 0.0;    ///< contrast across the outline, units of L*a*b*
   double weak = 0.0;      ///< and what three quarters of the outline surpass
   double texture = 0.0;   ///< the same contrast along the outline's parallels to either side
+  double blind = 0.0;     ///< fraction of the outline across which next to nothing changes
   double touching = 0.0;  ///< fraction of the outline along the picture's border
   int sides = 0;          ///< of the picture that the outline touches
   double area = 0.0;      ///< fraction of the picture

@@ -8,8 +8,10 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
+#include "common/vision/vector/colour_names.h"
 #include "common/vision/vector/doubles.h"
 #include "common/vision/vector/joining.h"
 
@@ -25,13 +27,40 @@ double area_of(const geometry::Polyline& line) {
   return std::abs(geometry::signed_area_m2({line.points_m, true}));
 }
 
-bool among(const std::vector<std::string>& words, const std::string& word) {
-  const auto lower = [](std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-    return text;
-  };
-  return std::any_of(words.begin(), words.end(),
-                     [&](const std::string& w) { return lower(w) == lower(word); });
+std::string in_lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+/// A layer within others, "part/holes", is meant by its whole name, by that of one it lies in, and by the
+/// last of its names alone.
+bool is_layer(const std::string& asked, const std::string& layer) {
+  const std::string word = in_lower_case(asked);
+  const std::string name = in_lower_case(layer);
+  return name == word || ("/" + name + "/").find("/" + word + "/") != std::string::npos;
+}
+
+/// "red", "#F00" and "#ff0000" are one.
+std::string plain_colour(const std::string& colour) {
+  const std::string c = in_lower_case(colour);
+  if (c.size() == 4 && c[0] == '#') return fmt::format("#{0}{0}{1}{1}{2}{2}", c[1], c[2], c[3]);
+  return named_colour(c).value_or(c);
+}
+
+bool is_colour(const std::string& asked, const std::string& colour) {
+  return plain_colour(asked) == plain_colour(colour);
+}
+
+/// "cut, \"fold lines\"": the first of them, in order.
+std::string list_of(const std::set<std::string>& words) {
+  constexpr std::size_t kMost = 12;
+  std::string out;
+  std::size_t count = 0;
+  for (const std::string& word : words) {
+    if (++count > kMost) return out + ", ..";
+    out += fmt::format("{}\"{:.40}\"", out.empty() ? "" : ", ", word);
+  }
+  return out;
 }
 
 /// "2 on a layer that is frozen, 1 hidden"
@@ -80,14 +109,33 @@ void DrawnLines::add(CurveWriter& writer, const Eigen::Affine2d& here, bool clos
   why_.push_back(left_out_why);
 }
 
-/// Leaves out what is on no layer and of no colour that is asked for.
+/// Leaves out what is on no layer and of no colour that is asked for. A word that nothing answers to is a
+/// slip of the hand.
 void DrawnLines::choose() {
+  std::set<std::string> layers;
+  std::set<std::string> colours;
+  for (const Pen& p : pens_) {
+    layers.insert(p.layer);
+    colours.insert(p.colour);
+  }
+  for (const std::string& asked : request_.layers) {
+    if (std::none_of(layers.begin(), layers.end(), [&](const auto& l) { return is_layer(asked, l); }))
+      return fail(fmt::format("--layers {}: nothing is drawn on a layer of that name; there are {}", asked,
+                              list_of(layers)));
+  }
+  for (const std::string& asked : request_.colours) {
+    if (std::none_of(colours.begin(), colours.end(), [&](const auto& c) { return is_colour(asked, c); }))
+      return fail(fmt::format("--colours {}: nothing is drawn in that colour; there are {}", asked,
+                              list_of(colours)));
+  }
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     if (!why_[k].empty()) continue;
-    if (!request_.layers.empty() && !among(request_.layers, pens_[k].layer))
-      why_[k] = "on a layer that was not asked for";
-    if (!request_.colours.empty() && !among(request_.colours, pens_[k].colour))
-      why_[k] = "of a colour that was not asked for";
+    const auto wanted = [](const std::vector<std::string>& words, const std::string& own, auto same) {
+      return words.empty() ||
+             std::any_of(words.begin(), words.end(), [&](const auto& word) { return same(word, own); });
+    };
+    if (!wanted(request_.layers, pens_[k].layer, is_layer)) why_[k] = "on a layer that was not asked for";
+    if (!wanted(request_.colours, pens_[k].colour, is_colour)) why_[k] = "of a colour that was not asked for";
   }
 }
 
@@ -103,6 +151,7 @@ std::string DrawnLines::none(std::string_view format, const VectorDrawing& drawi
 tl::expected<VectorDrawing, std::string> DrawnLines::drawing(std::string_view format) {
   if (failed()) return tl::unexpected(complaint_);
   choose();
+  if (failed()) return tl::unexpected(complaint_);
   VectorDrawing out;
   out.unsupported = unsupported;
   std::vector<geometry::Polyline> kept;

@@ -48,7 +48,7 @@ struct VectorRequest {
 
 /// What a contour was drawn with.
 struct Pen {
-  std::string layer;   ///< empty: none
+  std::string layer;   ///< empty: none; one within another of an SVG file: "outer/inner"
   std::string colour;  ///< #rrggbb, the number of a DXF colour, or empty
 };
 

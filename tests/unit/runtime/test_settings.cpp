@@ -156,6 +156,7 @@ TEST(Settings, AListOfAnyLengthMayBeGivenInParts) {
   settings.add("at", at, 0, {.min = 0, .max = 100}, "points");
   settings.load(std::vector<std::string>{"--at", "1,2", "--at", "3", "4"});
   EXPECT_EQ(at, (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(loaded("--columns a,b --block 5 --columns c").columns, (std::vector<std::string>{"a", "b", "c"}));
 }
 
 TEST(Settings, RefusalsNameKeyValueAndBound) {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "common/vision/raster/edge_evidence.h"
 #include "common/vision/raster/grey_plane.h"
 #include "common/vision/raster/levels.h"
 #include "common/vision/raster/light.h"
-#include "common/vision/raster/shadow.h"
 #include "tests/unit/vision/fields.h"
 
 namespace telekerf::vision {
@@ -166,7 +166,7 @@ TEST(Field, LevelLiesHalfWayBetweenDrawingAndBackground) {
     EXPECT_EQ(cv::countNonZero(other.drawn), 400 * 300 - drawn);
     EXPECT_NE(other.dark, field->dark);
     EXPECT_EQ(cv::countNonZero(field->drawn), drawn) << "the copy has planes of its own";
-    EXPECT_DOUBLE_EQ(explained_edges(*field), 1.0);
+    EXPECT_DOUBLE_EQ(edge_evidence(*field).explained, 1.0);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <tuple>
 
+#include "common/vision/vector/colour_names.h"
 #include "common/vision/vector/svg/document.h"
 
 namespace telekerf::vision {
@@ -166,6 +167,7 @@ TEST(Shown, WhatCannotBeFollowedAndMattersIsRefusedByName) {
            std::pair("<style>rect:nth-last-child(2){display:none}</style>", "nth-last-child"),
            {"<style>@import url(a.css);</style>", "@import"},
            {"<style>@media (min-width: 9px){rect{display:none}}</style>", "min-width"},
+           {"<style>g{ & circle{display:none} }</style>", "\"g\""},
            {"<style>@supports (x:y){rect{transform:none}}</style>", "supports"},
            {"<rect style='translate: 3px' width='9' height='9'/>", "translate"},
            {"<rect style='fill: var(--a)' width='9' height='9'/>", "var("},
@@ -269,7 +271,54 @@ TEST(Shown, LayersAndColoursAreChosen) {
     EXPECT_EQ(d->pens.at(0).layer, "cut");
     EXPECT_EQ(d->left_out.size(), 1u);
   }
-  EXPECT_FALSE(read(body, {.layers = {"none such"}}));
+  // A slip of the hand is told what there is.
+  for (const auto& [request, there] :
+       {std::pair(VectorRequest{.layers = {"none such"}}, "\"cut\", \"engrave\""),
+        {VectorRequest{.layers = {"cut", "bend"}}, "--layers bend"},
+        {VectorRequest{.colours = {"green"}}, "\"#0000ff\", \"#ff0000\""}}) {
+    const auto d = read(body, request);
+    ASSERT_FALSE(d);
+    EXPECT_NE(d.error().find(there), std::string::npos) << d.error();
+  }
+}
+
+TEST(Shown, ALayerHoldsThoseWithinIt) {
+  const std::string layer = "inkscape:groupmode='layer' inkscape:label=";
+  const std::string body = "<g xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape' " + layer +
+                           "'part'>" + kSeen + "<g " + layer + "'holes'><g id='no-layer'>" +
+                           kSeen.substr(0, 6) +
+                           "y='30' width='10' height='10' stroke='red' fill='none'/></g></g></g>";
+  for (const auto& [asked, mm] : {std::pair("part", 70.0), {"holes", 40.0}, {"Part/Holes", 40.0}}) {
+    const auto d = read(body, {.layers = {asked}});
+    ASSERT_TRUE(d) << d.error();
+    EXPECT_NEAR(length_mm(*d), mm, 1e-9) << asked;
+  }
+  const auto all = read(body);
+  ASSERT_TRUE(all) << all.error();
+  EXPECT_EQ(all->pens.at(1).layer, "part/holes");
+  // A layer within a hidden one is hidden, whatever it says of itself.
+  const auto hidden = read("<g style='display:none'>" + body + "</g>" +
+                           "<g><circle cx='50' cy='50' r='5' stroke='red' fill='none'/></g>");
+  ASSERT_TRUE(hidden) << hidden.error();
+  EXPECT_EQ(hidden->contours.size(), 1u);
+  EXPECT_EQ(hidden->left_out.size(), 2u);
+}
+
+TEST(Shown, ColoursAreMeantByNameOrNumber) {
+  const std::string body =
+      "<rect width='10' height='5' stroke='Crimson' fill='none'/>"
+      "<circle cx='50' cy='50' r='9' stroke='#00F' fill='none'/>";
+  for (const char* asked : {"crimson", "#dc143c", "#DC143C", "rgb"}) {
+    const auto d = read(body, {.colours = {asked}});
+    EXPECT_EQ(d.has_value(), std::string(asked) != "rgb") << asked;
+    if (d) {
+      EXPECT_NEAR(length_mm(*d), 30.0, 1e-9) << asked;
+    }
+  }
+  EXPECT_EQ(named_colour("rebeccaPurple"), "#663399");
+  EXPECT_EQ(named_colour("aliceblue"), "#f0f8ff");
+  EXPECT_EQ(named_colour("yellowgreen"), "#9acd32");
+  EXPECT_FALSE(named_colour("zinc"));
 }
 
 TEST(Shown, DamageIsShownWithWhatStandsAroundIt) {

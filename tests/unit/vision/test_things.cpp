@@ -187,6 +187,26 @@ TEST(Things, WhatRunsOverTheBorderIsFoundWhenPointedAtAndFollowsIt) {
   EXPECT_NEAR(box.size().x(), 300.0, 4.0);
 }
 
+TEST(Things, AnEvenSkyHasNoOutlineOfItsOwn) {
+  // Darker upwards, a tower in it: any region of the sky would end where nothing is seen.
+  cv::Mat picture(480, 640, CV_8UC3);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x)
+      picture.at<cv::Vec3b>(y, x) = cv::Vec3b(static_cast<unsigned char>(90 + y / 5), 70, 40);
+  }
+  cv::rectangle(picture, {150, 150}, {190, 479}, cv::Scalar(150, 170, 180), cv::FILLED);
+  cv::rectangle(picture, {0, 430}, {639, 479}, cv::Scalar(20, 30, 20), cv::FILLED);
+  cv::GaussianBlur(picture, picture, {}, 1.0);
+  add_grain(picture, 3.0);
+  for (const Vec2& p : {Vec2(450, 330), Vec2(400, 100), Vec2(60, 60)}) {
+    PictureRequest request;
+    request.pointing.at = {p};
+    const auto found = contours_in(picture, request);
+    ASSERT_FALSE(found) << p.transpose() << ": " << found->why << ", " << length_px(found->contours.front());
+    EXPECT_NE(found.error().find("--box"), std::string::npos) << found.error();
+  }
+}
+
 TEST(Things, SeveralPointsAreSeveralThingsAndNotLeavesOut) {
   cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(190, 190, 190));
   disc(picture, {150, 150}, 60, cv::Scalar(40, 40, 200));

@@ -164,7 +164,10 @@ std::vector<Cascade::Declaration> Cascade::declarations_of(std::string_view text
 void Cascade::add_sheet(std::string_view text) { add_rules(without_comments(text), 0); }
 
 void Cascade::complain(std::string_view prelude, std::string_view body) {
-  if (!trouble_.empty() || declarations_of(body.substr(body.find_last_of("{") + 1)).empty()) return;
+  std::string flat(body);  // also what rules within it declare
+  std::replace_if(
+      flat.begin(), flat.end(), [](char c) { return c == '{' || c == '}'; }, ';');
+  if (!trouble_.empty() || declarations_of(flat).empty()) return;
   std::string shown(trimmed(prelude).substr(0, 60));
   std::replace_if(
       shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');

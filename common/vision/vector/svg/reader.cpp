@@ -142,7 +142,7 @@ void SvgReader::contents(std::string_view name, const Element& e, const Properti
   if (name == "g" || name == "a") {
     const std::string layer = name == "g" ? layer_of(e, self.depth) : "";
     const std::string before = out_.pen.layer;
-    if (!layer.empty()) out_.pen.layer = layer;
+    if (!layer.empty()) out_.pen.layer = before.empty() ? layer : before + "/" + layer;
     children(e, self);
     out_.pen.layer = before;
   } else if (name == "switch") {
@@ -242,7 +242,7 @@ void SvgReader::leave_out_background(std::size_t first, const Painted& paint) {
   if (in_hole_ || !paint.white || (paint.stroke && paint.colour != "#ffffff") ||
       !(page_.size_m.minCoeff() > 0.0))
     return;
-  const Vec2 slack = 0.01 * page_.size_m;
+  const Vec2 slack = 0.02 * page_.size_m;
   for (std::size_t k = first; k < out_.count(); ++k) {
     const geometry::Box box = geometry::bounding_box(out_.line(k).points_m);
     const bool covers = box.min.x() <= slack.x() && box.max.y() >= -slack.y() &&

@@ -61,7 +61,8 @@ std::string damage(std::string_view d, const PathData& data) {
   std::string near(d.substr(from, at - from + 20));
   std::replace_if(
       near.begin(), near.end(), [](char c) { return c < ' ' || c > '~'; }, ' ');
-  return fmt::format("a path's data cannot be read near \"{}\" (character {} of {})", near, at + 1, d.size());
+  return fmt::format("a path's data cannot be read near \"{}\" (character {} of {})", near,
+                     std::min(at + 1, d.size()), d.size());
 }
 
 void draw_path(std::string_view d, CurveWriter& w, const Eigen::Affine2d& here, DrawnLines& out) {

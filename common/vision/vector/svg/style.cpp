@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/vision/vector/colour_names.h"
 #include "common/vision/vector/number.h"
 
 namespace telekerf::vision {
@@ -31,25 +32,6 @@ double share_of(std::string_view text, double fallback) {
   if (!value) return fallback;
   return text.starts_with('%') ? 0.01 * *value : *value;
 }
-
-constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kNames{{{"black", "#000000"},
-                                                                                {"white", "#ffffff"},
-                                                                                {"red", "#ff0000"},
-                                                                                {"lime", "#00ff00"},
-                                                                                {"blue", "#0000ff"},
-                                                                                {"yellow", "#ffff00"},
-                                                                                {"cyan", "#00ffff"},
-                                                                                {"aqua", "#00ffff"},
-                                                                                {"magenta", "#ff00ff"},
-                                                                                {"fuchsia", "#ff00ff"},
-                                                                                {"green", "#008000"},
-                                                                                {"gray", "#808080"},
-                                                                                {"grey", "#808080"},
-                                                                                {"silver", "#c0c0c0"},
-                                                                                {"maroon", "#800000"},
-                                                                                {"navy", "#000080"},
-                                                                                {"orange", "#ffa500"},
-                                                                                {"purple", "#800080"}}};
 
 struct Paint {
   bool paints = false;
@@ -133,10 +115,7 @@ Paint paint_of(std::string_view written, const Look& look, const IsDefined& is_d
     return {true, text.substr(0, 7)};
   }
   if (text.find('(') != std::string::npos) return function_paint(text);
-  for (const auto& [name, value] : kNames) {
-    if (text == name) return {true, std::string(value)};
-  }
-  return {true, text};
+  return {true, named_colour(text).value_or(text)};
 }
 
 bool is_white(const std::string& colour) {
