@@ -29,6 +29,8 @@ struct StationSettings {
   double tracking_rad_s = 0.0;                      ///< of the law; 0: chosen from the stream's rate
   double beam_age_s = 0.35;                         ///< the slave's, see MasterSettings::stale_s
   double corridor_mm = 0.0;                         ///< half width in which the hand is free; 0: guidance
+  double felt_depth_mm = 0.0;                       ///< of the cut, FeltCutSettings::depth_m
+  double felt_depth_speed_mm2_per_s = 3.0;
   codec::CodecChoice codec = codec::kDefaultCodec;  ///< of the command stream
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;
