@@ -54,8 +54,9 @@ double depth_speed_m2_per_s(const workpiece::Material& material, double laser_w)
   if (peak <= material.threshold_j_per_m2) return 0.0;
   // Of pulses side by side, the part of a Gaussian's profile above the threshold, summed along the line.
   const double reach = w * std::sqrt(0.5 * std::log(peak / material.threshold_j_per_m2));
-  const double above = peak * w * std::sqrt(0.5 * std::numbers::pi) * std::erf(std::numbers::sqrt2 * reach / w) -
-                       2.0 * reach * material.threshold_j_per_m2;
+  const double above =
+      peak * w * std::sqrt(0.5 * std::numbers::pi) * std::erf(std::numbers::sqrt2 * reach / w) -
+      2.0 * reach * material.threshold_j_per_m2;
   return laser_w / pulse_j * above / material.heat_of_removal_j_per_m3;
 }
 

@@ -15,7 +15,7 @@ struct FeltCutTrial {
   std::string image = "heart";
   std::string netem = "thesis-constant";
   double beta = 0.5;
-  double depth_mm = 0.4;
+  double depth_mm = 0.5;
   double laser_w = 10.0;
   double hand_speed_mm_s = 20.0;
   double duration_s = 10.0;  ///< less than a round: no place is passed twice
@@ -28,9 +28,9 @@ struct FeltCutRun {
   std::vector<double> time_s, given_j;  ///< to the hand at the tool: minus the work of the true force on it
   double depth_error = 0.0;             ///< rms of depth / wished depth - 1 where the beam was
   double mean_depth_m = 0.0;
-  double most_given_j = 0.0;      ///< largest of given_j
+  double most_given_j = 0.0;  ///< largest of given_j
   double wished_rms_n = 0.0, felt_rms_n = 0.0;
-  double held_back_share = 0.0;   ///< of the steps with the beam wanted: the force was not given whole
+  double held_back_share = 0.0;    ///< of the steps with the beam wanted: the force was not given whole
   double port_most_given_j = 0.0;  ///< by the felt force beyond the drag, as the station books it
   double tracking_rms_um = 0.0;
   double energy_outside_j = 0.0;

@@ -23,6 +23,7 @@ using reporting::Panel;
 
 struct Options {
   FeltCutTrial trial;
+  double own_depth_mm = 0.35;  ///< about what the hand cuts by itself
   int runs = 2000;
   int hands = 5;
   std::uint64_t seed = 1;
@@ -72,16 +73,18 @@ struct Pair {
   double ratio() const { return felt.depth_error / blind.depth_error; }
 };
 
-std::vector<Pair> pairs(const Options& options) {
+std::vector<Pair> pairs(const Options& options, double depth_mm) {
+  FeltCutTrial trial = options.trial;
+  trial.depth_mm = depth_mm;
   std::vector<Pair> out;
   for (int i = 0; i < options.hands; ++i) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
-    out.push_back({run_felt_cut(options.trial, false, seed), run_felt_cut(options.trial, true, seed)});
+    out.push_back({run_felt_cut(trial, false, seed), run_felt_cut(trial, true, seed)});
   }
   return out;
 }
 
-ordered_json cut_json(const std::vector<Pair>& hands, const Options& options) {
+ordered_json cut_json(const std::vector<Pair>& hands, const Options& options, double depth_mm) {
   ordered_json rows = ordered_json::array();
   std::vector<double> ratios;
   double tank_mj = 0.0, hand_mj = 0.0, outside_j = 0.0, felt = 0.0, held_back = 0.0, tracking = 0.0;
@@ -102,7 +105,7 @@ ordered_json cut_json(const std::vector<Pair>& hands, const Options& options) {
   std::sort(ratios.begin(), ratios.end());
   return {{"image", options.trial.image},
           {"netem", options.trial.netem},
-          {"depth_mm", options.trial.depth_mm},
+          {"depth_mm", depth_mm},
           {"copy_mm2_per_s", 1e6 * depth_speed_m2_per_s(workpiece::kWood, options.trial.laser_w)},
           {"error_ratio_median", ratios[ratios.size() / 2]},
           {"error_ratio_worst", ratios.back()},
@@ -187,27 +190,29 @@ void draw(const Pair& hand, const std::vector<PortResult>& ports, const Options&
   const double depth = options.trial.depth_mm;
   const double length = 1e3 * hand.felt.mark.arc_m.back();
   reporting::draw_figure(
-      {.title = fmt::format("the cut felt by the hand: {}, network {}, wished depth {:g} mm", options.trial.image,
-                            options.trial.netem, depth),
-       .panels = {{.title = "slave's tangential velocity",
-                   .x_label = "time [s]",
-                   .y_label = "along the contour [mm/s]",
-                   .lines = {speed_line(hand.blind, "nothing felt", 1), speed_line(hand.felt, "cut felt", 0)}},
-                  {.title = "depth in wood, constant power",
-                   .x_label = "along the contour [mm]",
-                   .y_label = "depth [mm]",
-                   .lines = {depth_line(hand.blind, "nothing felt", 1), depth_line(hand.felt, "cut felt", 0),
-                             {.label = "wished",
-                              .x = {0.0, length},
-                              .y = {depth, depth},
-                              .style = Line::Style::kDashed,
-                              .colour = 7}}},
-                  {.title = "what the tool gave to the hand",
-                   .x_label = "time [s]",
-                   .y_label = "energy [mJ]",
-                   .lines = {given_line(hand.blind, "nothing felt", 1), given_line(hand.felt, "cut felt", 0)}},
-                  port_panel(ports, false, "late, lossy copies"),
-                  port_panel(ports, true, "an adversary's force")},
+      {.title = fmt::format("the cut felt by the hand: {}, network {}, wished depth {:g} mm",
+                            options.trial.image, options.trial.netem, depth),
+       .panels =
+           {{.title = "slave's tangential velocity",
+             .x_label = "time [s]",
+             .y_label = "along the contour [mm/s]",
+             .lines = {speed_line(hand.blind, "nothing felt", 1), speed_line(hand.felt, "cut felt", 0)}},
+            {.title = "depth in wood, constant power",
+             .x_label = "along the contour [mm]",
+             .y_label = "depth [mm]",
+             .lines = {depth_line(hand.blind, "nothing felt", 1),
+                       depth_line(hand.felt, "cut felt", 0),
+                       {.label = "wished",
+                        .x = {0.0, length},
+                        .y = {depth, depth},
+                        .style = Line::Style::kDashed,
+                        .colour = 7}}},
+            {.title = "what the tool gave to the hand",
+             .x_label = "time [s]",
+             .y_label = "energy [mJ]",
+             .lines = {given_line(hand.blind, "nothing felt", 1), given_line(hand.felt, "cut felt", 0)}},
+            port_panel(ports, false, "late, lossy copies"),
+            port_panel(ports, true, "an adversary's force")},
        .columns = 2},
       png);
 }
@@ -216,10 +221,12 @@ int run(const Options& options) {
   const std::filesystem::path folder = options.out;
   make_folder("--out", folder);
   const std::vector<PortResult> ports = port_results(options);
-  const std::vector<Pair> hands = pairs(options);
+  const std::vector<Pair> hands = pairs(options, options.trial.depth_mm);
   ordered_json result{{"experiment", "haptics"}, {"seed", options.seed}, {"version", kVersion}};
   result["port"] = port_json(ports, options);
-  result["cut"] = cut_json(hands, options);
+  result["cut"] = cut_json(hands, options, options.trial.depth_mm);
+  result["cut_at_its_own_pace"] =
+      cut_json(pairs(options, options.own_depth_mm), options, options.own_depth_mm);
   result["wrong_copy"] = wrong_copies(options, hands.front());
   draw(hands.front(), ports, options, folder / "haptics.png");
   write_json(folder / "result.json", result);
@@ -234,23 +241,26 @@ int run(const Options& options) {
 
 void add_haptics_command(Program& program) {
   const Options options;
-  program.add("haptics",
-              "Thesis 9.2: the cut felt by the hand, and the energy that it may give; result.json, figure; exit "
-              "code 1 if the port gives more than its tank holds",
-              options,
-              [](Options& o, Settings& s) {
-                s.add("image", o.trial.image, kPicture, "picture: a shipped name or a file");
-                s.add("netem", o.trial.netem, kProfile, "network profile: a shipped name or a file");
-                s.add("depth_mm", o.trial.depth_mm, {.min = 0.05, .max = 5, .unit = "mm"}, "wished depth in wood");
-                s.add("laser_w", o.trial.laser_w, {.min = 0.1, .max = 20, .unit = "W"}, "power of the beam");
-                s.add("hand_speed_mm_s", o.trial.hand_speed_mm_s, {.min = 1, .max = 100, .unit = "mm/s"},
-                      "mean speed that the hand wants");
-                s.add("hands", o.hands, {.min = 1, .max = 100}, "simulated hands, with the seeds from --seed on");
-                s.add("runs", o.runs, {.min = 1, .max = 100000}, "of the port alone, for each law");
-                s.add("seed", o.seed, kSeeds, "of the first");
-                s.add("out", o.out, kFolder, "folder for the results");
-              },
-              run);
+  program.add(
+      "haptics",
+      "Thesis 9.2: the cut felt by the hand, and the energy that it may give; result.json, figure; exit "
+      "code 1 if the port gives more than its tank holds",
+      options,
+      [](Options& o, Settings& s) {
+        s.add("image", o.trial.image, kPicture, "picture: a shipped name or a file");
+        s.add("netem", o.trial.netem, kProfile, "network profile: a shipped name or a file");
+        s.add("depth_mm", o.trial.depth_mm, {.min = 0.05, .max = 5, .unit = "mm"}, "wished depth in wood");
+        s.add("own_depth_mm", o.own_depth_mm, {.min = 0.05, .max = 5, .unit = "mm"},
+              "another one: about what the hand cuts by itself");
+        s.add("laser_w", o.trial.laser_w, {.min = 0.1, .max = 20, .unit = "W"}, "power of the beam");
+        s.add("hand_speed_mm_s", o.trial.hand_speed_mm_s, {.min = 1, .max = 100, .unit = "mm/s"},
+              "mean speed that the hand wants");
+        s.add("hands", o.hands, {.min = 1, .max = 100}, "simulated hands, with the seeds from --seed on");
+        s.add("runs", o.runs, {.min = 1, .max = 100000}, "of the port alone, for each law");
+        s.add("seed", o.seed, kSeeds, "of the first");
+        s.add("out", o.out, kFolder, "folder for the results");
+      },
+      run);
 }
 
 }  // namespace telekerf::experiments

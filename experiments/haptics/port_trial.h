@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hand on a virtual mass, and a force that comes late, lost, overtaken or from an adversary: how much energy
-// the port gives to the hand.
+// A hand on a virtual mass, and a force that comes late, lost, overtaken or from an adversary: how much
+// energy the port gives to the hand.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct PortResult {
   int above = 0;           ///< runs in which the port gave more than was in the tank at the start
   double worst_j = 0.0;    ///< beyond that, largest of all runs
   double fastest_m_per_s = 0.0;
-  double felt_share = 0.0;   ///< of the wished force, mean over the runs
+  double felt_share = 0.0;      ///< of the wished force, mean over the runs
   std::vector<double> given_j;  ///< largest of each run, ascending
 };
 

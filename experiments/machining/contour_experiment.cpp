@@ -201,7 +201,8 @@ void add_parameters(const ContourExperiment& experiment, Options& o, Settings& s
   s.add("sweep", o.sweep, "contour error against speed, 1 to 100 mm/s");
   s.add("seed", o.seed, kSeeds, "of everything random");
   if (experiment.closed)
-    s.add("page", o.page, kFile, "page whose tables 'contours' and 'terms' are written anew, of the whole set");
+    s.add("page", o.page, kFile,
+          "page whose tables 'contours' and 'terms' are written anew, of the whole set");
   s.add("out", o.out, kFolder, "folder for the results");
 }
 
@@ -211,8 +212,10 @@ void add_contour_experiment(Program& program, const ContourExperiment& experimen
   Options options;
   options.speed_mm_s = experiment.speed_mm_s;
   options.out = "out/" + experiment.name;
-  program.add(experiment.name, experiment.help, options, [experiment](Options& o, Settings& s) { add_parameters(experiment, o, s); },
-              [experiment](const Options& o) { return run(o, experiment); });
+  program.add(
+      experiment.name, experiment.help, options,
+      [experiment](Options& o, Settings& s) { add_parameters(experiment, o, s); },
+      [experiment](const Options& o) { return run(o, experiment); });
 }
 
 }  // namespace telekerf::experiments

@@ -33,7 +33,8 @@ TableRows contour_rows(const ordered_json& pictures) {
 TableRows term_rows(const ordered_json& pictures) {
   TableRows rows{{"normal error, rms um"}};
   for (const auto& picture : pictures) rows[0].push_back(picture["image"].get<std::string>());
-  const auto add = [&](const std::string& label, const std::function<std::string(const ordered_json&)>& cell) {
+  const auto add = [&](const std::string& label,
+                       const std::function<std::string(const ordered_json&)>& cell) {
     rows.push_back({label});
     for (const auto& picture : pictures) rows.back().push_back(cell(picture));
   };
@@ -42,7 +43,8 @@ TableRows term_rows(const ordered_json& pictures) {
       [](const ordered_json& p) { return rms(p["independent"]["normal_error_um"]); });
   add("ratio", [](const ordered_json& p) { return ratio(p["normal_error_ratio"]); });
   for (const auto& [key, label] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"independent_tuned", "contouring as used / independent, tuned, the same bandwidth along the path"},
+           {"independent_tuned",
+            "contouring as used / independent, tuned, the same bandwidth along the path"},
            {"both_without_model", "without any model: contouring / independent"},
            {"both_with_model", "with all of the model: contouring / independent"},
            {"independent_assisted", "contouring as used / independent, assisted, twice the bandwidth"},

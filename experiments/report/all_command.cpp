@@ -48,7 +48,8 @@ ordered_json claims_of(const fs::path& folder) {
 
 void refuse_unknown(const Options& options, const Manifest& manifest) {
   if (!options.source.empty() && (options.quick || !options.only.empty()))
-    throw usage_error("--source: the pages hold figures of full runs of everything; leave out --quick and --only");
+    throw usage_error(
+        "--source: the pages hold figures of full runs of everything; leave out --quick and --only");
   for (const std::string& name : options.only) {
     const auto named = [&](const ManifestExperiment& e) { return e.name == name; };
     if (std::any_of(manifest.experiments.begin(), manifest.experiments.end(), named)) continue;

@@ -18,8 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// With commas between thousands if the old one may have had them.
-std::string figure_like(const std::string& old, double value) {
+/// As the tables have it, so that a page does not know more digits than they do. With commas between
+/// thousands if the old one may have had them.
+std::string figure_like(const std::string& old, const Judged& judged) {
+  const double value = std::stod(value_text(judged));
   const std::size_t point = old.find('.');
   const std::string text = fmt::format("{:.{}f}", value, point == old.npos ? 0 : old.size() - point - 1);
   if (std::abs(value) < 1000.0 || old.find(',') == old.npos) return text;
@@ -43,7 +45,7 @@ std::string with_figures(const std::string& page, const std::vector<Judged>& jud
                                   [&](const Judged& one) { return one.claim.id == (*at)[3].str(); });
     out.append(from, (*at)[1].first);
     const bool known = row != judged.end() && row->value;
-    out += known ? figure_like((*at)[1], *row->value) : (*at)[1].str();
+    out += known ? figure_like((*at)[1], *row) : (*at)[1].str();
     out += (*at)[2];
     from = (*at)[0].second;
   }

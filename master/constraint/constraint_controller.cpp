@@ -98,10 +98,9 @@ Vec3 ConstraintController::guided(const KinematicState& tool, const Vec3& hand_n
   const Vec2 along = active_.piece.shape.tangent(tool.position_m.head<2>());
   const double speed = along.dot(tool.velocity_m_per_s.head<2>());
   const double wished_n = felt_.wished_n(speed, along.dot(hand_n.head<2>()), cut.beta, cut.wanted, dt_s);
-  return with(felt_.step(wished_n, speed, settings_.damping_n_s_per_m, 0.5 * dt_s / settings_.mass_kg, dt_s,
-                         [&](double felt_n) {
-                           return speed + 0.5 * dt_s * along.dot(with(felt_n).head<2>());
-                         }));
+  return with(
+      felt_.step(wished_n, speed, settings_.damping_n_s_per_m, 0.5 * dt_s / settings_.mass_kg, dt_s,
+                 [&](double felt_n) { return speed + 0.5 * dt_s * along.dot(with(felt_n).head<2>()); }));
 }
 
 Vec3 ConstraintController::step(const GuidePath& guide, const KinematicState& tool, const Vec3& hand_n,

@@ -44,8 +44,8 @@ double along_the_curve(const ActiveConstraint& active, const ConstraintSettings&
 }  // namespace
 
 Vec3 guided_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
-                         const KinematicState& tool, const Vec3& hand_n,
-                         const ConstraintReference& reference, double felt_n) noexcept {
+                         const KinematicState& tool, const Vec3& hand_n, const ConstraintReference& reference,
+                         double felt_n) noexcept {
   const Vec2 x = tool.position_m.head<2>();
   const Vec2 v = tool.velocity_m_per_s.head<2>();
   const geometry::CircleOrLine& shape = active.piece.shape;

@@ -43,8 +43,7 @@ class EnergyTank {
   bool pay(double force_n, double mean_m_per_s, double drag_j, double dt_s) noexcept {
     // Rounding of the root above; it is given away to nobody.
     constexpr double kRounding_j = 1e-15;
-    const double left_j =
-        level_j_ - force_n * mean_m_per_s * dt_s + settings_.refill * std::max(0.0, drag_j);
+    const double left_j = level_j_ - force_n * mean_m_per_s * dt_s + settings_.refill * std::max(0.0, drag_j);
     if (!(left_j >= -kRounding_j)) return false;
     level_j_ = std::clamp(left_j, 0.0, settings_.max_j);
     return true;

@@ -24,11 +24,11 @@ struct FeltCutSettings {
 };
 
 struct FeltCutStatistics {
-  std::uint64_t steps = 0;       ///< with the beam wanted
-  std::uint64_t held_back = 0;   ///< among them those whose force was not given whole
+  std::uint64_t steps = 0;        ///< with the beam wanted
+  std::uint64_t held_back = 0;    ///< among them those whose force was not given whole
   double wished_n_squared = 0.0;  ///< sums over those steps
   double felt_n_squared = 0.0;
-  double given_j = 0.0;      ///< by the force to the hand's side, less what came from there
+  double given_j = 0.0;       ///< by the force to the hand's side, less what came from there
   double most_given_j = 0.0;  ///< beyond the drag: what the tank's start bounds
   double drag_j = 0.0;
 };
@@ -45,8 +45,8 @@ class FeltCut {
   const EnergyTank& tank() const noexcept { return tank_; }
   const FeltCutStatistics& statistics() const noexcept { return statistics_; }
 
-  /// The wished force at `speed_m_per_s` along the curve, N, positive as the speed is. `hand_n`: the hand's own;
-  /// `beta`: slave motion / master motion; `cutting`: the hand holds the button and the slave follows.
+  /// The wished force at `speed_m_per_s` along the curve, N, positive as the speed is. `hand_n`: the hand's
+  /// own; `beta`: slave motion / master motion; `cutting`: the hand holds the button and the slave follows.
   double wished_n(double speed_m_per_s, double hand_n, double beta, bool cutting, double dt_s) noexcept {
     const double right_m_per_s = settings_.depth_speed_m2_per_s / (settings_.depth_m * beta);
     // A tool that rests is not set in motion, in whatever direction that would be, and a hand that holds back

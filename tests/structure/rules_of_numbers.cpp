@@ -62,7 +62,8 @@ std::vector<Cells> table_of(const std::string& page, const std::string& name) {
 bool tells(const std::string& cell, std::string figure) {
   figure.erase(std::remove(figure.begin(), figure.end(), ','), figure.end());
   const std::size_t point = figure.find('.');
-  const double half_digit = 0.5 * std::pow(10.0, point == figure.npos ? 0.0 : -double(figure.size() - point - 1));
+  const double half_digit =
+      0.5 * std::pow(10.0, point == figure.npos ? 0.0 : -double(figure.size() - point - 1));
   static const std::regex kNumber(R"(-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)");
   for (std::sregex_iterator at(cell.begin(), cell.end(), kNumber), end; at != end; ++at)
     if (std::abs(std::abs(std::stod(at->str())) - std::stod(figure)) <= 1.001 * half_digit) return true;
@@ -71,7 +72,8 @@ bool tells(const std::string& cell, std::string figure) {
 
 /// The cell that a mark names: "claim ID", or "cell TABLE: ROW, ..., COLUMN" of the same page or of
 /// "PAGE#TABLE" beside it. A row is named by its first cells.
-std::optional<std::string> cell_of(const Repository& repository, const std::string& page, const std::string& mark) {
+std::optional<std::string> cell_of(const Repository& repository, const std::string& page,
+                                   const std::string& mark) {
   std::string file = page, table;
   Cells row;
   std::string column;
@@ -122,7 +124,8 @@ std::vector<Typed> typed_of(const std::string& list, Breaches& breaches) {
       breaches.push_back("tests/structure/typed_numbers.txt: \"" + line + "\" is not PAGE | KIND | WHERE");
       continue;
     }
-    out.push_back({line.substr(0, first), line.substr(first + 3, second - first - 3), line.substr(second + 3)});
+    out.push_back(
+        {line.substr(0, first), line.substr(first + 3, second - first - 3), line.substr(second + 3)});
   }
   return out;
 }
@@ -165,7 +168,9 @@ std::string fault_of(const Repository& repository, const Typed& row, const std::
   if (at.empty()) return "is not there";
   if (row.kind == "setting" || row.kind == "arithmetic") return "";
   if (row.kind.starts_with("test "))
-    return has_test(repository, row.kind.substr(5)) ? "" : "names the test " + row.kind.substr(5) + ", which is not there";
+    return has_test(repository, row.kind.substr(5))
+               ? ""
+               : "names the test " + row.kind.substr(5) + ", which is not there";
   if (row.kind == "clock" || row.kind == "long")
     return section_at(page, at.front().from).find("telekerf") != std::string::npos ||
                    section_at(page, at.front().from).find("bench_") != std::string::npos
@@ -177,7 +182,8 @@ std::string fault_of(const Repository& repository, const Typed& row, const std::
 /// The page as prose: no code, no address, no generated table; numbers that say where they come from are
 /// checked and marked.
 std::string prose_with_marks(const Repository& repository, const std::string& path, Breaches& breaches) {
-  static const std::regex kCode("`[^`\n]*`"), kTarget(R"(\]\([^)]*\))"), kComment("<!--[^>]*-->"), kTag("<[a-z][^>]*>");
+  static const std::regex kCode("`[^`\n]*`"), kTarget(R"(\]\([^)]*\))"), kComment("<!--[^>]*-->"),
+      kTag("<[a-z][^>]*>");
   static const std::regex kMark(R"((\d[\d,]*(?:\.\d+)?)<!-- ((?:claim|cell) [^>]*) -->)");
   std::string text = repository.files.at(path);
   fill_between(text, "<!-- table ", "<!-- end of ");
@@ -207,10 +213,12 @@ Breaches typed_numbers(const Repository& repository, const std::string& list) {
   // Numbers in a row share the unit of the last: "7.3, 177 and 2,600 um".
   static const std::string kNumber = R"((?:\d[\d,]*(?:\.\d+)?|@))";
   static const std::string kUnit =
-      "(?:um|µm|mm|m|nm|mm/s|m/s2|m/s|ms|us|s|minutes?|seconds?|N/m|mN|N|mJ|J|%|rad/s|kHz|Hz|bits?|bytes(?:/s)?|octets|MiB|W|"
+      "(?:um|µm|mm|m|nm|mm/s|m/s2|m/s|ms|us|s|minutes?|seconds?|N/m|mN|N|mJ|J|%|rad/s|kHz|Hz|bits?|bytes(?:/"
+      "s)?|octets|MiB|W|"
       "kg|px|pixels?|x|times|dB|ppm|depths? of field)";
-  static const std::regex kFigure("(^|[^\\w.@,-])(" + kNumber + "(?:(?:,? and|,? or|,| to| /| of|-| x)?[\\s\x01]+" + kNumber +
-                                  "|-" + kNumber + ")*)[\\s\x01]*" + kUnit + "(?![\\w/])");
+  static const std::regex kFigure("(^|[^\\w.@,-])(" + kNumber +
+                                  "(?:(?:,? and|,? or|,| to| /| of|-| x)?[\\s\x01]+" + kNumber + "|-" +
+                                  kNumber + ")*)[\\s\x01]*" + kUnit + "(?![\\w/])");
   Breaches breaches;
   const std::vector<Typed> typed = typed_of(list, breaches);
   for (const Typed& row : typed)
@@ -225,7 +233,8 @@ Breaches typed_numbers(const Repository& repository, const std::string& list) {
       const std::vector<Stretch> at = stretches_of(text, row.where);
       const std::string fault = fault_of(repository, row, at);
       if (!fault.empty())
-        breaches.push_back("tests/structure/typed_numbers.txt: \"" + row.where + "\" of " + path + " " + fault);
+        breaches.push_back("tests/structure/typed_numbers.txt: \"" + row.where + "\" of " + path + " " +
+                           fault);
       excused.insert(excused.end(), at.begin(), at.end());
     }
     for (std::sregex_iterator at(prose.begin(), prose.end(), kFigure), end; at != end; ++at) {
@@ -239,10 +248,12 @@ Breaches typed_numbers(const Repository& repository, const std::string& list) {
       std::string said = at->str(0);
       said.erase(std::remove(said.begin(), said.end(), kFiller), said.end());
       std::replace(said.begin(), said.end(), '\n', ' ');
-      const auto line = 1 + std::count(prose.begin(), prose.begin() + static_cast<std::ptrdiff_t>(from), '\n');
-      breaches.push_back(path + ":" + std::to_string(line) + ": \"" + trimmed(said) +
-                         "\" is typed by hand: name the claim or the table's cell behind it, or give the reason in "
-                         "tests/structure/typed_numbers.txt");
+      const auto line =
+          1 + std::count(prose.begin(), prose.begin() + static_cast<std::ptrdiff_t>(from), '\n');
+      breaches.push_back(
+          path + ":" + std::to_string(line) + ": \"" + trimmed(said) +
+          "\" is typed by hand: name the claim or the table's cell behind it, or give the reason in "
+          "tests/structure/typed_numbers.txt");
     }
   }
   return breaches;

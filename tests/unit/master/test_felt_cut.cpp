@@ -52,7 +52,8 @@ TEST(EnergyTank, GivesNoMoreThanItHeldAndTheDragTookWhateverIsWished) {
       if (k % 7 == 3) wished = std::copysign(loud, port.v);  // an adversary's
       if (k % 50 == 9) wished = k % 100 < 50 ? kNaN : std::numeric_limits<double>::infinity();
       port.step(between(-push, push), wished);
-      ASSERT_LE(port.given_j - port.drag_j, EnergyTankSettings{}.initial_j + 1e-12) << "run " << run << ", step " << k;
+      ASSERT_LE(port.given_j - port.drag_j, EnergyTankSettings{}.initial_j + 1e-12)
+          << "run " << run << ", step " << k;
       ASSERT_GE(port.tank.level_j(), 0.0);
       ASSERT_TRUE(std::isfinite(port.v));
     }
@@ -117,13 +118,15 @@ TEST_F(FeltCutTest, AHandThatHoldsBackIsNotHelpedOn) {
   for (const double way : {1.0, -1.0}) {
     EXPECT_NEAR(settled(way * 18e-3, -0.2 * way), 0.0, 1e-6);
     EXPECT_NEAR(settled(-way * 2e-3, 0.2 * way), 0.0, 1e-6) << "nor is one that turns round";
-    EXPECT_NEAR(way * settled(way * 22e-3, -0.2 * way), -0.6, 1e-6) << "what is too fast is braked all the same";
+    EXPECT_NEAR(way * settled(way * 22e-3, -0.2 * way), -0.6, 1e-6)
+        << "what is too fast is braked all the same";
   }
 }
 
 TEST_F(FeltCutTest, NeverExceedsItsBoundAndDoesNotSetAToolInMotion) {
   EXPECT_NEAR(settled(0.2, 1.0), -3.0, 1e-6);
-  EXPECT_EQ(FeltCut(FeltCutSettings{.depth_m = 0.3e-3, .tank = {}}).wished_n(0.0, 1.0, kBeta, true, kDt_s), 0.0);
+  EXPECT_EQ(FeltCut(FeltCutSettings{.depth_m = 0.3e-3, .tank = {}}).wished_n(0.0, 1.0, kBeta, true, kDt_s),
+            0.0);
   EXPECT_NEAR(settled(kNaN, 1.0), 0.0, 1e-9);
 }
 

@@ -145,10 +145,11 @@ TEST(Readme, ItsMainTableIsTheManifests) {
 }
 
 TEST(Page, FiguresInProseBecomeTheClaimsToAsManyDecimals) {
-  const Manifest manifest = load_manifest(file_with(kExperiment + claim("a", "bound = 1\n") + claim("b", "bound = 1\n")));
+  const Manifest manifest =
+      load_manifest(file_with(kExperiment + claim("a", "bound = 1\n") + claim("b", "bound = 1\n")));
   const auto judged = judge(manifest, {{"lap", {{"a", 1234.567}}}}, false);
   EXPECT_EQ(with_figures("was 9.0<!-- claim a --> um, 1,000<!-- claim a -->, 5<!-- claim a -->.", judged),
-            "was 1234.6<!-- claim a --> um, 1,235<!-- claim a -->, 1235<!-- claim a -->.");
+            "was 1230.0<!-- claim a --> um, 1,230<!-- claim a -->, 1230<!-- claim a -->.");
   const std::string none = "9.0<!-- claim c --> um, 9.0<!-- cell a: b; c --> um, 9.0 <!-- claim a -->";
   EXPECT_EQ(with_figures(none, judged), none);
   EXPECT_EQ(with_figures("9.0<!-- claim b -->", judge(manifest, {}, false)), "9.0<!-- claim b -->");
