@@ -95,7 +95,7 @@ void add_panel(std::string& script, const Figure& figure, std::size_t index) {
                         1.0 - (head_px(figure) + (row + 1) * figure.panel_height_px) / height);
   script += "set title " + quoted(panel.title) + "\n";
   script +=
-      "set xlabel " + quoted(panel.x_label) + " offset 0,0.4\nset ylabel " + quoted(panel.y_label) + "\n";
+      "set xlabel " + quoted(panel.x_label) + " offset 0,0.7\nset ylabel " + quoted(panel.y_label) + "\n";
   if (!panel.picture.empty()) {
     script += "unset key\nunset tics\nunset border\nunset grid\nunset logscale\nset size ratio -1\n";
     script += "set xrange [*:*] noextend\nset yrange [*:*] noextend\n";
@@ -105,8 +105,8 @@ void add_panel(std::string& script, const Figure& figure, std::size_t index) {
   }
   const auto labels = std::count_if(panel.lines.begin(), panel.lines.end(),
                                     [](const Line& line) { return !line.label.empty(); });
-  script +=
-      labels > kRowsBelow ? "set key outside right top vertical\n" : "set key below center horizontal\n";
+  script += labels > kRowsBelow ? "set key outside right top vertical\n"
+                                : "set key below center horizontal offset 0,-0.3\n";
   script += panel.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
   script += "unset logscale\n";
   if (panel.log_x) script += "set logscale x\n";

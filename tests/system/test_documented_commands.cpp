@@ -82,7 +82,7 @@ const std::map<std::string, Words> kShort{{"all", {"--only", "hall-sensor"}},
 /// Pages stay as they are, and files go where the test's are.
 Words shortened(Words words, const std::string& experiment, const std::string& out) {
   for (auto at = words.begin(); at != words.end();) {
-    const bool elsewhere = *at == "--out" || *at == "--page" || *at == "--source";
+    const bool elsewhere = *at == "--out" || *at == "--page" || *at == "--source" || *at == "--only-rtt-ms";
     at = elsewhere ? words.erase(at, at + 2) : at + 1;
   }
   const Words& more = kShort.at(experiment);
