@@ -129,17 +129,9 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   } else {
     hand.force_n = out.hand_n;
   }
-  const MasterRow row{tick,
-                      static_cast<double>(now_ns) * 1e-9,
-                      true_tool_m.value_or(out.tool_m),
-                      hand.force_n,
-                      out.constraint_n,
-                      guided_,
-                      out.mode == MasterMode::kEngaged,
-                      inputs.button,
-                      out.observed.slave.position_m,
-                      out.observed.aligned,
-                      beta,
+  const MasterRow row{tick, static_cast<double>(now_ns) * 1e-9, true_tool_m.value_or(out.tool_m), hand.force_n,
+                      out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
+                      out.observed.slave.position_m, out.observed.aligned, beta,
                       out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                       out.slave_force.force_n};
   ring_ != nullptr ? ring_->push(master_columns(), row) : recorder_.push(row);
