@@ -105,8 +105,8 @@ void add_panel(std::string& script, const Figure& figure, std::size_t index) {
   }
   const auto labels = std::count_if(panel.lines.begin(), panel.lines.end(),
                                     [](const Line& line) { return !line.label.empty(); });
-  script += labels > kRowsBelow ? "set key outside right top vertical\n"
-                                : "set key below center horizontal offset 0,-0.3\n";
+  script +=
+      labels > kRowsBelow ? "set key outside right top vertical\n" : "set key below center horizontal\n";
   script += panel.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
   script += "unset logscale\n";
   if (panel.log_x) script += "set logscale x\n";
