@@ -19,7 +19,8 @@ TEST(MachiningPage, AnOctagonComesToWhatItSays) {
   Program run("telekerf-experiment", {"closed-contour", "--image", "octagon", "--out", out.string()});
   ASSERT_EQ(run.wait(std::chrono::seconds(150)), 0) << run.output();
   std::ifstream in(out / "result.json");
-  const auto tables = experiments::contour_tables({nlohmann::ordered_json::parse(in)});
+  const auto tables =
+      experiments::contour_tables(nlohmann::ordered_json::array({nlohmann::ordered_json::parse(in)}));
   const fs::path page = fs::path(TELEKERF_SOURCE_DIR) / "docs/results/machining.md";
 
   const auto contours = reporting::read_table(page, "contours");
