@@ -15,6 +15,7 @@ void add_constraint_command(Program& program);
 void add_contours_command(Program& program);
 void add_delay_command(Program& program);
 void add_hall_sensor_command(Program& program);
+void add_haptics_command(Program& program);
 void add_kinematics_command(Program& program);
 void add_lap_command(Program& program);
 void add_open_contour_command(Program& program);

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   telekerf::experiments::add_contours_command(program);
   telekerf::experiments::add_delay_command(program);
   telekerf::experiments::add_hall_sensor_command(program);
+  telekerf::experiments::add_haptics_command(program);
   telekerf::experiments::add_kinematics_command(program);
   telekerf::experiments::add_lap_command(program);
   telekerf::experiments::add_open_contour_command(program);

@@ -75,13 +75,14 @@ bool MasterNode::spent(std::uint32_t engage) const noexcept {
          static_cast<std::int32_t>(engage - states_.header().engage) <= 0;
 }
 
-Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode,
+Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode, bool button,
                         MasterOutputs& out) noexcept {
   if (!guided()) {
     return control::tracking_acceleration(modes_.goal(), tool, approach_law_);
   }
   if (mode) constraint_.set_mode(*mode);
-  Vec3 wanted = constraint_.step(*modes_.guide(), tool, out.hand_n, dt_s_);
+  Vec3 wanted = constraint_.step(*modes_.guide(), tool, out.hand_n, dt_s_,
+                                 button && modes_.mode() == MasterMode::kEngaged);
   out.active = constraint_.active();
   out.corridor_m = constraint_.mode().corridor_m;
   out.constraint_n = -out.active.piece.shape.gradient(tool.position_m.head<2>()).dot(out.hand_n.head<2>());
@@ -115,7 +116,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   const bool button = inputs.pedal ? inputs.button : felt;
   button_seen_ = button_seen_ || !button;
 
-  const Vec3 wanted = this->wanted(tool, inputs.constraint, out);
+  const Vec3 wanted = this->wanted(tool, inputs.constraint, button && button_seen_, out);
   // The hand's force is rejected with the rest of the disturbance; along the curve it comes back through the
   // virtual mass in `wanted`, so the pen is stiff across and free along.
   const robot::DeltaState& pose = joints_.state();

@@ -77,6 +77,8 @@ class MasterNode {
   /// The newest that the slave has told; null: nothing yet.
   const StateHeader* slave() const noexcept { return states_.heard() ? &states_.header() : nullptr; }
   const Observed& observed() const noexcept { return stream_.observed(); }
+  /// What the hand feels of the cut.
+  const FeltCut& felt() const noexcept { return constraint_.felt(); }
 
  private:
   KinematicState observe(const robot::JointReading& joints) noexcept;
@@ -90,7 +92,7 @@ class MasterNode {
     return modes_.mode() == MasterMode::kGuiding || modes_.mode() == MasterMode::kEngaged;
   }
   /// Acceleration that the tool is to have, by the mode; fills in what the constraint says.
-  Vec3 wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode,
+  Vec3 wanted(const KinematicState& tool, const std::optional<ConstraintMode>& mode, bool button,
               MasterOutputs& out) noexcept;
 
   robot::RobotModel model_;

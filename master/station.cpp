@@ -192,6 +192,7 @@ void Station::report(RunRecord& record) const {
   // All coded bytes, redundant copies and block heads included, over the axis samples they newly carry.
   f["bits_per_sample"] =
       packets > 0.0 ? 8.0 * static_cast<double>(link.payload_bytes()) / (packets * 3.0 * command.block) : 0.0;
+  if (node_.felt().on()) add_figures(node_.felt().statistics(), f);
   f["readings_missed"] = static_cast<double>(machine_.readings_missed());
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
   const streaming::ClockEstimate clocks = link.clocks();

@@ -67,7 +67,15 @@ void StationSettings::add_guidance_parameters(Settings& settings) {
                "mean speed of the simulated hand");
   settings.add("hand_sideways_n", hand.max_sideways_n, {.min = 0, .max = 30, .unit = "N"},
                "how hard the simulated hand pushes off the curve");
+  settings.add("felt_depth_mm", felt_depth_mm, {.min = 0, .max = 20, .unit = "mm"},
+               "depth of the cut that the hand feels itself held to, 0: it feels nothing of the cut");
+  settings.add("felt_depth_speed_mm2_per_s", felt_depth_speed_mm2_per_s,
+               {.min = 0.01, .max = 1000, .unit = "mm2/s"},
+               "depth of a line times the beam's speed, of this material and power");
+  settings.add("felt_max_n", node.constraint.felt.max_n, {.min = 0, .max = 10, .unit = "N"},
+               "largest force that is felt of the cut");
   settings.not_with({"corridor_stiffness_n_per_m"}, "corridor_mm", {"0"});
+  settings.not_with({"felt_depth_speed_mm2_per_s", "felt_max_n"}, "felt_depth_mm", {"0"});
 }
 
 void StationSettings::add_stream_parameters(Settings& settings) {
@@ -113,6 +121,8 @@ StationSettings StationSettings::validated() const {
   settings.node.stale_s = std::max(MasterSettings{}.stale_s, beam_age_s);
   settings.hand.speed_m_per_s = hand_speed_mm_s * 1e-3;
   settings.node.constraint.corridor_m = corridor_mm * 1e-3;
+  settings.node.constraint.felt.depth_m = felt_depth_mm * 1e-3;
+  settings.node.constraint.felt.depth_speed_m2_per_s = felt_depth_speed_mm2_per_s * 1e-6;
   const double ratio = node.control_hz / node.stream_hz;
   if (ratio < 1.0 || std::abs(ratio - std::round(ratio)) > 1e-9) {
     throw configuration_error(fmt::format("control_hz = {:g} must be a whole multiple of stream_hz = {:g}",

@@ -24,11 +24,13 @@ struct StationSettings {
   bool engage = false;    ///< the slave shall follow without being told to
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   SimulatedOperatorSettings hand;
-  ArmSettings arm;                                  ///< between a pointer and the tool
-  double hand_speed_mm_s = 20.0;                    ///< what a user sets of it
-  double tracking_rad_s = 0.0;                      ///< of the law; 0: chosen from the stream's rate
-  double beam_age_s = 0.35;                         ///< the slave's, see MasterSettings::stale_s
-  double corridor_mm = 0.0;                         ///< half width in which the hand is free; 0: guidance
+  ArmSettings arm;                ///< between a pointer and the tool
+  double hand_speed_mm_s = 20.0;  ///< what a user sets of it
+  double tracking_rad_s = 0.0;    ///< of the law; 0: chosen from the stream's rate
+  double beam_age_s = 0.35;       ///< the slave's, see MasterSettings::stale_s
+  double corridor_mm = 0.0;       ///< half width in which the hand is free; 0: guidance
+  double felt_depth_mm = 0.0;     ///< of the cut, FeltCutSettings::depth_m
+  double felt_depth_speed_mm2_per_s = 3.0;
   codec::CodecChoice codec = codec::kDefaultCodec;  ///< of the command stream
   std::uint64_t seed = 1;
   std::uint32_t epoch = 1;

@@ -95,7 +95,7 @@ void add_panel(std::string& script, const Figure& figure, std::size_t index) {
                         1.0 - (head_px(figure) + (row + 1) * figure.panel_height_px) / height);
   script += "set title " + quoted(panel.title) + "\n";
   script +=
-      "set xlabel " + quoted(panel.x_label) + " offset 0,0.4\nset ylabel " + quoted(panel.y_label) + "\n";
+      "set xlabel " + quoted(panel.x_label) + " offset 0,0.7\nset ylabel " + quoted(panel.y_label) + "\n";
   if (!panel.picture.empty()) {
     script += "unset key\nunset tics\nunset border\nunset grid\nunset logscale\nset size ratio -1\n";
     script += "set xrange [*:*] noextend\nset yrange [*:*] noextend\n";

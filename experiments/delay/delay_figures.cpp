@@ -23,7 +23,6 @@ constexpr double kMost_um = 1e5;
 void draw_rtt(const std::vector<Run>& runs, const std::filesystem::path& png) {
   Figure figure;
   figure.title = "SDCT, jitter 10 % of the round trip, loss 0.01, each rival at its best tuning";
-  figure.columns = 2;
   for (const auto& [title, what] :
        {std::pair{"slave to master (um rms)", &DelayResult::tracking_rmse_um},
         std::pair{"slave to its prediction (um rms)", &DelayResult::prediction_rmse_um}}) {
@@ -46,8 +45,8 @@ void draw_rtt(const std::vector<Run>& runs, const std::filesystem::path& png) {
     }
     figure.panels.push_back(panel);
   }
-  figure.panel_width_px = 780;
-  figure.panel_height_px = 460;
+  figure.panel_width_px = 960;
+  figure.panel_height_px = 420;
   draw_figure(figure, png);
 }
 

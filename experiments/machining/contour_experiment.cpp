@@ -13,6 +13,7 @@
 #include "experiments/machining/contour_figure.h"
 #include "experiments/machining/contour_run.h"
 #include "experiments/machining/contour_source.h"
+#include "experiments/machining/contour_tables.h"
 #include "experiments/machining/independent_baselines.h"
 
 namespace telekerf::experiments {
@@ -32,6 +33,7 @@ struct Options {
   machining::CornerPolicy corner = machining::CornerPolicy::kRounded;
   bool ideal = false;
   std::optional<const workpiece::Material*> material;  ///< none: wood, or what the thesis' figure has
+  std::string page;
   std::string out;
   double tolerance_um = 10.0;
   double along_rad_s = 0.0;
@@ -166,13 +168,14 @@ int run(const Options& options, const ContourExperiment& experiment) {
     std::filesystem::copy_file(out / experiment.subjects.front().picture / "trace.csv", out / "trace.csv",
                                std::filesystem::copy_options::overwrite_existing);
     result["pictures"] = all;
+    if (!options.page.empty()) reporting::write_tables(options.page, contour_tables(all));
   }
   write_json(out / "result.json", result);
   fmt::print("{}\n", json_text(result));
   return 0;
 }
 
-void add_parameters(Options& o, Settings& s) {
+void add_parameters(const ContourExperiment& experiment, Options& o, Settings& s) {
   TextForm drawn_as_well = kPicture;  // outline-N is looked at where it is drawn
   drawn_as_well.complaint = [](const std::string&) { return std::string(); };
   s.add("image", o.image, drawn_as_well, "picture: a shipped name or a file; none: the thesis' set");
@@ -197,6 +200,9 @@ void add_parameters(Options& o, Settings& s) {
         "contouring: across it, 0: the usual one");
   s.add("sweep", o.sweep, "contour error against speed, 1 to 100 mm/s");
   s.add("seed", o.seed, kSeeds, "of everything random");
+  if (experiment.closed)
+    s.add("page", o.page, kFile,
+          "page whose tables 'contours' and 'terms' are written anew, of the whole set");
   s.add("out", o.out, kFolder, "folder for the results");
 }
 
@@ -206,8 +212,10 @@ void add_contour_experiment(Program& program, const ContourExperiment& experimen
   Options options;
   options.speed_mm_s = experiment.speed_mm_s;
   options.out = "out/" + experiment.name;
-  program.add(experiment.name, experiment.help, options, add_parameters,
-              [experiment](const Options& o) { return run(o, experiment); });
+  program.add(
+      experiment.name, experiment.help, options,
+      [experiment](Options& o, Settings& s) { add_parameters(experiment, o, s); },
+      [experiment](const Options& o) { return run(o, experiment); });
 }
 
 }  // namespace telekerf::experiments

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/reporting/page_tables.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
@@ -15,6 +14,7 @@
 #include "experiments/commands.h"
 #include "experiments/report/judgement.h"
 #include "experiments/report/manifest.h"
+#include "experiments/report/page_marks.h"
 #include "experiments/report/report_page.h"
 #include "experiments/report/result_store.h"
 
@@ -31,8 +31,7 @@ struct Options {
   std::vector<std::string> only;
   std::string claims;
   std::string against;
-  std::string readme;
-  std::string page;
+  std::string source;
   std::string out = "out/all";
 };
 
@@ -48,6 +47,9 @@ ordered_json claims_of(const fs::path& folder) {
 }
 
 void refuse_unknown(const Options& options, const Manifest& manifest) {
+  if (!options.source.empty() && (options.quick || !options.only.empty()))
+    throw usage_error(
+        "--source: the pages hold figures of full runs of everything; leave out --quick and --only");
   for (const std::string& name : options.only) {
     const auto named = [&](const ManifestExperiment& e) { return e.name == name; };
     if (std::any_of(manifest.experiments.begin(), manifest.experiments.end(), named)) continue;
@@ -97,8 +99,7 @@ int run(const Options& options) {
                                 .differences = changes,
                                 .against = fs::path(options.against).lexically_normal().filename().string(),
                                 .made = made_line()}));
-  if (!options.readme.empty()) reporting::write_tables(options.readme, {headline_table(judged)});
-  if (!options.page.empty()) reporting::write_tables(options.page, {claims_table(judged)});
+  if (!options.source.empty()) write_pages(options.source, judged);
 
   bool good = all_held(judged);
   for (const Finished& one : finished) {
@@ -128,8 +129,8 @@ void add_parameters(Options& o, Settings& s) {
   s.add("claims", o.claims, kFile, "another manifest than the shipped one");
   s.add("against", o.against, kFolder,
         "--out of another run: says which claims have another figure, and by how much");
-  s.add("readme", o.readme, kFile, "page whose table 'headline' is written anew");
-  s.add("page", o.page, kFile, "page whose table 'claims' is written anew");
+  s.add("source", o.source, kFolder,
+        "top folder of the source: README.md and docs/results there get their tables and figures anew");
   s.add("out", o.out, kFolder,
         "folder for report.html, claims.json and the results, by commit, experiment and seed");
 }

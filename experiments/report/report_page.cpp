@@ -122,7 +122,8 @@ std::string experiment_part(const ManifestExperiment& experiment, const ReportPa
     // A short run leaves fewer figures.
     if (!fs::exists(png)) continue;
     out += fmt::format(
-        "<figure><img loading=\"lazy\" alt=\"{0}\" src=\"{1}\"><figcaption>{0}</figcaption>\n{2}</figure>\n",
+        "<figure><div class=\"pan\" tabindex=\"0\"><img loading=\"lazy\" alt=\"{0}\" "
+        "src=\"{1}\"></div><figcaption>{0}</figcaption>\n{2}</figure>\n",
         html_text(figure.caption), picture_address(png, kPictureWidth_px), zoomable_panels(png));
   }
   return out;

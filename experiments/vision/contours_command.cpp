@@ -20,6 +20,7 @@
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
+#include "common/vision/export/overlay.h"
 #include "common/vision/extraction/contour_extraction.h"
 #include "common/vision/extraction/edge_band.h"
 #include "common/vision/raster/field.h"
@@ -339,14 +340,29 @@ class Drawer {
   nlohmann::json result_;
 };
 
+/// What vision finds in four of the shipped pictures, over them.
+void draw_found(const std::filesystem::path& png) {
+  std::vector<cv::Mat> pictures;
+  for (const char* name : {"heart", "gear", "script-e", "flange"}) {
+    const auto loaded = vision::load_contours(find_resource("pictures", name, ".png"), {});
+    if (!loaded) throw input_error(loaded.error());
+    pictures.emplace_back();
+    cv::resize(vision::overlay_of(*loaded), pictures.back(), {400, 300}, 0, 0, cv::INTER_AREA);
+  }
+  write_pictures(pictures, png);
+}
+
 }  // namespace
 
 void add_contours_command(Program& program) {
   program.add(
-      "contours", "Thesis 3: from picture to path, figures 3.2 to 3.12", std::string(),
+      "contours",
+      "Thesis 3: from picture to path, figures 3.2 to 3.12, and contours.png over shipped pictures",
+      std::string(),
       [](std::string& out, Settings& s) { s.add("out", out, kFolder, "for the figures").must_be_given(); },
       [](const std::string& out) {
         make_folder("--out", out);
+        draw_found(std::filesystem::path(out) / "contours.png");
         std::cout << json_text(Drawer(out).draw()) << '\n';
         return 0;
       });

@@ -88,8 +88,23 @@ Vec2 ConstraintController::hold_against_creep(const KinematicState& tool, const 
          along;
 }
 
+Vec3 ConstraintController::guided(const KinematicState& tool, const Vec3& hand_n,
+                                  const ConstraintReference& reference, double dt_s,
+                                  const CutInHand& cut) noexcept {
+  const auto with = [&](double felt_n) {
+    return guided_acceleration(active_, settings_, tool, hand_n, reference, felt_n);
+  };
+  if (!felt_.on()) return with(0.0);
+  const Vec2 along = active_.piece.shape.tangent(tool.position_m.head<2>());
+  const double speed = along.dot(tool.velocity_m_per_s.head<2>());
+  const double wished_n = felt_.wished_n(speed, along.dot(hand_n.head<2>()), cut.beta, cut.wanted, dt_s);
+  return with(
+      felt_.step(wished_n, speed, settings_.damping_n_s_per_m, 0.5 * dt_s / settings_.mass_kg, dt_s,
+                 [&](double felt_n) { return speed + 0.5 * dt_s * along.dot(with(felt_n).head<2>()); }));
+}
+
 Vec3 ConstraintController::step(const GuidePath& guide, const KinematicState& tool, const Vec3& hand_n,
-                                double dt_s) noexcept {
+                                double dt_s, bool cutting) noexcept {
   active_ = generator_.at(guide, tool.position_m.head<2>(), dt_s);
   if (entering_) {
     entering_ = false;
@@ -112,7 +127,7 @@ Vec3 ConstraintController::step(const GuidePath& guide, const KinematicState& to
   faster_m_per_s_ = std::max(0.0, faster_m_per_s_ - settings_.bend_m_per_s2 * dt_s);
   active_.limit.m_per_s += faster_m_per_s_;
   correction_ = guiding_correction(active_, settings_, tool, reference);
-  Vec3 wanted = guided_acceleration(active_, settings_, tool, hand_n, reference);
+  Vec3 wanted = guided(tool, hand_n, reference, dt_s, {guide.beta, cutting});
   wanted.head<2>() += hold_against_creep(tool, hand_n);
   return wanted;
 }

@@ -19,10 +19,9 @@ double decaying(const ConstraintSettings& settings, double e, double e_rate) noe
   return -k2 * (e_rate + std::clamp(k1 / k2 * e, -settings.return_m_per_s, settings.return_m_per_s));
 }
 
-double along_the_curve(const ActiveConstraint& active, const ConstraintSettings& settings, double pull,
+double along_the_curve(const ActiveConstraint& active, const ConstraintSettings& settings, double pull_n,
                        double speed, bool hold_in_bends) noexcept {
-  double a =
-      (without(pull, settings.force_deadband_n) - settings.damping_n_s_per_m * speed) / settings.mass_kg;
+  double a = (pull_n - settings.damping_n_s_per_m * speed) / settings.mass_kg;
   if (hold_in_bends) {
     // v' <= (limit - v) / tau on either way along the curve; the slope leads it into the bend.
     constexpr double kRate = 250.0;
@@ -45,14 +44,15 @@ double along_the_curve(const ActiveConstraint& active, const ConstraintSettings&
 }  // namespace
 
 Vec3 guided_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
-                         const KinematicState& tool, const Vec3& hand_n,
-                         const ConstraintReference& reference) noexcept {
+                         const KinematicState& tool, const Vec3& hand_n, const ConstraintReference& reference,
+                         double felt_n) noexcept {
   const Vec2 x = tool.position_m.head<2>();
   const Vec2 v = tool.velocity_m_per_s.head<2>();
   const geometry::CircleOrLine& shape = active.piece.shape;
   const Vec2 along = shape.tangent(x);
   const double bend = v.dot(shape.hessian(x) * v);  // J_phi' x'
-  const double a_along = along_the_curve(active, settings, along.dot(hand_n.head<2>()), along.dot(v), true);
+  const double pull = without(along.dot(hand_n.head<2>()), settings.force_deadband_n) + felt_n;
+  const double a_along = along_the_curve(active, settings, pull, along.dot(v), true);
   Vec3 wanted;
   wanted.head<2>() = (reference.acceleration_m_per_s2[0] - bend) * shape.gradient(x) + a_along * along;
   wanted.z() = reference.acceleration_m_per_s2[1];
@@ -88,7 +88,8 @@ Vec3 region_acceleration(const ActiveConstraint& active, const ConstraintSetting
   const double side = std::copysign(1.0, phi);
   a_across = side * virtual_wall_acceleration(side * a_across, side * phi - mode.corridor_m, side * rate,
                                               settings.wall_skin_m, settings.bandwidth_rad_s);
-  const double a_along = along_the_curve(active, settings, along.dot(hand_n.head<2>()), along.dot(v), false);
+  const double pull = without(along.dot(hand_n.head<2>()), settings.force_deadband_n);
+  const double a_along = along_the_curve(active, settings, pull, along.dot(v), false);
   Vec3 wanted;
   wanted.head<2>() = a_across * across + a_along * along;
   wanted.z() = decaying(settings, tool.position_m.z(), tool.velocity_m_per_s.z());

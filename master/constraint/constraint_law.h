@@ -26,10 +26,10 @@ struct ConstraintMode {
 
 /// Desired tool acceleration of the guidance fixture, m/s^2: e'' + K2 e' + K1 e = 0 across the curve and in z
 /// (eq. 65), and along it what the hand's force `hand_n` (estimated) does to the virtual mass, within the
-/// speed limit of the bends.
+/// speed limit of the bends. `felt_n`: acts on that mass as well, along the curve.
 Vec3 guided_acceleration(const ActiveConstraint& active, const ConstraintSettings& settings,
                          const KinematicState& tool, const Vec3& hand_n,
-                         const ConstraintReference& reference = {}) noexcept;
+                         const ConstraintReference& reference = {}, double felt_n = 0.0) noexcept;
 
 /// The part of it that answers an error across the curve and in z: -K2 e' - K1 e.
 Vec3 guiding_correction(const ActiveConstraint& active, const ConstraintSettings& settings,

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "common/runtime/enum_table.h"
+#include "master/haptics/felt_cut.h"
 
 namespace telekerf::master {
 
@@ -49,6 +50,8 @@ struct ConstraintSettings {
       0.15;  ///< estimated forces below this do not move the tool: errors of the estimate are as large
   double end_bandwidth_rad_s = 300.0;  ///< of the stops at the ends of an open curve
   double end_m_per_s = 3e-3;           ///< at which they are met at most
+
+  FeltCutSettings felt;                ///< what of the cut the hand feels
 
   // Bends: the tool is held back before it could be thrown off.
   double max_speed_m_per_s = 0.2;  ///< on straight stretches

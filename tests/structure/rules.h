@@ -37,4 +37,9 @@ Breaches dead_mentions(const Repository& repository);
 /// Programs that prose names exist.
 Breaches dead_programs(const Repository& repository);
 
+/// A number with a unit in the README or a page of results says where it comes from: `0.68<!-- claim ID -->`,
+/// or `0.68<!-- cell TABLE: ROW; COLUMN -->` of a generated table, and is what stands there; or `list` gives
+/// the reason why it may be typed, a row "PAGE | KIND | WHERE" each (tests/structure/typed_numbers.txt).
+Breaches typed_numbers(const Repository& repository, const std::string& list);
+
 }  // namespace telekerf::structure

@@ -72,6 +72,7 @@ const std::map<std::string, Words> kShort{{"all", {"--only", "hall-sensor"}},
                                           {"contours", {}},
                                           {"delay", {"--rtt-ms", "100", "--duration-s", "3"}},
                                           {"hall-sensor", {}},
+                                          {"haptics", {"--hands", "1", "--runs", "20"}},
                                           {"lap", {"--duration-s", "5"}},
                                           {"open-contour", {"--image", "line", "--speed-mm-s", "50"}},
                                           {"remote-machining", {"--netem", "ideal", "--duration-s", "5"}},
@@ -81,7 +82,7 @@ const std::map<std::string, Words> kShort{{"all", {"--only", "hall-sensor"}},
 /// Pages stay as they are, and files go where the test's are.
 Words shortened(Words words, const std::string& experiment, const std::string& out) {
   for (auto at = words.begin(); at != words.end();) {
-    const bool elsewhere = *at == "--out" || *at == "--page" || *at == "--readme";
+    const bool elsewhere = *at == "--out" || *at == "--page" || *at == "--source" || *at == "--only-rtt-ms";
     at = elsewhere ? words.erase(at, at + 2) : at + 1;
   }
   const Words& more = kShort.at(experiment);

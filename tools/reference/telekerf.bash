@@ -7,18 +7,18 @@ _telekerf_commands() {
   case $1 in
     telekerf-ctl) echo 'stop clear-stop look engage disengage beta take-contour zoom refocus look ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
-    telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor kinematics lap open-contour replay remote-machining robots space-contour ' ;;
-    telekerf-inspect) echo 'codec contour drive efd export inputs label recover robot run runs ' ;;
+    telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor haptics kinematics lap open-contour replay remote-machining robots space-contour ' ;;
+    telekerf-inspect) echo 'codec contour drive efd inputs label recover robot run ' ;;
   esac
 }
 
 _telekerf_flags() {
   case $1 in
-    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --button --mismatch --seed --control-hz --stream-hz --beam-age-s --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --stop-file --record --engage --duration-s --wait-s --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --button --mismatch --seed --control-hz --stream-hz --beam-age-s --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --felt-depth-mm --felt-depth-speed-mm2-per-s --felt-max-n --stop-file --record --engage --duration-s --wait-s --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --touched --look-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --dose-max-j --dose-max-j-per-mm2 --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --imaging --imaging-file --law --zoom --focus-region --calibrate --grid-mm --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --runs --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl look') echo '--wait-s --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
@@ -38,19 +38,20 @@ _telekerf_flags() {
     'telekerf-netem switch') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-robot ') echo '--robot --mismatch --seed --port --key --config --print-config --help --version' ;;
     'telekerf-plant ') echo '--robot --mismatch --seed --drive-port --laser-port --key --max-w --stuck-after-j --record --domain --cell --name --peers --security --wan --insecure --config --print-config --help --version' ;;
-    'telekerf-experiment all') echo '--quick --seed --jobs --only --claims --against --readme --page --out --config --print-config --help --version' ;;
+    'telekerf-experiment all') echo '--quick --seed --jobs --only --claims --against --source --out --config --print-config --help --version' ;;
     'telekerf-experiment autofocus') echo '--law --starts --seed --jobs --out --page --config --print-config --help --version' ;;
     'telekerf-experiment chaos') echo '--runs --seed --duration-s --mode --faults --beam-age-s --no-shrink --jobs --out --config --print-config --help --version' ;;
-    'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
+    'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --page --out --config --print-config --help --version' ;;
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --page --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--out --config --print-config --help --version' ;;
     'telekerf-experiment delay') echo '--law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --netem --rtt-ms --jitter-ms --loss --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --only-rtt-ms --seed --page --out --config --print-config --help --version' ;;
     'telekerf-experiment hall-sensor') echo '--robot --path-mm --sensors --seed --out --config --print-config --help --version' ;;
+    'telekerf-experiment haptics') echo '--image --netem --depth-mm --own-depth-mm --laser-w --hand-speed-mm-s --hands --runs --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
-    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --record --out --config --print-config --help --version' ;;
+    'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --felt-depth-mm --felt-depth-speed-mm2-per-s --felt-max-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --record --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
-    'telekerf-experiment replay') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --out --config --print-config --help --version' ;;
+    'telekerf-experiment replay') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --felt-depth-mm --felt-depth-speed-mm2-per-s --felt-max-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --out --config --print-config --help --version' ;;
     'telekerf-experiment remote-machining') echo '--netem --all-profiles --duration-s --laser-w --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --out --config --print-config --help --version' ;;
@@ -58,13 +59,11 @@ _telekerf_flags() {
     'telekerf-inspect contour') echo '--mode --start --end --at --not --box --paper --smallest-mm --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --speed-mm-s --travel-mm-s --power --passes --overlap-mm --kerf-um --origin-mm --arcs --join-mm --dpi --units --layers --colours --out --config --print-config --help --version' ;;
     'telekerf-inspect drive') echo '--robot --drive --drive-stale-s --mismatch --seed --control-hz --force-n --travel-mm --duration-s --move --json --out --config --print-config --help --version' ;;
     'telekerf-inspect efd') echo '--harmonics --config --print-config --help --version' ;;
-    'telekerf-inspect export') echo '--out --config --print-config --help --version' ;;
     'telekerf-inspect inputs') echo '--seconds --json --config --print-config --help --version' ;;
     'telekerf-inspect label') echo '--config --print-config --help --version' ;;
     'telekerf-inspect recover') echo '--config --print-config --help --version' ;;
     'telekerf-inspect robot') echo '--ik --fk --jacobian --workspace --hall --picture --config --print-config --help --version' ;;
     'telekerf-inspect run') echo '--csv --mcap --out --config --print-config --help --version' ;;
-    'telekerf-inspect runs') echo '--json --config --print-config --help --version' ;;
     'telekerf-keys ') echo '--cells --days --check --renew --config --print-config --help --version' ;;
   esac
 }
@@ -107,6 +106,9 @@ _telekerf_values() {
     'telekerf-master  --observer-rad-s') echo "" ;;
     'telekerf-master  --hand-speed-mm-s') echo "" ;;
     'telekerf-master  --hand-sideways-n') echo "" ;;
+    'telekerf-master  --felt-depth-mm') echo "" ;;
+    'telekerf-master  --felt-depth-speed-mm2-per-s') echo "" ;;
+    'telekerf-master  --felt-max-n') echo "" ;;
     'telekerf-master  --stop-file') echo "-W 'auto off'" ;;
     'telekerf-master  --record') echo "-W 'off'" ;;
     'telekerf-master  --duration-s') echo "" ;;
@@ -226,7 +228,6 @@ _telekerf_values() {
     'telekerf-console  --token') echo "" ;;
     'telekerf-console  --hand') echo "" ;;
     'telekerf-console  --as') echo "" ;;
-    'telekerf-console  --runs') echo "-d" ;;
     'telekerf-console  --domain') echo "" ;;
     'telekerf-console  --cell') echo "" ;;
     'telekerf-console  --name') echo "" ;;
@@ -378,8 +379,7 @@ _telekerf_values() {
     'telekerf-experiment all --only') echo "" ;;
     'telekerf-experiment all --claims') echo "-f" ;;
     'telekerf-experiment all --against') echo "-d" ;;
-    'telekerf-experiment all --readme') echo "-f" ;;
-    'telekerf-experiment all --page') echo "-f" ;;
+    'telekerf-experiment all --source') echo "-d" ;;
     'telekerf-experiment all --out') echo "-d" ;;
     'telekerf-experiment autofocus --law') echo "-W 'search thesis'" ;;
     'telekerf-experiment autofocus --starts') echo "" ;;
@@ -409,6 +409,7 @@ _telekerf_values() {
     'telekerf-experiment closed-contour --along-rad-s') echo "" ;;
     'telekerf-experiment closed-contour --across-rad-s') echo "" ;;
     'telekerf-experiment closed-contour --seed') echo "" ;;
+    'telekerf-experiment closed-contour --page') echo "-f" ;;
     'telekerf-experiment closed-contour --out') echo "-d" ;;
     'telekerf-experiment codec --page') echo "-f" ;;
     'telekerf-experiment codec --out') echo "-d" ;;
@@ -466,6 +467,16 @@ _telekerf_values() {
     'telekerf-experiment hall-sensor --sensors') echo "" ;;
     'telekerf-experiment hall-sensor --seed') echo "" ;;
     'telekerf-experiment hall-sensor --out') echo "-d" ;;
+    'telekerf-experiment haptics --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;
+    'telekerf-experiment haptics --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
+    'telekerf-experiment haptics --depth-mm') echo "" ;;
+    'telekerf-experiment haptics --own-depth-mm') echo "" ;;
+    'telekerf-experiment haptics --laser-w') echo "" ;;
+    'telekerf-experiment haptics --hand-speed-mm-s') echo "" ;;
+    'telekerf-experiment haptics --hands') echo "" ;;
+    'telekerf-experiment haptics --runs') echo "" ;;
+    'telekerf-experiment haptics --seed') echo "" ;;
+    'telekerf-experiment haptics --out') echo "-d" ;;
     'telekerf-experiment kinematics --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-experiment kinematics --step-m') echo "" ;;
     'telekerf-experiment kinematics --out') echo "-d" ;;
@@ -503,6 +514,9 @@ _telekerf_values() {
     'telekerf-experiment lap --observer-rad-s') echo "" ;;
     'telekerf-experiment lap --hand-speed-mm-s') echo "" ;;
     'telekerf-experiment lap --hand-sideways-n') echo "" ;;
+    'telekerf-experiment lap --felt-depth-mm') echo "" ;;
+    'telekerf-experiment lap --felt-depth-speed-mm2-per-s') echo "" ;;
+    'telekerf-experiment lap --felt-max-n') echo "" ;;
     'telekerf-experiment lap --slave-codec') echo "-W 'raw sdct batched truncated deadband weber dpcm'" ;;
     'telekerf-experiment lap --slave-block') echo "" ;;
     'telekerf-experiment lap --slave-keep') echo "" ;;
@@ -573,6 +587,9 @@ _telekerf_values() {
     'telekerf-experiment replay --observer-rad-s') echo "" ;;
     'telekerf-experiment replay --hand-speed-mm-s') echo "" ;;
     'telekerf-experiment replay --hand-sideways-n') echo "" ;;
+    'telekerf-experiment replay --felt-depth-mm') echo "" ;;
+    'telekerf-experiment replay --felt-depth-speed-mm2-per-s') echo "" ;;
+    'telekerf-experiment replay --felt-max-n') echo "" ;;
     'telekerf-experiment replay --slave-codec') echo "-W 'raw sdct batched truncated deadband weber dpcm'" ;;
     'telekerf-experiment replay --slave-block') echo "" ;;
     'telekerf-experiment replay --slave-keep') echo "" ;;
@@ -662,9 +679,6 @@ _telekerf_values() {
     'telekerf-inspect drive --out') echo "-d" ;;
     'telekerf-inspect efd ') echo "-f" ;;
     'telekerf-inspect efd --harmonics') echo "" ;;
-    'telekerf-inspect export ') echo "-d" ;;
-    'telekerf-inspect export ') echo "-W 'playback report.json cut.png master.csv slave.csv contour.csv master.h5 slave.h5'" ;;
-    'telekerf-inspect export --out') echo "-f" ;;
     'telekerf-inspect inputs --seconds') echo "" ;;
     'telekerf-inspect label ') echo "-d" ;;
     'telekerf-inspect label ') echo "-W 'good bad'" ;;
@@ -679,7 +693,6 @@ _telekerf_values() {
     'telekerf-inspect run ') echo "-d" ;;
     'telekerf-inspect run --mcap') echo "-f" ;;
     'telekerf-inspect run --out') echo "-d" ;;
-    'telekerf-inspect runs ') echo "-d" ;;
     'telekerf-keys  ') echo "" ;;
     'telekerf-keys  --cells') echo "" ;;
     'telekerf-keys  --days') echo "" ;;

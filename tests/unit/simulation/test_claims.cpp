@@ -12,6 +12,7 @@
 #include "common/runtime/startup_error.h"
 #include "experiments/report/judgement.h"
 #include "experiments/report/page_figures.h"
+#include "experiments/report/page_marks.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -133,7 +134,7 @@ TEST(Readme, ItsMainTableIsTheManifests) {
   const auto rows = reporting::read_table(fs::path(TELEKERF_SOURCE_DIR) / "README.md", "headline");
   const auto fresh =
       reporting::read_rows(headline_table(judge(load_manifest(kManifest), {}, false)).markdown);
-  ASSERT_EQ(rows.size(), fresh.size()) << "telekerf-experiment all --readme README.md writes it anew";
+  ASSERT_EQ(rows.size(), fresh.size()) << "telekerf-experiment all --source . writes it anew";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (const std::size_t column : {0, 1, 2, 4}) EXPECT_EQ(rows[i][column], fresh[i][column]) << i;
     if (i == 0) continue;
@@ -141,6 +142,17 @@ TEST(Readme, ItsMainTableIsTheManifests) {
         << i;
     EXPECT_NE(rows[i][5], "not assessed") << rows[i][1] << ": written from a short run";
   }
+}
+
+TEST(Page, FiguresInProseBecomeTheClaimsToAsManyDecimals) {
+  const Manifest manifest =
+      load_manifest(file_with(kExperiment + claim("a", "bound = 1\n") + claim("b", "bound = 1\n")));
+  const auto judged = judge(manifest, {{"lap", {{"a", 1234.567}}}}, false);
+  EXPECT_EQ(with_figures("was 9.0<!-- claim a --> um, 1,000<!-- claim a -->, 5<!-- claim a -->.", judged),
+            "was 1230.0<!-- claim a --> um, 1,230<!-- claim a -->, 1230<!-- claim a -->.");
+  const std::string none = "9.0<!-- claim c --> um, 9.0<!-- cell a: b; c --> um, 9.0 <!-- claim a -->";
+  EXPECT_EQ(with_figures(none, judged), none);
+  EXPECT_EQ(with_figures("9.0<!-- claim b -->", judge(manifest, {}, false)), "9.0<!-- claim b -->");
 }
 
 TEST(Page, TheTemplateHoldsNoFigureOfItsOwn) {
