@@ -8,7 +8,7 @@ _telekerf_commands() {
     telekerf-ctl) echo 'stop clear-stop look engage disengage beta take-contour zoom refocus look ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
     telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor haptics kinematics lap open-contour replay remote-machining robots space-contour ' ;;
-    telekerf-inspect) echo 'codec contour drive efd inputs label recover robot run ' ;;
+    telekerf-inspect) echo 'codec contour drive efd export inputs label recover robot run runs ' ;;
   esac
 }
 
@@ -17,8 +17,8 @@ _telekerf_flags() {
     'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --button --mismatch --seed --control-hz --stream-hz --beam-age-s --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --felt-depth-mm --felt-depth-speed-mm2-per-s --felt-max-n --stop-file --record --engage --duration-s --wait-s --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --touched --look-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --dose-max-j --dose-max-j-per-mm2 --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-vision ') echo '--image --camera --imaging --imaging-file --law --zoom --focus-region --calibrate --grid-mm --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-vision ') echo '--image --camera --imaging --imaging-file --law --zoom --focus-region --calibrate --grid-mm --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --record --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --runs --record --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl look') echo '--wait-s --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
@@ -59,11 +59,13 @@ _telekerf_flags() {
     'telekerf-inspect contour') echo '--mode --start --end --at --not --box --paper --smallest-mm --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --speed-mm-s --travel-mm-s --power --passes --overlap-mm --kerf-um --origin-mm --arcs --join-mm --dpi --units --layers --colours --out --config --print-config --help --version' ;;
     'telekerf-inspect drive') echo '--robot --drive --drive-stale-s --mismatch --seed --control-hz --force-n --travel-mm --duration-s --move --json --out --config --print-config --help --version' ;;
     'telekerf-inspect efd') echo '--harmonics --config --print-config --help --version' ;;
+    'telekerf-inspect export') echo '--out --config --print-config --help --version' ;;
     'telekerf-inspect inputs') echo '--seconds --json --config --print-config --help --version' ;;
     'telekerf-inspect label') echo '--config --print-config --help --version' ;;
     'telekerf-inspect recover') echo '--config --print-config --help --version' ;;
     'telekerf-inspect robot') echo '--ik --fk --jacobian --workspace --hall --picture --config --print-config --help --version' ;;
     'telekerf-inspect run') echo '--csv --mcap --out --config --print-config --help --version' ;;
+    'telekerf-inspect runs') echo '--json --config --print-config --help --version' ;;
     'telekerf-keys ') echo '--cells --days --check --renew --config --print-config --help --version' ;;
   esac
 }
@@ -178,7 +180,7 @@ _telekerf_values() {
     'telekerf-machine  --select') echo "" ;;
     'telekerf-machine  --machining-hz') echo "" ;;
     'telekerf-machine  --stop-file') echo "-W 'auto off'" ;;
-    'telekerf-machine  --record') echo "-d" ;;
+    'telekerf-machine  --record') echo "-W 'off'" ;;
     'telekerf-machine  --wait-s') echo "" ;;
     'telekerf-machine  --domain') echo "" ;;
     'telekerf-machine  --cell') echo "" ;;
@@ -213,6 +215,7 @@ _telekerf_values() {
     'telekerf-vision  --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-vision  --master-robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-vision  --master-beta') echo "" ;;
+    'telekerf-vision  --record') echo "-W 'off'" ;;
     'telekerf-vision  --domain') echo "" ;;
     'telekerf-vision  --cell') echo "" ;;
     'telekerf-vision  --name') echo "" ;;
@@ -228,6 +231,8 @@ _telekerf_values() {
     'telekerf-console  --token') echo "" ;;
     'telekerf-console  --hand') echo "" ;;
     'telekerf-console  --as') echo "" ;;
+    'telekerf-console  --runs') echo "-d" ;;
+    'telekerf-console  --record') echo "-W 'off'" ;;
     'telekerf-console  --domain') echo "" ;;
     'telekerf-console  --cell') echo "" ;;
     'telekerf-console  --name') echo "" ;;
@@ -679,6 +684,9 @@ _telekerf_values() {
     'telekerf-inspect drive --out') echo "-d" ;;
     'telekerf-inspect efd ') echo "-f" ;;
     'telekerf-inspect efd --harmonics') echo "" ;;
+    'telekerf-inspect export ') echo "-d" ;;
+    'telekerf-inspect export ') echo "-W 'playback report.json cut.png master.csv slave.csv contour.csv master.h5 slave.h5'" ;;
+    'telekerf-inspect export --out') echo "-f" ;;
     'telekerf-inspect inputs --seconds') echo "" ;;
     'telekerf-inspect label ') echo "-d" ;;
     'telekerf-inspect label ') echo "-W 'good bad'" ;;
@@ -693,6 +701,7 @@ _telekerf_values() {
     'telekerf-inspect run ') echo "-d" ;;
     'telekerf-inspect run --mcap') echo "-f" ;;
     'telekerf-inspect run --out') echo "-d" ;;
+    'telekerf-inspect runs ') echo "-d" ;;
     'telekerf-keys  ') echo "" ;;
     'telekerf-keys  --cells') echo "" ;;
     'telekerf-keys  --days') echo "" ;;
