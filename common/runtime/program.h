@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,8 @@ class Program {
   template <typename Options, typename AddParameters, typename Action>
   void add(const std::string& name, const std::string& sentence, Options initial,
            AddParameters add_parameters, Action action) {
+    for (const auto& command : commands_)
+      if (command.name == name) throw std::logic_error("two commands are called " + name);
     auto options = std::make_shared<Options>(std::move(initial));
     commands_.push_back(
         {name, sentence,

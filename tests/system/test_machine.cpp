@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/recording/run_reader.h"
 #include "tests/system/programs.h"
 
 namespace telekerf::integration {
@@ -48,6 +49,22 @@ TEST(Machine, CutsEveryContourOfAFlangeFromTheInsideOut) {
   EXPECT_EQ(result["limit_violations"].get<int>(), 0);
   for (const std::string file : {"timing.json", "trace.csv", "mark.png", "depth.png"})
     EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(out) / file)) << file;
+  const RunReader recording(out + "/machine.h5");
+  EXPECT_EQ(recording.state(), RunState::kClosed);
+  EXPECT_EQ(recording.identity().role, "machine");
+  EXPECT_EQ(recording.contours().size(), 1u);
+  const SeriesData rows = recording.data("machine").value();
+  const auto column = [&](const std::string& name) {
+    std::size_t at = 0;
+    while (at < rows.schema.width() && rows.schema.columns[at].name != name) ++at;
+    return at;
+  };
+  double energy_j = 0.0;
+  for (std::size_t n = 0; n < rows.rows(); ++n) {
+    EXPECT_EQ(rows.row(n)[column("tick")], static_cast<double>(n));
+    energy_j += rows.row(n)[column("laser_w")] * result["time_s"].get<double>() / static_cast<double>(rows.rows());
+  }
+  EXPECT_NEAR(energy_j, result["burn"]["energy_inside_j"].get<double>(), 0.01 * energy_j) << "all light is in the record";
 }
 
 TEST(Machine, AnInterruptPutsTheBeamOutAndStillReports) {

@@ -70,6 +70,39 @@ TEST(RecordingProcesses, AKilledSlaveLosesLessThanATenthOfASecond) {
   }
 }
 
+TEST(RecordingProcesses, VisionAndConsoleRecordWhatTheyPublishedAndHeard) {
+  const fs::path folder = Program::scratch() / "others";
+  {
+    Program vision("telekerf-vision", cell({"--image", "heart", "--record", folder.string()}));
+    Program console("telekerf-console", cell({"--port", "0", "--record", folder.string()}));
+    ASSERT_TRUE(vision.says("points", seconds(20))) << vision.output();
+    ASSERT_TRUE(console.says("http://", seconds(20))) << console.output();
+    Program choose("telekerf-ctl", cell({"choose", "mode outline"}));
+    EXPECT_EQ(choose.wait(seconds(20)), 0) << choose.output();
+    std::this_thread::sleep_for(milliseconds(1500));
+    vision.interrupt(SIGKILL);
+    EXPECT_NE(vision.wait(seconds(5)), 0);
+    console.interrupt();
+    ASSERT_EQ(console.wait(seconds(10)), 0) << console.output();
+  }
+  std::string said;
+  EXPECT_EQ(inspect({"recover", (folder / "vision.h5").string()}, &said), 0) << said;
+  const RunReader vision(folder / "vision.h5");
+  EXPECT_EQ(vision.identity().program, "telekerf-vision");
+  EXPECT_EQ(vision.state(), RunState::kRecovered);
+  const auto contours = vision.contours();
+  ASSERT_EQ(contours.size(), 2u) << "the strokes, then the outlines that were asked for";
+  EXPECT_EQ(contours[0].mode, "stroke");
+  EXPECT_EQ(contours[1].mode, "outline");
+  EXPECT_EQ(vision.data("operator")->rows(), 1u);
+  EXPECT_GE(vision.data("telemetry")->rows(), 1u);
+  const RunReader console(folder / "console.h5");
+  EXPECT_EQ(console.state(), RunState::kClosed);
+  const auto events = console.events();
+  EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const RunEvent& e) { return e.text.find("http://") != e.text.npos; }))
+      << "what it said is in its record";
+}
+
 TEST(RecordingProcesses, TheReportOfTwoSitesIsThatOfTheirText) {
   const fs::path folder = Program::scratch() / "sites";
   const std::string here = (folder / "master").string();

@@ -194,10 +194,10 @@ int main(int argc, char** argv) {
   Options refocus = saying(Kind::kRefocus);
   refocus.roles = {"vision"};
   program.add("refocus", "The imaging unit searches its focus anew", refocus, add_parameters, run);
-  Options look = saying(Kind::kLook);
-  look.roles = {"vision"};
+  Options choose = saying(Kind::kLook);
+  choose.roles = {"vision"};
   program.add(
-      "look", "Says what is meant in vision's picture; the contour that comes of it waits to be taken", look,
+      "choose", "Says what is meant in vision's picture; the contour that comes of it waits to be taken", choose,
       [](Options& options, Settings& settings) {
         settings
             .add("what", options.event.text,

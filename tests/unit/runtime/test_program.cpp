@@ -58,6 +58,13 @@ TEST(Program, RunsTheChosenCommandAndReturnsItsVerdict) {
       << "settings may stand before the command";
 }
 
+TEST(Program, HasNoTwoCommandsOfOneName) {
+  Program program("telekerf-sample", "Shows how");
+  const auto nothing = [](int&, Settings&) {};
+  program.add("look", "Looks", 0, nothing, [](int) { return 0; });
+  EXPECT_THROW(program.add("look", "Looks elsewhere", 0, nothing, [](int) { return 0; }), std::logic_error);
+}
+
 TEST(Program, WhatCannotBeDoneIsOneSentenceAndTwo) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> calls = {
       {{"refuse", "a.csv"}, "a.csv: empty; give another"},
