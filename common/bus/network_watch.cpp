@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 namespace telekerf {
@@ -17,32 +18,55 @@ namespace {
 constexpr std::chrono::milliseconds kNap{50};
 constexpr int kNaps = 10;  // between two looks
 
-}  // namespace
+struct Addresses {
+  std::set<std::string> all;
+  std::set<std::string> linked;  ///< of an interface that is up, and has a link
+};
 
-std::set<std::string> network_addresses() {
+Addresses look() {
   ifaddrs* first = nullptr;
   if (getifaddrs(&first) != 0) return {};
-  std::set<std::string> addresses;
+  Addresses addresses;
   for (const ifaddrs* at = first; at != nullptr; at = at->ifa_next) {
     const bool counts =
         at->ifa_addr != nullptr && at->ifa_addr->sa_family == AF_INET && (at->ifa_flags & IFF_LOOPBACK) == 0;
     if (!counts) continue;
     std::array<char, INET_ADDRSTRLEN> text{};
     const auto* const address = reinterpret_cast<const sockaddr_in*>(at->ifa_addr);
-    if (inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) != nullptr)
-      addresses.insert(text.data());
+    if (inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) == nullptr) continue;
+    addresses.all.insert(text.data());
+    constexpr unsigned kLink = IFF_UP | IFF_RUNNING;
+    if ((at->ifa_flags & kLink) == kLink) addresses.linked.insert(text.data());
   }
   freeifaddrs(first);
   return addresses;
 }
 
+/// Those with a link, and of those before the ones that are there: a link that is down for a while changes nothing.
+std::set<std::string> in_use(const std::set<std::string>& before) {
+  Addresses now = look();
+  std::set_intersection(now.all.begin(), now.all.end(), before.begin(), before.end(),
+                        std::inserter(now.linked, now.linked.end()));
+  return std::move(now.linked);
+}
+
+}  // namespace
+
+std::set<std::string> network_addresses() { return look().all; }
+
 NetworkWatch::NetworkWatch(std::function<void(bool)> changed)
-    : known_(network_addresses()), thread_([this, changed = std::move(changed)](const std::stop_token& stop) {
+    : known_(in_use({})), thread_([this, changed = std::move(changed)](const std::stop_token& stop) {
+        std::set<std::string> before = known_;
         for (int n = 1; !stop.stop_requested(); ++n) {
           std::this_thread::sleep_for(kNap);
           if (n % kNaps != 0) continue;
-          std::set<std::string> now = network_addresses();
+          std::set<std::string> now = in_use(known_);
           if (now == known_) continue;
+          if (now != before) {  // looked at once more after a nap: what comes up comes in pieces
+            before = std::move(now);
+            n = kNaps - 1;
+            continue;
+          }
           const bool lost =
               known_.empty() || !std::includes(now.begin(), now.end(), known_.begin(), known_.end());
           known_ = std::move(now);

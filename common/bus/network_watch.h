@@ -15,7 +15,8 @@ std::set<std::string> network_addresses();
 
 class NetworkWatch {
  public:
-  /// `changed` is called from a thread of the watch's own within a second after they have become others.
+  /// `changed` is called from a thread of the watch's own within a second after they have become others. An address
+  /// counts from when its interface first has a link: nothing can be heard there before.
   /// `lost`: one of those before is gone, or there was none but this computer's own.
   explicit NetworkWatch(std::function<void(bool lost)> changed);
 
