@@ -86,9 +86,6 @@ int run(const Options& options) {
                                                {"seed", options.seed},
                                                {"quick", options.quick},
                                                {"claims", claims_json(judged)}});
-  ordered_json seconds;
-  for (const Finished& one : finished) seconds[one.name] = one.seconds;
-  write_json(out / "timing.json", seconds);
   write_atomically(out / "report.html",
                    report_page({.manifest = manifest,
                                 .judged = judged,
@@ -98,7 +95,7 @@ int run(const Options& options) {
                                 .commit = plan.commit,
                                 .differences = changes,
                                 .against = fs::path(options.against).lexically_normal().filename().string(),
-                                .made = made_line()}));
+                                .made = made_line(finished)}));
   if (!options.source.empty()) write_pages(options.source, judged);
 
   bool good = all_held(judged);

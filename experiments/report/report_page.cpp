@@ -164,7 +164,7 @@ std::string report_page(const ReportPage& page) {
   return text;
 }
 
-std::string made_line() {
+std::string made_line(const std::vector<Finished>& finished) {
   std::array<char, 256> host{};
   gethostname(host.data(), host.size() - 1);
   std::ifstream info("/proc/cpuinfo");
@@ -174,8 +174,12 @@ std::string made_line() {
       processor = line.substr(line.find(':') + 2);
       break;
     }
-  return fmt::format("Made {:%Y-%m-%d %H:%M} UTC on {} ({}, {} processors).", fmt::gmtime(std::time(nullptr)),
-                     host.data(), processor, sysconf(_SC_NPROCESSORS_ONLN));
+  std::string took;
+  for (const Finished& one : finished) {
+    if (!one.resumed) took += fmt::format("{}{} {:.1f} s", took.empty() ? " By the clock: " : ", ", one.name, one.seconds);
+  }
+  return fmt::format("Made {:%Y-%m-%d %H:%M} UTC on {} ({}, {} processors).{}{}", fmt::gmtime(std::time(nullptr)),
+                     host.data(), processor, sysconf(_SC_NPROCESSORS_ONLN), took, took.empty() ? "" : ".");
 }
 
 }  // namespace telekerf::experiments

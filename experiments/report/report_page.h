@@ -27,7 +27,7 @@ struct ReportPage {
 /// The page's text. Throws StartupError if the template, Dygraphs or a figure cannot be read.
 std::string report_page(const ReportPage& page);
 
-/// When and on what machine: date, host, processor.
-std::string made_line();
+/// When, on what machine, and how long each experiment took that was not there already.
+std::string made_line(const std::vector<Finished>& finished);
 
 }  // namespace telekerf::experiments
