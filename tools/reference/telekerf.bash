@@ -5,7 +5,7 @@
 
 _telekerf_commands() {
   case $1 in
-    telekerf-ctl) echo 'stop clear-stop look engage disengage beta take-contour zoom refocus look ' ;;
+    telekerf-ctl) echo 'stop clear-stop look engage disengage beta take-contour zoom refocus choose ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
     telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor haptics kinematics lap open-contour replay remote-machining robots space-contour ' ;;
     telekerf-inspect) echo 'codec contour drive efd export inputs label recover robot run runs ' ;;
@@ -28,7 +28,7 @@ _telekerf_flags() {
     'telekerf-ctl take-contour') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl zoom') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl refocus') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-ctl look') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-ctl choose') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-netem link') echo '--seed --operator-dev --slave-dev --operator-netns --slave-netns --operator-address --slave-address --operator-default-route --slave-default-route --record --seconds --config --print-config --help --version' ;;
     'telekerf-netem tc') echo '--dev --direction --packet-bytes --config --print-config --help --version' ;;
     'telekerf-netem verify') echo '--packets --seed --rate-hz --json --config --print-config --help --version' ;;
@@ -310,14 +310,14 @@ _telekerf_values() {
     'telekerf-ctl refocus --security') echo "-d" ;;
     'telekerf-ctl refocus --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl refocus --netem-seed') echo "" ;;
-    'telekerf-ctl look ') echo "" ;;
-    'telekerf-ctl look --domain') echo "" ;;
-    'telekerf-ctl look --cell') echo "" ;;
-    'telekerf-ctl look --name') echo "" ;;
-    'telekerf-ctl look --peers') echo "" ;;
-    'telekerf-ctl look --security') echo "-d" ;;
-    'telekerf-ctl look --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
-    'telekerf-ctl look --netem-seed') echo "" ;;
+    'telekerf-ctl choose ') echo "" ;;
+    'telekerf-ctl choose --domain') echo "" ;;
+    'telekerf-ctl choose --cell') echo "" ;;
+    'telekerf-ctl choose --name') echo "" ;;
+    'telekerf-ctl choose --peers') echo "" ;;
+    'telekerf-ctl choose --security') echo "-d" ;;
+    'telekerf-ctl choose --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
+    'telekerf-ctl choose --netem-seed') echo "" ;;
     'telekerf-netem link ') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-netem link --seed') echo "" ;;
     'telekerf-netem link --operator-dev') echo "" ;;
