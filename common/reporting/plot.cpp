@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 
 #include "common/runtime/results.h"
@@ -120,9 +122,31 @@ void add_panel(std::string& script, const Figure& figure, std::size_t index) {
   script += "NaN notitle\n";
 }
 
+/// While it is there, what this thread writes to a program that has ended is lost without ending this one.
+class BrokenPipeIgnored {
+ public:
+  BrokenPipeIgnored() {
+    sigemptyset(&pipe_);
+    sigaddset(&pipe_, SIGPIPE);
+    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  ~BrokenPipeIgnored() {
+    const timespec at_once{};
+    while (sigtimedwait(&pipe_, nullptr, &at_once) > 0) {
+    }
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  BrokenPipeIgnored(const BrokenPipeIgnored&) = delete;
+  BrokenPipeIgnored& operator=(const BrokenPipeIgnored&) = delete;
+
+ private:
+  sigset_t pipe_, before_;
+};
+
 void run_gnuplot(const std::string& script, const std::filesystem::path& file) {
   const auto close = [](std::FILE* pipe) { return pclose(pipe); };
   std::unique_ptr<std::FILE, decltype(close)> pipe(popen("gnuplot -d 2>/dev/null", "w"), close);
+  const BrokenPipeIgnored ignored;  // where there is no gnuplot the shell may be gone before it has read all
   if (pipe) std::fwrite(script.data(), 1, script.size(), pipe.get());
   const int status = pipe ? pclose(pipe.release()) : -1;
   constexpr int kNotFound = 127;

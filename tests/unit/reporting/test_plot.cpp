@@ -206,8 +206,11 @@ TEST(Plot, WhatCannotBeDrawnIsSaid) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", "/nowhere", 1);
   std::string said;
+  // So much that it is never all written before it is noticed that nobody reads it.
+  Figure large{.panels = std::vector<Panel>(1)};
+  large.title = std::string(1'000'000, 'x');
   try {
-    draw_figure({.panels = std::vector<Panel>(1)}, file_named("never.png"));
+    draw_figure(large, file_named("never.png"));
   } catch (const StartupError& error) {
     said = error.what();
   }
