@@ -41,7 +41,11 @@ ordered_json claims_of(const fs::path& folder) {
     throw input_error("--against " + folder.string() +
                       ": holds no claims.json; name the --out of another run");
   auto json = ordered_json::parse(in, nullptr, false);
-  if (!json.is_object() || !json.contains("claims"))
+  const auto is_claim = [](const ordered_json& claim) {
+    return claim.is_object() && claim.value("id", ordered_json()).is_string();
+  };
+  if (!json.is_object() || !json.contains("claims") || !json["claims"].is_array() ||
+      !std::all_of(json["claims"].begin(), json["claims"].end(), is_claim))
     throw input_error("--against " + folder.string() + ": its claims.json is none of this program's");
   return json["claims"];
 }
@@ -67,6 +71,7 @@ bool was_run(const std::vector<Finished>& finished, const std::string& name) {
 int run(const Options& options) {
   const Manifest manifest = load_manifest(options.claims.empty() ? find_resource("report", "claims", ".toml")
                                                                  : fs::path(options.claims));
+  if (manifest.claims.empty()) throw input_error("--claims " + options.claims + ": holds no claim");
   refuse_unknown(options, manifest);
   ordered_json before;
   if (!options.against.empty()) before = claims_of(options.against);
@@ -98,10 +103,10 @@ int run(const Options& options) {
                                 .made = made_line(finished)}));
   if (!options.source.empty()) write_pages(options.source, judged);
 
-  bool good = all_held(judged);
+  bool good = all_held(judged), whole = true;
   for (const Finished& one : finished) {
     if (one.code > 1) fmt::print(stderr, "{}: could not be run: {}\n", one.name, one.complaint);
-    good = good && one.code <= 1;
+    whole = whole && one.code <= 1;
   }
   for (const Judged& row : judged)
     if (row.verdict != Verdict::kHeld && was_run(finished, row.claim.experiment))
@@ -113,7 +118,7 @@ int run(const Options& options) {
   const auto held = std::count_if(judged.begin(), judged.end(),
                                   [](const Judged& r) { return r.verdict == Verdict::kHeld; });
   fmt::print("{} of {} claims held: {}\n", held, judged.size(), (out / "report.html").string());
-  return good ? 0 : 1;
+  return !whole ? 2 : good ? 0 : 1;
 }
 
 void add_parameters(Options& o, Settings& s) {

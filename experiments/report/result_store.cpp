@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <mutex>
 #include <numeric>
 
@@ -67,10 +69,26 @@ std::vector<std::string> words_for(const ManifestExperiment& experiment, const S
 /// The mark of a run that came to its end; it is written last.
 fs::path mark_of(const fs::path& folder) { return folder / "done.json"; }
 
+/// Size and checksum (FNV-1a) of each file that the experiment left, so that what was damaged since is run again.
+ordered_json files_of(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file() || entry.path() == mark_of(folder)) continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    std::uint64_t sum = 0xcbf29ce484222325U;
+    std::size_t size = 0;
+    for (std::istreambuf_iterator<char> at(in), end; at != end; ++at, ++size)
+      sum = (sum ^ static_cast<unsigned char>(*at)) * 0x100000001b3U;
+    files[fs::relative(entry.path(), folder).generic_string()] = fmt::format("{} {:016x}", size, sum);
+  }
+  return files;
+}
+
 std::optional<int> code_of_before(const fs::path& folder, const std::vector<std::string>& words) {
   std::ifstream in(mark_of(folder));
   const auto mark = ordered_json::parse(in, nullptr, false);
-  if (!mark.is_object() || mark.value("arguments", ordered_json()) != ordered_json(words))
+  if (!mark.is_object() || mark.value("arguments", ordered_json()) != ordered_json(words) ||
+      mark.value("files", ordered_json()) != files_of(folder))
     return std::nullopt;
   return mark.value("code", 2);
 }
@@ -99,7 +117,7 @@ Finished run_one(const ManifestExperiment& experiment, const StorePlan& plan) {
   }
   fs::remove(log);  // all that counts is in the results
   fs::remove(out.folder / "timing.json");  // what depends on the clock is none
-  write_json(mark_of(out.folder), ordered_json{{"arguments", arguments}, {"code", out.code}});
+  write_json(mark_of(out.folder), ordered_json{{"arguments", arguments}, {"code", out.code}, {"files", files_of(out.folder)}});
   return out;
 }
 

@@ -27,6 +27,13 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+fs::path file_with(const std::string& name, const std::string& text) {
+  const fs::path file = Program::scratch() / name;
+  fs::create_directories(file.parent_path());
+  std::ofstream(file) << text;
+  return file;
+}
+
 /// By default two experiments that take a second each; returns what is said.
 std::string run_all(const std::string& out, const std::vector<std::string>& more = {},
                     const std::string& only = "hall-sensor,space-contour") {
@@ -96,6 +103,12 @@ TEST(AllExperiments, WhatIsThereOfTheSameCommitIsNotRunAgain) {
   const bool trusted = commit != "unknown" && !commit.ends_with("-changed");
   const std::string said = run_all(out.string());
   EXPECT_EQ(said.find("(was there)") != said.npos, trusted) << commit << ": " << said;
+  // What was damaged since is run again.
+  const fs::path folder = out / "results" / commit / "hall-sensor" / "1-quick";
+  const std::string result = text_of(folder / "result.json");
+  std::ofstream(folder / "result.json") << result.substr(0, 200);
+  EXPECT_EQ(run_all(out.string()).find("hall-sensor (was there)"), std::string::npos);
+  EXPECT_EQ(text_of(folder / "result.json"), result);
   // Half a run is none.
   fs::remove(out / "results" / commit / "hall-sensor" / "1-quick" / "done.json");
   EXPECT_EQ(run_all(out.string()).find("hall-sensor (was there)"), std::string::npos);
@@ -104,7 +117,9 @@ TEST(AllExperiments, WhatIsThereOfTheSameCommitIsNotRunAgain) {
 TEST(AllExperiments, WhatCannotBeDoneIsOneSentence) {
   for (const auto& [words, named] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--only", "nothing"}, "--only nothing: must be one of"},
-           {{"--against", "/nowhere"}, "holds no claims.json"}}) {
+           {{"--against", "/nowhere"}, "holds no claims.json"},
+           {{"--against", file_with("other/claims.json", R"({"claims": [{"id": 3}]})").parent_path().string()}, "is none of this program's"},
+           {{"--claims", file_with("none.toml", "").string()}, "holds no claim"}}) {
     std::vector<std::string> all{"all", "--out", (Program::scratch() / "never").string()};
     all.insert(all.end(), words.begin(), words.end());
     Program program("telekerf-experiment", all);
