@@ -14,9 +14,6 @@ namespace telekerf {
 namespace fs = std::filesystem;
 namespace {
 
-/// Whose recordings a folder may hold.
-constexpr const char* kRoles[] = {"master", "slave", "vision", "machine", "console"};
-
 /// The contours that were in force, in order, as the master's file tells them.
 void read_contours(const RunReader& master, RunRecord& record) {
   const std::vector<RunContour> contours = master.contours();
@@ -115,7 +112,7 @@ RunRecord read_run(std::span<const fs::path> folders) {
 fs::path place_of_run(const fs::path& folder) {
   std::error_code error;
   const auto has_some = [&error](const fs::path& place) {
-    return std::any_of(std::begin(kRoles), std::end(kRoles),
+    return std::any_of(std::begin(kRecordedRoles), std::end(kRecordedRoles),
                        [&](const char* role) { return fs::exists(place / fmt::format("{}.h5", role), error); });
   };
   if (has_some(folder)) return folder;
@@ -135,7 +132,7 @@ RunRecord read_run_so_far(const fs::path& folder) {
 void label_run(const fs::path& folder, const RunLabel& label) {
   const std::lock_guard alone(h5::library());
   std::size_t files = 0;
-  for (const char* role : kRoles) {
+  for (const char* role : kRecordedRoles) {
     const auto file = recording_of(role, std::span(&folder, 1));
     if (!file) continue;
     ++files;

@@ -13,6 +13,9 @@
 
 namespace telekerf {
 
+/// Whose recordings a folder may hold: ROLE.h5.
+inline constexpr const char* kRecordedRoles[] = {"master", "slave", "vision", "machine", "console"};
+
 /// The recording of a role in the first of the folders that has one; none: none has. One that a killed process
 /// has left is finished first. Throws StartupError: a process is still at it.
 std::optional<std::filesystem::path> recording_of(const std::string& role,

@@ -37,6 +37,12 @@ double speed(const std::vector<Row>& rows, std::size_t n) {
   return passed_s > 0.0 ? in_plane(after.tool_m - before.tool_m).norm() / passed_s : 0.0;
 }
 
+/// Length of the master's tick.
+double step_s(const RunRecord& record) {
+  const auto& rows = record.master;
+  return rows.size() < 2 ? 0.0 : (rows.back().t_s - rows.front().t_s) / static_cast<double>(rows.size() - 1);
+}
+
 /// Fills a moment in the order of the fields.
 class Cells {
  public:
@@ -92,15 +98,6 @@ class Playback {
           << slave.force_n.norm();
   }
 
- public:
-  /// Length of the master's tick.
-  static double step_s(const RunRecord& record) {
-    const auto& rows = record.master;
-    return rows.size() < 2 ? 0.0
-                           : (rows.back().t_s - rows.front().t_s) / static_cast<double>(rows.size() - 1);
-  }
-
- private:
   const RunRecord& record_;
   Contours contours_;
   double clock_offset_s_;
@@ -136,7 +133,7 @@ std::string playback_of(const RunRecord& record, const PlaybackHead& head) {
                               {"fields", kPlaybackFields},
                               {"rows", rows},
                               {"every", every},
-                              {"step_s", static_cast<double>(every) * Playback::step_s(record)},
+                              {"step_s", static_cast<double>(every) * step_s(record)},
                               {"contours", contours_json(record, every)},
                               {"words", record.words}};
   std::string text = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

@@ -74,7 +74,7 @@ std::vector<ListedRun> runs_in(const fs::path& folder) {
     ListedRun run;
     run.name = name;
     const fs::path place = place_of_run(at->path());
-    for (const char* role : {"master", "slave", "machine", "vision", "console"}) {
+    for (const char* role : kRecordedRoles) {
       const fs::path file = place / fmt::format("{}.h5", role);
       if (!fs::exists(file, error)) continue;
       run.roles.emplace_back(role);

@@ -13,25 +13,32 @@
 namespace telekerf::vision {
 namespace {
 
-/// Most of the outline is a step from background to drawing.
-bool is_clear(const Field& field, double contrast, const PixelContour& outline) {
-  constexpr double kStep = 0.4;   // of the faintest's contrast, from a pixel within to two beyond
-  constexpr double kMost = 0.75;  // of the outline
+/// Share of some 200 places along an outline of which it is true; `there` gets the place and its normal.
+template <typename There>
+double share_along(const PixelContour& outline, const There& there) {
   constexpr std::size_t kPlaces = 200;
   const auto& points = outline.points_px;
   const std::vector<Vec2> tangents = tangents_of(points, true, 3);
   const std::size_t step = points.size() / kPlaces + 1;
-  std::size_t clear = 0;
+  std::size_t so = 0;
   std::size_t all = 0;
   for (std::size_t i = 0; i < points.size(); i += step) {
-    const Vec2 left(-tangents[i].y(), tangents[i].x());
-    const auto from_to = [&](const Vec2& out) {
-      return field.value(Vec2(points[i] - out)) - field.value(Vec2(points[i] + 2.0 * out));
-    };
-    clear += std::max(from_to(left), from_to(-left)) > kStep * contrast;
+    so += there(points[i], Vec2(-tangents[i].y(), tangents[i].x()));
     ++all;
   }
-  return static_cast<double>(clear) > kMost * static_cast<double>(all);
+  return static_cast<double>(so) / static_cast<double>(std::max<std::size_t>(1, all));
+}
+
+/// Most of the outline is a step from background to drawing.
+bool is_clear(const Field& field, double contrast, const PixelContour& outline) {
+  constexpr double kStep = 0.4;   // of the faintest's contrast, from a pixel within to two beyond
+  constexpr double kMost = 0.75;  // of the outline
+  return share_along(outline, [&](const Vec2& at, const Vec2& left) {
+           const auto from_to = [&](const Vec2& out) {
+             return field.value(Vec2(at - out)) - field.value(Vec2(at + 2.0 * out));
+           };
+           return std::max(from_to(left), from_to(-left)) > kStep * contrast;
+         }) > kMost;
 }
 
 /// What becomes of a shape of the fainter split.
@@ -55,27 +62,17 @@ void drop(Outlines& outlines, const std::vector<bool>& dropped) {
   outlines = std::move(kept);
 }
 
-/// A fraction of an outline lies along what is not `drawn`.
+/// Share of an outline that lies along what is not `drawn`.
 double beside(const PixelContour& outline, const cv::Mat& drawn) {
   constexpr double kOff_px = 5.0;
-  constexpr std::size_t kPlaces = 200;
-  const auto& points = outline.points_px;
-  const std::vector<Vec2> tangents = tangents_of(points, true, 3);
-  const std::size_t step = points.size() / kPlaces + 1;
-  std::size_t off = 0;
-  std::size_t all = 0;
-  for (std::size_t i = 0; i < points.size(); i += step) {
-    ++all;
+  return share_along(outline, [&](const Vec2& at, const Vec2& left) {
     for (const double side : {-kOff_px, kOff_px}) {
-      const Vec2 p = points[i] + side * Vec2(-tangents[i].y(), tangents[i].x());
-      const cv::Point at(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())));
-      if (cv::Rect({}, drawn.size()).contains(at) && drawn.at<unsigned char>(at) == 0) {
-        ++off;
-        break;
-      }
+      const Vec2 p = at + side * left;
+      const cv::Point there(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())));
+      if (cv::Rect({}, drawn.size()).contains(there) && drawn.at<unsigned char>(there) == 0) return true;
     }
-  }
-  return static_cast<double>(off) / static_cast<double>(std::max<std::size_t>(1, all));
+    return false;
+  });
 }
 
 /// Across the outlines.
