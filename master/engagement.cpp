@@ -6,7 +6,7 @@ namespace {
 
 constexpr double kAligned_m = 2e-6;
 /// A slave that has acknowledged no command for this long is released for that long.
-constexpr double kUnacknowledged_s = 0.3;
+constexpr double kUnacknowledged_s = 0.6;
 constexpr double kReleaseHold_s = 0.2;
 /// One that has acknowledged none since it was taken hold of: the first answer takes a round trip, and until
 /// then what the slave says was due is no more than a count of its own steps.

@@ -20,6 +20,14 @@ MasterSettings with_bandwidth(MasterSettings settings, const control::LoopBandwi
   return settings;
 }
 
+control::JointAccelerationSettings joints_in_a_hand(const robot::RobotModel& model,
+                                                    const control::LoopBandwidths& bandwidths,
+                                                    double control_hz) {
+  control::JointAccelerationSettings joints = control::joints_of(model, bandwidths, control_hz);
+  joints.observer.abrupt = control::letting_go(control::loop_conditions(model, control_hz));
+  return joints;
+}
+
 }  // namespace
 
 MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& settings, std::uint32_t epoch)
@@ -27,7 +35,7 @@ MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& set
       bandwidths_(control::design_loop(control::loop_conditions(model, settings.control_hz),
                                        settings.constraint_rad_s, settings.observer_rad_s)),
       settings_(with_bandwidth(settings, bandwidths_)),
-      joints_(model, control::joints_of(model, bandwidths_, settings.control_hz)),
+      joints_(model, joints_in_a_hand(model, bandwidths_, settings.control_hz)),
       approach_law_(control::sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1.0 / settings.control_hz)),
       hand_share_(1.0 - std::exp(-kHand_rad_per_s / settings.control_hz)),
       dt_s_(1.0 / settings.control_hz),

@@ -8,7 +8,8 @@ namespace telekerf::slave {
 namespace {
 
 /// Where samples are missing the reference goes on at constant velocity this long, then it slows down to a
-/// stop.
+/// stop; where the stream's time stands it goes back to where it was led last, for that is where it will go
+/// on.
 constexpr double kCoast_s = 0.1;
 
 }  // namespace
@@ -49,9 +50,10 @@ Selected ReferenceSelector::step(const streaming::Played& played, const Circumst
   }
 
   transferred_ = false;
-  const KinematicState source = led ? follow(played) : hold(out.acknowledgement.age);
+  const KinematicState source = led ? follow(played) : hold(out.acknowledgement.age, played.waits);
   reference_ = transfer_.apply(source, transferred_ ? 0.0 : dt_s_);
   clamp_to_workspace(reference_);
+  if (led) led_m_ = reference_.position_m;
   out.reference = reference_;
   out.source_m = source.position_m;
   out.acceleration_m_per_s2 = source.acceleration_m_per_s2;
@@ -136,7 +138,7 @@ KinematicState ReferenceSelector::follow(const streaming::Played& played) noexce
   return played.state;
 }
 
-KinematicState ReferenceSelector::hold(std::int64_t unled_steps) noexcept {
+KinematicState ReferenceSelector::hold(std::int64_t unled_steps, bool waits) noexcept {
   if (mode_ == SlaveMode::kStopped) {
     if (!stopping_) {
       hold_ = reference_;
@@ -147,7 +149,7 @@ KinematicState ReferenceSelector::hold(std::int64_t unled_steps) noexcept {
     return brake();
   }
   stopping_ = false;
-  if (mode_ == SlaveMode::kFollowing && static_cast<double>(unled_steps) * dt_s_ < kCoast_s) {
+  if (mode_ == SlaveMode::kFollowing && !waits && static_cast<double>(unled_steps) * dt_s_ < kCoast_s) {
     const bool begins = source_generation_ != 0;
     if (begins) {
       hold_ = reference_;
@@ -159,7 +161,7 @@ KinematicState ReferenceSelector::hold(std::int64_t unled_steps) noexcept {
     return hold_;
   }
   if (source_generation_ != 0 || !hold_.velocity_m_per_s.isZero()) {
-    hold_ = KinematicState{.position_m = reference_.position_m};
+    hold_ = KinematicState{.position_m = waits ? led_m_ : reference_.position_m};
     source_generation_ = 0;
     transfer_to(hold_);
   }

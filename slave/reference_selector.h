@@ -68,7 +68,7 @@ class ReferenceSelector {
   HoldReason refusal(const streaming::Played& played) noexcept;
   KinematicState brake() noexcept;
   KinematicState follow(const streaming::Played& played) noexcept;
-  KinematicState hold(std::int64_t unled_steps) noexcept;
+  KinematicState hold(std::int64_t unled_steps, bool waits) noexcept;
   void transfer_to(const KinematicState& source) noexcept;
   /// Slow enough, and to be stopped before the workspace ends.
   bool within_limits(const KinematicState& state) const noexcept;
@@ -88,6 +88,7 @@ class ReferenceSelector {
   streaming::AcknowledgementLog log_;
   KinematicState reference_;
   KinematicState hold_;                  ///< source while not following
+  Vec3 led_m_ = Vec3::Zero();            ///< reference when a sample was followed last
   bool stopping_ = false;                ///< hold_ is braked since an emergency stop
   KinematicState integral_;              ///< of bare accelerations
   std::uint32_t source_generation_ = 0;  ///< 0: holding

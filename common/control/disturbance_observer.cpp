@@ -14,9 +14,18 @@ void move(Vec3& q_m, Vec3& v_m_per_s, const Vec3& acceleration_m_per_s2, double 
   v_m_per_s += h_s * acceleration_m_per_s2;
 }
 
+/// Of readings when a force comes or goes at once. The first is the work of a force since the reading before
+/// at most, so that neither force nor velocity is overestimated; the second has all poles at 0.
+constexpr ObserverGains kAtOnce[] = {{1.0, 2.0, 2.0}, {1.0, 1.5, 1.0}};
+constexpr int kAbruptReadings = 2;
+/// And readings after them that are answered as ever: whatever keeps coming is no hand that lets go, and a
+/// robot that is far off its file must not be kept in motion by it.
+constexpr int kUsualReadings = 100;
+
 }  // namespace
 
-DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept : period_s_(gains.period_s) {
+DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept
+    : period_s_(gains.period_s), abrupt_(gains.abrupt), since_abrupt_(kAbruptReadings + kUsualReadings) {
   for (std::size_t i = 0; i < gains_.size(); ++i) {
     gains_[i] = observer_gains(gains.bandwidth_rad_per_s, gains.velocity_bandwidth_rad_per_s,
                                static_cast<double>(i + 1) * gains.period_s);
@@ -30,6 +39,7 @@ DisturbanceObserver::DisturbanceObserver(const Gains& gains) noexcept : period_s
 void DisturbanceObserver::reset(const Vec3& joints_m) noexcept {
   q_ = joints_m;
   missed_ = 0;
+  since_abrupt_ = kAbruptReadings + kUsualReadings;
   v_.setZero();
   w_.setZero();
   disturbance_n_.setZero();
@@ -52,10 +62,20 @@ void DisturbanceObserver::predict() noexcept {
   disturbance_n_ = -nominal_inertia_kg_ * w_;
 }
 
+const ObserverGains& DisturbanceObserver::gains_for(const Vec3& innovation_m) noexcept {
+  since_abrupt_ = std::min(since_abrupt_ + 1, kAbruptReadings + kUsualReadings);
+  if (since_abrupt_ == kAbruptReadings + kUsualReadings) {
+    const double gap = static_cast<double>(missed_ * missed_);
+    const double size_m = innovation_m.norm();
+    if (size_m > gap * abrupt_.min_m && size_m < gap * abrupt_.max_m) since_abrupt_ = 0;
+  }
+  return since_abrupt_ < kAbruptReadings ? kAtOnce[since_abrupt_] : gains_[missed_ - 1];
+}
+
 void DisturbanceObserver::correct(const Vec3& measured_joints_m) noexcept {
-  const ObserverGains& gains = gains_[missed_ - 1];
-  const double apart_s = static_cast<double>(missed_) * period_s_;
   const Vec3 innovation = measured_joints_m - q_;
+  const ObserverGains& gains = gains_for(innovation);
+  const double apart_s = static_cast<double>(missed_) * period_s_;
   q_ += gains.alpha * innovation;
   v_ += gains.beta / apart_s * innovation;
   w_ += gains.gamma / (apart_s * apart_s) * innovation;

@@ -15,11 +15,17 @@
 // second one corrects as in an observer of period n T with the same poles. With the gains of one sample a
 // velocity would be corrected n times too much, and a robot whose every second reading is missing would be
 // thrown to its stops.
+//
+// A hand that lets go: a force that comes or goes at once moves a joint at the next reading by more than any
+// noise or friction does. That reading and the next are then answered at once, so that the estimate has the
+// new force after two samples and the tool is not thrown by the one that is gone; were it always so fast, the
+// loop would bear no robot that is off its file.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <limits>
 
 #include "common/control/observer_gains.h"
 #include "common/runtime/vectors.h"
@@ -31,6 +37,13 @@ using Mat3 = Eigen::Matrix3d;
 /// Most samples between a reading and the effect of the currents that answer it.
 inline constexpr int kMaxLoopDelay = 4;
 
+/// An innovation of one sample that is longer than `min_m` is a force that came or went at once, unless no
+/// force could do as much (`max_m`); over a gap of n samples both are n^2 times as long.
+struct AbruptForce {
+  double min_m = std::numeric_limits<double>::infinity();
+  double max_m = std::numeric_limits<double>::infinity();
+};
+
 class DisturbanceObserver {
  public:
   struct Gains {
@@ -40,6 +53,7 @@ class DisturbanceObserver {
         900;  ///< of the velocity estimate; more: less lag, more sensor noise
     /// Samples from a reading to the effect of the force that answers it, 0..kMaxLoopDelay, whole or not.
     double loop_delay = 0.0;
+    AbruptForce abrupt{};
   };
 
   explicit DisturbanceObserver(const Gains& gains) noexcept;
@@ -77,11 +91,15 @@ class DisturbanceObserver {
   const Vec3& disturbance_n() const noexcept { return disturbance_n_; }
 
  private:
+  const ObserverGains& gains_for(const Vec3& innovation_m) noexcept;
+
   double period_s_;
+  AbruptForce abrupt_;
   /// Readings that come farther apart than this correct as if they did not.
   static constexpr std::size_t kLongestGap = 32;
   std::array<ObserverGains, kLongestGap> gains_;  ///< of readings 1, 2, ... samples apart
   std::size_t missed_ = 0;                        ///< samples since the last reading
+  int since_abrupt_;                              ///< readings since a force came or went at once
   std::size_t whole_delay_;                       ///< samples
   double part_delay_;                             ///< of one more
   Vec3 q_ = Vec3::Zero();

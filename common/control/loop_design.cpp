@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/robot/dynamics.h"
@@ -11,6 +12,9 @@
 
 namespace telekerf::control {
 namespace {
+
+/// Of the acceleration by the motors' peak force, what the sensor's noise may ask for.
+constexpr double kNoiseShare = 0.03;
 
 bool good(const LoopConditions& conditions, const LoopBandwidths& bandwidths) {
   const LoopMargins nominal = loop_margins(conditions, bandwidths);
@@ -60,7 +64,6 @@ LoopBandwidths design_even_loop(const LoopConditions& conditions, double law_rad
 }
 
 LoopConditions loop_conditions(const robot::RobotModel& model, double control_hz) {
-  constexpr double kNoiseShare = 0.03;
   LoopConditions out{.period_s = 1.0 / control_hz, .delay_s = model.drive_delay_s};
   out.noise_m = robot::reading_noise_m(model.sensor);
   const robot::DeltaKinematics kinematics(model.geometry);
@@ -99,6 +102,12 @@ JointAccelerationSettings joints_of(const robot::RobotModel& model, const LoopBa
                        .velocity_bandwidth_rad_per_s = bandwidths.velocity_rad_per_s,
                        .loop_delay = model.drive_delay_s * control_hz},
           .present = true};
+}
+
+AbruptForce letting_go(const LoopConditions& conditions) {
+  const double peak_m_per_s2 = conditions.max_noise_m_per_s2 / kNoiseShare;
+  const double sample_m = 0.5 * peak_m_per_s2 * conditions.period_s * conditions.period_s;
+  return {.min_m = std::max(0.2 * sample_m, 12.0 * conditions.noise_m), .max_m = 2.0 * 4.0 * sample_m};
 }
 
 }  // namespace telekerf::control

@@ -50,4 +50,9 @@ void require_stable(const LoopConditions& conditions, const LoopBandwidths& band
 JointAccelerationSettings joints_of(const robot::RobotModel& model, const LoopBandwidths& bandwidths,
                                     double control_hz);
 
+/// What a hand does to a robot of these conditions when it lets go, in innovations of the observer: more than
+/// a fifth of the motors' peak force, and than 12 rms of the reading's noise; no more than twice the peak
+/// force for two samples.
+AbruptForce letting_go(const LoopConditions& conditions);
+
 }  // namespace telekerf::control

@@ -21,6 +21,9 @@ constexpr std::int64_t kAsleep_ns = 100'000'000;
 /// its own.
 constexpr double kShareOfConcealed = 0.5;
 
+/// Samples that are late by no more than this leave a gap; for those that are later time stands.
+constexpr double kBrief_s = 0.02;
+
 /// Of the age at which the play-out hurries, that which is enough.
 constexpr double kYoung = 0.8;
 
@@ -47,12 +50,16 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
     buffer_->clear();
     clock_.reset();
     cursor_.reset();
+    next_.reset();
     begins_ = true;
   }
   const CommandHeader& header = received.value;
   const PacketSamples samples(*arrival.packet, arrival.first);
   buffer_->store(samples, header, stream_.generation());
-  if (asleep(now_ns)) clock_.reset();  // of a queue, the newest alone counts
+  if (asleep(now_ns)) {  // of a queue, the newest alone counts
+    clock_.reset();
+    next_.reset();
+  }
   clock_.arrived({.now_ns = received.received_ns - lost_ns(now_ns),
                   .last = samples.last(),
                   .count = static_cast<int>(samples.size()),
@@ -103,6 +110,7 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
     conceal_gap(*buffer_, out.index, period_s, kReach,
                 kShareOfConcealed * settings_.max_acceleration_m_per_s2);
   }
+  wait_for(buffer_->find(out.index) == nullptr, out);
   if (const auto state = state_at(cursor, tool)) {
     out.sample = buffer_->find(out.index);
     out.state = *state;
@@ -112,16 +120,37 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
   if (out.age_s && *out.age_s > settings_.beam_age_s) clock_.hurry(true);
   if (out.age_s && *out.age_s < kYoung * settings_.beam_age_s) clock_.hurry(false);
   out.discontinuity = !cursor_ || !clock_.went_on();
-  if (!out.discontinuity && header().law != Law::kRemoteAcceleration) {
-    // A correction goes by slower or faster: so does the motion.
-    const double step =
-        static_cast<double>(settings_.control_period_ns) / static_cast<double>(header().sample_period_ns);
-    const double pace = (cursor - *cursor_) / step;
-    out.state.velocity_m_per_s *= pace;
-    out.state.acceleration_m_per_s2 *= pace * pace;
-  }
-  cursor_ = cursor;
+  keep_pace(out);
+  cursor_ = out.cursor;
   return out;
+}
+
+void CommandReceiver::wait_for(bool missing, Played& out) noexcept {
+  if (header().law == Law::kRemoteAcceleration) return;  // what has no place cannot be gone on from
+  if (!missing) {
+    next_ = out.index + 1;
+    missing_s_ = 0.0;
+    return;
+  }
+  if (!clock_.went_on()) next_.reset();  // given up
+  missing_s_ += 1e-9 * static_cast<double>(settings_.control_period_ns);
+  out.waits = next_ && missing_s_ > kBrief_s;
+  if (!out.waits) return;
+  // What could not be bridged is lost.
+  out.cursor =
+      clock_.stand(static_cast<double>(buffer_->first_from(*next_, stream_.newest()).value_or(*next_)));
+}
+
+void CommandReceiver::keep_pace(Played& out) noexcept {
+  if (header().law == Law::kRemoteAcceleration) return;
+  const double before = pace_;
+  pace_ = out.waits ? 0.0 : 1.0;
+  if (out.discontinuity || out.waits) return;
+  const double step_s = 1e-9 * static_cast<double>(settings_.control_period_ns);
+  pace_ = (*out.cursor - *cursor_) * 1e-9 * header().sample_period_ns / step_s;
+  out.state.acceleration_m_per_s2 = pace_ * pace_ * out.state.acceleration_m_per_s2 +
+                                    (pace_ - before) / step_s * out.state.velocity_m_per_s;
+  out.state.velocity_m_per_s *= pace_;
 }
 
 void CommandReceiver::describe(const Acknowledgement& acknowledgement, StateHeader& out) const noexcept {

@@ -32,6 +32,7 @@ struct Played {
   std::optional<double> cursor;  ///< stream time in samples; nothing before the play-out has begun
   double tick = -1.0;            ///< the cursor in master ticks
   bool discontinuity = true;     ///< the stream's time did not go on by one step, as it should
+  bool waits = false;            ///< what is due has not come for a while, and time stands until it has
   std::int64_t index = -1;
   const StreamSample* sample = nullptr;  ///< null: not there; valid until the next receive()
   KinematicState state;                  ///< of `sample` at the cursor
@@ -70,6 +71,11 @@ class CommandReceiver {
   /// No step was made for so long that its time is given up.
   bool asleep(std::int64_t now_ns) const noexcept;
   std::optional<KinematicState> state_at(double cursor, const KinematicState& tool) const noexcept;
+  /// `missing`: what is due is not there. For a while time goes on; then it stands at what came last, until
+  /// more has come.
+  void wait_for(bool missing, Played& out) noexcept;
+  /// Time that goes slower or faster makes the motion slower or faster.
+  void keep_pace(Played& out) noexcept;
 
   CommandReceiverSettings settings_;
   StreamReceiver<CommandBlock> stream_;
@@ -80,7 +86,10 @@ class CommandReceiver {
   /// with.
   std::optional<std::int64_t> time_ns_;
   bool begins_ = false;
-  std::optional<double> cursor_;  ///< of the last step
+  std::optional<double> cursor_;      ///< of the last step
+  double pace_ = 1.0;                 ///< by how much it went on in that step, of what is usual
+  std::optional<std::int64_t> next_;  ///< index after the last sample that was played
+  double missing_s_ = 0.0;            ///< since then
 };
 
 }  // namespace telekerf::streaming

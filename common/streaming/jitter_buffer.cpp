@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/streaming/jitter_buffer.h"
 
+#include <algorithm>
+
 namespace telekerf::streaming {
 namespace {
 
@@ -41,6 +43,12 @@ const StreamSample* JitterBuffer::find(std::int64_t index) const noexcept {
   if (index < 0) return nullptr;
   const Slot& slot = slots_[static_cast<std::size_t>(index) % kSize];
   return slot.index == index ? &slot.sample : nullptr;
+}
+
+std::optional<std::int64_t> JitterBuffer::first_from(std::int64_t index, std::int64_t newest) const noexcept {
+  for (std::int64_t at = std::max(index, newest - static_cast<std::int64_t>(kSize)); at <= newest; ++at)
+    if (find(at) != nullptr) return at;
+  return std::nullopt;
 }
 
 void JitterBuffer::store(const PacketSamples& samples, const CommandHeader& header,

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "common/control/kinematic_state.h"
 #include "common/protocol/messages.h"
@@ -42,6 +43,8 @@ class JitterBuffer {
   /// `header`: the packet's.
   void store(const PacketSamples& samples, const CommandHeader& header, std::uint32_t generation) noexcept;
   const StreamSample* find(std::int64_t index) const noexcept;
+  /// The first index that is there, from `index` to `newest`; none: nothing.
+  std::optional<std::int64_t> first_from(std::int64_t index, std::int64_t newest) const noexcept;
 
  private:
   struct Slot {

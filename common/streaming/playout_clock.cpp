@@ -9,6 +9,8 @@ namespace {
 
 /// In which the pace changes, and in which the rest of a correction fades.
 constexpr double kCorrection_s = 0.02;
+/// In which what stood sets off.
+constexpr double kStart_s = 0.05;
 /// Delay that was longer than any lately by this much is no jitter: it is over.
 constexpr std::int64_t kOver_ns = 250'000'000;
 
@@ -77,9 +79,8 @@ std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t co
   went_on_ = false;
   if (transits_ == 0) return std::nullopt;
   const double wanted = target(now_ns);
-  // Beyond a quarter of a second nothing can be won by slow correction.
-  const double give_up = 0.25e9 / static_cast<double>(period_ns_);
-  if (!synchronized_ || std::abs(wanted - cursor_) > give_up || ahead_ < -give_up) {
+  const double give_up = 1e9 * settings_.max_lag_s / static_cast<double>(period_ns_);
+  if (!synchronized_ || std::abs(wanted - (cursor_ + ahead_)) > give_up) {
     resyncs_ += synchronized_ ? 1 : 0;
     cursor_ = std::floor(wanted);
     ahead_ = slowing_ = 0.0;
@@ -98,12 +99,21 @@ std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t co
   return cursor_ + catch_up(step);
 }
 
+double PlayoutClock::stand(double at) noexcept {
+  ahead_ = std::min(at - cursor_, 0.0);
+  slowing_ = 1.0;
+  return cursor_ + ahead_;
+}
+
 double PlayoutClock::catch_up(double step) noexcept {
   const double period_s = static_cast<double>(period_ns_) * 1e-9;
+  const bool hurry = hurry_ || -ahead_ * period_s > settings_.long_lag_s;
   const double aim =
-      std::clamp(ahead_ * period_s / kCorrection_s, -(hurry_ ? settings_.max_slowing : settings_.max_hurry),
+      std::clamp(ahead_ * period_s / kCorrection_s, -(hurry ? settings_.max_slowing : settings_.max_hurry),
                  settings_.max_slowing);
-  const double change = step * period_s * settings_.max_slowing / kCorrection_s;
+  const double share =
+      slowing_ > settings_.max_slowing ? 1.0 / kStart_s : settings_.max_slowing / kCorrection_s;
+  const double change = step * period_s * share;
   slowing_ += std::clamp(aim - slowing_, -change, change);
   ahead_ -= slowing_ * step;
   if (std::abs(ahead_) < 1e-3 && std::abs(slowing_) < 1e-3) ahead_ = slowing_ = 0.0;

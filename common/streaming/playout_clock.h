@@ -15,7 +15,9 @@ struct PlayoutSettings {
   double max_depth_s = 2.0;
   double max_slowing =
       0.2;  ///< of the usual pace, while more delay is taken up; the pace itself does not jump
-  double max_hurry = 0.005;  ///< and while delay is given back, unless there is a hurry
+  double max_hurry = 0.005;  ///< and while delay is given back; as above where there is a hurry
+  double long_lag_s = 0.1;   ///< a lag longer than this is one
+  double max_lag_s = 0.75;   ///< and one longer than this is skipped
 };
 
 /// A block that came.
@@ -45,6 +47,9 @@ class PlayoutClock {
   std::optional<double> advance(std::int64_t now_ns, std::int64_t control_period_ns) noexcept;
   /// The last advance() went on by a step, at the usual pace or that of a correction: it did not begin anew.
   bool went_on() const noexcept { return went_on_; }
+  /// What is due is not there. Until that is said no more, what is played stands at `at` (samples), no later
+  /// than what is due; then it sets off again without a jump of the pace. Returns where it stands.
+  double stand(double at) noexcept;
   /// Commands come so late that they are of little use: delay that has gone is given back as fast as the pace
   /// may change, and none is kept for what may come again.
   void hurry(bool on) noexcept { hurry_ = on; }

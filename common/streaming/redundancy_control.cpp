@@ -22,7 +22,9 @@ void GapFinder::received(std::span<const SlaveSample> samples, std::int64_t enga
       unapplied_ = led ? unapplied_ + 1 : 0;
       continue;
     }
-    if (led && unapplied_ > longest_.samples) longest_ = {index_, sample.index, unapplied_};
+    // A slave that stood and went on where it had been has lost nothing.
+    const auto missing = static_cast<int>(std::min<std::int64_t>(unapplied_, sample.index - index_ - 1));
+    if (led && missing > longest_.samples) longest_ = {index_, sample.index, missing};
     unapplied_ = 0;
     index_ = sample.index;
   }

@@ -53,6 +53,8 @@ class StreamReceiver {
   bool heard() const noexcept { return heard_; }
   /// Of the newest block; what it says holds for the stream.
   const Header& header() const noexcept { return header_; }
+  /// Index of the newest sample.
+  std::int64_t newest() const noexcept { return newest_; }
   /// When the newest block came, this machine's clock.
   std::int64_t arrived_ns() const noexcept { return arrived_ns_; }
   double silent_s(std::int64_t now_ns) const noexcept {

@@ -90,6 +90,53 @@ TEST(DisturbanceObserver, PolesStayWhereReadingsAreMissing) {
   }
 }
 
+/// Joints at rest on which the accelerations `by` act, one a sample; what the observer takes for the
+/// disturbance at the end, m/s^2.
+double estimate_after(const std::vector<double>& by, AbruptForce abrupt, int apart = 1) {
+  const double t = 1e-3;
+  DisturbanceObserver observer(
+      {.period_s = t, .bandwidth_rad_per_s = 300, .velocity_bandwidth_rad_per_s = 900, .abrupt = abrupt});
+  observer.applied(Vec3::Zero(), Mat3::Identity());
+  Joint joint;
+  int i = 0;
+  for (const double acceleration : by) {
+    joint.step(acceleration, t);
+    observer.update(Vec3(joint.q, 0, 0), ++i % apart == 0);
+  }
+  return -observer.disturbance_n()[0];
+}
+
+constexpr AbruptForce kAbrupt{.min_m = 3e-6, .max_m = 200e-6};
+
+// 30 m/s^2 at once are 15 um in the first sample.
+TEST(DisturbanceObserver, AForceThatComesAtOnceIsKnownAtOnce) {
+  EXPECT_NEAR(estimate_after({0, 0, 30}, kAbrupt), 30.0, 1e-9) << "with the first reading after it";
+  EXPECT_LT(estimate_after({0, 0, 30, 30}, {}), 8.0) << "by the poles";
+  EXPECT_NEAR(estimate_after({0, 0, -30, -30, -30}, kAbrupt), -30.0, 1e-9) << "and stays known";
+  EXPECT_NEAR(estimate_after({0, 0, 30, 30, 30, 30}, kAbrupt, 2), 30.0, 1e-9) << "two samples apart";
+  // Between two readings: a quarter of it by the first, seven eighths by the second.
+  EXPECT_NEAR(estimate_after({0, 0, 0, 30}, kAbrupt, 2), 7.5, 1e-9);
+  EXPECT_NEAR(estimate_after({0, 0, 0, 30, 30, 30}, kAbrupt, 2), 26.25, 1e-9);
+}
+
+TEST(DisturbanceObserver, WhatIsSmallerOrLargerThanAForceThatComesAtOnceIsAnsweredAsEver) {
+  EXPECT_EQ(estimate_after({0, 5.9}, kAbrupt), estimate_after({0, 5.9}, {})) << "2.95 um";
+  EXPECT_NEAR(estimate_after({0, 6.1}, kAbrupt), 6.1, 1e-9) << "3.05 um";
+  EXPECT_EQ(estimate_after({0, 401}, kAbrupt), estimate_after({0, 401}, {})) << "a slip of the sensor";
+  EXPECT_NEAR(estimate_after({0, 399}, kAbrupt), 399, 1e-9);
+  EXPECT_EQ(estimate_after({0, 0, 5.9, 5.9}, kAbrupt, 2), estimate_after({0, 0, 5.9, 5.9}, {}, 2))
+      << "over two samples four times as much";
+}
+
+// Whatever keeps coming is no hand that lets go: a hundred readings are answered as ever in between.
+TEST(DisturbanceObserver, ForcesThatComeAtOnceAreAnsweredSoOnceInAHundredAndTwoReadings) {
+  std::vector<double> by(101, 30.0);
+  by.push_back(60.0);
+  EXPECT_LT(estimate_after(by, kAbrupt), 40.0) << "the hundredth reading after the two";
+  by.insert(by.begin(), 30.0);
+  EXPECT_NEAR(estimate_after(by, kAbrupt), 60.0, 1e-6);
+}
+
 TEST(DisturbanceObserver, BridgesMissingReadingsByItsModel) {
   const double t = 1e-3;
   DisturbanceObserver observer({t, 300, 900});

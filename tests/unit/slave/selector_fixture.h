@@ -52,6 +52,14 @@ class Selector : public testing::Test {
     if (fresh) played.cursor = static_cast<double>(index_);
     return out_ = selector_.step(played, now_);
   }
+  /// Nothing has come for a while, and the stream's time stands.
+  Selected wait() {
+    streaming::Played played;
+    played.fresh = played.waits = true;
+    played.index = index_ + 1;
+    played.cursor = static_cast<double>(index_ + 1);
+    return out_ = selector_.step(played, now_);
+  }
   static KinematicState at(double x_m, double m_per_s = 0.0, double m_per_s2 = 0.0) {
     return {.position_m = Vec3(x_m, 0, 0),
             .velocity_m_per_s = Vec3(m_per_s, 0, 0),

@@ -178,6 +178,31 @@ TEST_F(Selector, WhereSamplesAreMissingItGoesOnFor100MillisecondsAndThenComesToR
   EXPECT_FALSE(out_.following);
 }
 
+/// The stream's time stands: it will go on where the tool was led last, and not where it has coasted to.
+TEST_F(Selector, WhereTheStreamsTimeStandsItComesToRestWhereItWasLedLast) {
+  const streaming::StreamSample local = sample();
+  for (int n = 0; n < 2000; ++n) play(local, at(0.0, 0.02));
+  for (int n = 0; n < 20; ++n) miss();
+  EXPECT_NEAR(out_.reference.position_m.x(), 20 * 0.02 * kDt_s, 1e-9);
+  double before_m = out_.reference.position_m.x();
+  double largest_m = 0.0;
+  double longest_m = 0.0;
+  for (int n = 0; n < 300; ++n) {
+    wait();
+    largest_m = std::max(largest_m, out_.reference.position_m.x());
+    longest_m = std::max(longest_m, std::abs(out_.reference.position_m.x() - before_m));
+    before_m = out_.reference.position_m.x();
+  }
+  EXPECT_NEAR(out_.reference.position_m.x(), 0.0, 1e-5);
+  EXPECT_LT(out_.reference.velocity_m_per_s.norm(), 2e-4);
+  EXPECT_LT(largest_m, 0.75e-3) << "20 ms at 20 mm/s, and the way to rest";
+  EXPECT_LE(longest_m, 0.02 * kDt_s + 1e-9) << "without a jump";
+  EXPECT_FALSE(out_.following);
+  play(local, at(0.0, 0.0));
+  EXPECT_TRUE(out_.following);
+  EXPECT_NEAR(out_.reference.position_m.x(), 0.0, 1e-5);
+}
+
 TEST_F(Selector, ItGoesOnWithoutTheLastSamplesAcceleration) {
   const streaming::StreamSample local = sample();
   for (int n = 0; n < 2000; ++n) play(local, at(0.0, 0.02));

@@ -28,6 +28,10 @@ TEST_F(SlaveNodeTest, ItsBandwidthsAreChosenFromTheRobotUnlessTheyAreGiven) {
   EXPECT_EQ(given.node().bandwidths().observer_rad_per_s, 600.0);
 }
 
+/// Change of the reference's speed in a step, m/s, where it has gone on for 20 ms and is drawn back to where
+/// it was led last.
+constexpr double kDrawnBack = 8.7e-3;
+
 TEST_F(SlaveNodeTest, DisengagedItHoldsAndTheLaserIsOff) {
   engaged_ = false;
   follow(1.0);
@@ -47,7 +51,7 @@ TEST_F(SlaveNodeTest, SilenceStopsTheLaserAtOnceAndTheMotionSmoothly) {
   EXPECT_EQ(out_.mode, SlaveMode::kHolding);
   EXPECT_EQ(out_.interlock, Interlock::kNotEngaged);
   EXPECT_LT(out_.reference.velocity_m_per_s.norm(), 1e-9);
-  EXPECT_LT(largest_step_, 5e-3);
+  EXPECT_LT(largest_step_, kDrawnBack) << "of 10 that the robot may";
   // The stream comes back: without a jump, and not by itself.
   tick_ += 960;
   follow(1.0);
@@ -57,7 +61,7 @@ TEST_F(SlaveNodeTest, SilenceStopsTheLaserAtOnceAndTheMotionSmoothly) {
   follow(3.0);
   EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
   EXPECT_TRUE(out_.settled);
-  EXPECT_LT(largest_step_, 6e-3);
+  EXPECT_LT(largest_step_, kDrawnBack);
 }
 
 TEST_F(SlaveNodeTest, EmergencyStopLatchesUntilItIsCleared) {
@@ -119,11 +123,13 @@ TEST_F(SlaveNodeTest, RefusesAndCountsWhatDoesNotFit) {
   run(other);
   run(other);  // repeated
   EXPECT_EQ(station_.node().counters().stale, stale + 1);
-  run(good);  // reordered
+  run(good);  // overtaken, but time has stood for it
+  EXPECT_EQ(station_.node().counters().stale, stale + 1);
+  run(good);
   EXPECT_EQ(station_.node().counters().stale, stale + 2);
   follow(1.0);
   EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
-  EXPECT_LT(largest_step_, 5.8e-3);
+  EXPECT_LT(largest_step_, kDrawnBack);
 }
 
 TEST_F(SlaveNodeTest, ARestartedMasterIsAcceptedAfterSilence) {
@@ -136,7 +142,7 @@ TEST_F(SlaveNodeTest, ARestartedMasterIsAcceptedAfterSilence) {
   follow(3.0);
   EXPECT_EQ(out_.mode, SlaveMode::kFollowing);
   EXPECT_TRUE(out_.settled);
-  EXPECT_LT(largest_step_, 5.5e-3);
+  EXPECT_LT(largest_step_, kDrawnBack);
 }
 
 TEST_F(SlaveNodeTest, AnotherSampleRateInMidRunIsFollowedSmoothly) {

@@ -63,10 +63,12 @@ TEST_F(CommandReceiverTest, PositionsThatAreMissingAreNotConcealed) {
     played_ = receiver_.play(now_ns_, kTool);
     ASSERT_TRUE(played_.cursor);
     if (*played_.cursor < 0.0) continue;
-    EXPECT_EQ(played_.sample == nullptr, played_.index >= 3 * kBlock && played_.index < 5 * kBlock);
+    if (played_.sample != nullptr) {
+      EXPECT_TRUE(played_.index < 3 * kBlock || played_.index >= 5 * kBlock);
+    }
     missing += played_.sample == nullptr ? 1 : 0;
   }
-  EXPECT_EQ(missing, 2 * kBlock);
+  EXPECT_EQ(missing, 2 * kBlock + 1) << "the first after them is due, and time sets off again";
 }
 
 TEST_F(CommandReceiverTest, WhileACorrectionGoesByTheMotionIsAsMuchSlower) {
@@ -111,13 +113,11 @@ TEST_F(CommandReceiverTest, ABlockThatCameBeforeALateStepIsAsEarlyAsItWas) {
   EXPECT_EQ(receiver_.clock().depth_samples(), 21 + 7) << "7 ms earlier in steps than those before";
 }
 
-TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeGoesBySlowerUntilThereIsAlwaysSomethingToPlay) {
+TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeStandsOnceAndThenThereIsAlwaysSomethingToPlay) {
   run(20);
   for (int n = 0; n < 60; ++n, now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
-  int missing = 0;
-  run(30, [&](const Played& played) { missing += played.sample == nullptr ? 1 : 0; });
-  EXPECT_NEAR(missing, 240, 3);
-  run(5, [&](const Played& played) { EXPECT_NE(played.sample, nullptr); });
+  EXPECT_TRUE(played_.waits);
+  run(35, [&](const Played& played) { EXPECT_NE(played.sample, nullptr); });
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The slave's end of the command stream over a steady link: what is due at each step, and when it has dried
 // up.
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "common/streaming/slave_sample.h"
 #include "tests/unit/streaming/command_receiver_fixture.h"
@@ -178,8 +180,11 @@ TEST_F(CommandReceiverTest, AnOvertakenBlockIsTakenAsLongAsItCanBePlayed) {
     const CommandBlock late = next();  // samples 64 to 79; the longest block would end at 127
     now_ns_ += 2 * kBlock * kMs;
     run(1);
-    // The play-out goes on, more slowly, until its cursor is just before or after that end.
-    for (; *played_.cursor < 126.0 + more; now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
+    // More blocks come until its cursor is just before or after that end.
+    for (int n = 0; *played_.cursor < 126.0 + more; ++n, now_ns_ += kMs) {
+      if (n % kBlock == 0) receiver_.receive({next(), now_ns_}, 4, now_ns_);
+      played_ = receiver_.play(now_ns_, kTool);
+    }
     EXPECT_NEAR(*played_.cursor, 126.5 + more, 0.5);
     receiver_.receive({late, now_ns_}, 4, now_ns_);
     EXPECT_EQ(receiver_.counters().stale, static_cast<std::uint64_t>(more)) << more;
@@ -197,13 +202,76 @@ TEST_F(CommandReceiverTest, AnOvertakenBlockWhoseLastSampleIsHalfASampleAgoIsOfN
     (void)next();
     const CommandBlock late = next();  // samples 64 to 79; the longest block would end at 127
     now_ns_ = (15 + 5 * kBlock) * kMs;
-    receiver_.receive({next(), now_ns_}, 4, now_ns_);
+    for (int b = 0; b < 4; ++b) receiver_.receive({next(), now_ns_}, 4, now_ns_);
     for (played_ = {}; !played_.cursor || *played_.cursor < 126.75 + more; now_ns_ += kMs / 2)
       played_ = receiver_.play(now_ns_, kTool);
     ASSERT_EQ(*played_.cursor, 127.0 + more);
     receiver_.receive({late, now_ns_}, 4, now_ns_);
     EXPECT_EQ(receiver_.counters().stale, more > 0.0 ? 1u : 0u);
   }
+}
+
+/// The network stands still for 192 ms, and then all comes at once.
+TEST_F(CommandReceiverTest, WhatComesLateIsPlayedFromWhereItStoodAndNothingIsLeftOut) {
+  receiver_ = CommandReceiver({.playout = {.jitter_quantile = 0.9}});  // once is not usual
+  run(200);
+  const std::int64_t last = played_.index;
+  std::vector<CommandBlock> queue;
+  for (int b = 0; b < 12; ++b) queue.push_back(next());
+  int step = 0;
+  run(
+      12,
+      [&](const Played& played) {
+        ++step;
+        if (played.sample != nullptr || !played.fresh) return;
+        // 6 more are there; 20 ms are gone on for.
+        EXPECT_EQ(played.waits, step >= 6 + 20) << step;
+        if (played.waits) {
+          EXPECT_EQ(*played.cursor, static_cast<double>(last + 7)) << step;
+        }
+      },
+      false);
+  EXPECT_FALSE(played_.fresh) << "by now";
+  for (const CommandBlock& block : queue) receiver_.receive({block, now_ns_}, 4, now_ns_);
+  std::int64_t index = last + 6;
+  double pace = 0.0;
+  double fastest = 0.0;
+  double lag_ms = 0.0;
+  run(100, [&](const Played& played) {
+    ASSERT_NE(played.sample, nullptr);
+    EXPECT_FALSE(played.waits || played.discontinuity);
+    EXPECT_LE(played.index, index + 2) << "none is left out but by a faster pace";
+    EXPECT_GE(played.index, index);
+    index = played.index;
+    const double now = played.state.velocity_m_per_s.x() / 1e-2;
+    EXPECT_NEAR(now, pace, 0.03) << "it sets off and goes on without a jump";
+    pace = now;
+    fastest = std::max(fastest, pace);
+    lag_ms = static_cast<double>(now_ns_) / kMs - *played.cursor;
+  });
+  EXPECT_NEAR(fastest, 1.2, 0.01) << "a fifth faster";
+  EXPECT_NEAR(lag_ms, 100 + 21, 5) << "until a tenth of a second is left, which is given back slowly";
+  EXPECT_EQ(receiver_.clock().resyncs(), 0u);
+}
+
+TEST_F(CommandReceiverTest, WhatDoesNotComeAtAllIsLeftOut) {
+  run(20);
+  const std::int64_t last = played_.index;
+  for (int b = 0; b < 6; ++b) (void)next();
+  run(
+      6, [](const Played&) {}, false);
+  EXPECT_TRUE(played_.waits);
+  EXPECT_EQ(*played_.cursor, static_cast<double>(last + 7));
+  receiver_.receive({next(), now_ns_}, 4, now_ns_);
+  played_ = receiver_.play(now_ns_, kTool);
+  for (int n = 0; n < 30 && played_.sample == nullptr; ++n) {
+    EXPECT_LE(*played_.cursor, static_cast<double>(now_ns_) / kMs - 21) << "no sooner than it is due";
+    now_ns_ += kMs;
+    played_ = receiver_.play(now_ns_, kTool);
+  }
+  ASSERT_NE(played_.sample, nullptr);
+  EXPECT_EQ(played_.index, last + 7 + 5 * kBlock) << "a copy of the block before rides on the one that came";
+  EXPECT_LT((played_.state.position_m - place(played_.index)).norm(), 1e-6);
 }
 
 TEST_F(CommandReceiverTest, SaysOfTheStreamWhatItsNewestBlockSaid) {

@@ -277,24 +277,50 @@ TEST_F(Corrected, WhatIsTooLateGoesByATwoHundredthFasterAndTheLastThreeAreKept) 
   EXPECT_DOUBLE_EQ(played, 979.0 + 1000.0 + 3.0);
 }
 
-TEST_F(Corrected, BeyondAQuarterOfASecondItBeginsAnew) {
+TEST_F(Corrected, BeyondThreeQuartersOfASecondItBeginsAnew) {
   EXPECT_DOUBLE_EQ(begin(), 978.0);
-  EXPECT_DOUBLE_EQ(advance(1250.0, 0.0), 978.0) << "250 behind: as ever";
+  EXPECT_DOUBLE_EQ(advance(1750.0, 0.0), 978.0) << "750 behind: as ever";
   EXPECT_EQ(clock_.resyncs(), 0u);
   clock_.reset();
   arrive(clock_, {5.0});
   EXPECT_DOUBLE_EQ(begin(), 978.0);
-  EXPECT_DOUBLE_EQ(advance(1250.1, 0.0), 1228.0) << "and 250.1 behind it has given up";
+  EXPECT_DOUBLE_EQ(advance(1750.1, 0.0), 1728.0) << "and 750.1 behind it has given up";
   EXPECT_EQ(clock_.resyncs(), 1u);
-  EXPECT_EQ(clock_.corrections(), 247u);
+  EXPECT_EQ(clock_.corrections(), 747u);
   EXPECT_FALSE(clock_.went_on());
-  EXPECT_LT(advance(1000.0, 1.0), 1229.0) << "250 too far";
+  EXPECT_LT(advance(1000.0, 1.0), 1729.0) << "750 too far";
   EXPECT_EQ(clock_.resyncs(), 1u);
   clock_.reset();
   arrive(clock_, {5.0});
-  EXPECT_DOUBLE_EQ(advance(1250.1, 0.0), 1228.0);
+  EXPECT_DOUBLE_EQ(advance(1750.1, 0.0), 1728.0);
   EXPECT_DOUBLE_EQ(advance(999.0, 1.0), 977.0);
   EXPECT_EQ(clock_.resyncs(), 2u);
+}
+
+TEST_F(Corrected, WhatStandsSetsOffWithinFiftyMillisecondsAndHurriesOverMoreThanATenthOfASecond) {
+  EXPECT_DOUBLE_EQ(begin(), 978.0);
+  for (int n = 1; n <= 200; ++n) {
+    (void)advance(1000.0 + n, 1.0);
+    EXPECT_DOUBLE_EQ(clock_.stand(979.0), std::min(979.0, 978.0 + n));
+  }
+  double played = 979.0;
+  double pace = 0.0;
+  double fastest = 0.0;
+  for (int n = 1; n <= 3000; ++n) {
+    const double next = advance(1200.0 + n, 1.0);
+    EXPECT_NEAR(next - played, pace, n < 42 ? 0.02 + 1e-9 : 0.01 + 1e-9) << n;
+    EXPECT_TRUE(clock_.went_on());
+    pace = next - played;
+    fastest = std::max(fastest, pace);
+    played = next;
+    if (n == 60) {
+      EXPECT_GE(pace, 1.0) << "it has set off";
+    }
+  }
+  EXPECT_NEAR(fastest, 1.2, 1e-9);
+  const double lag = 1200.0 + 3000.0 - 22.0 - played;
+  EXPECT_NEAR(lag, 100.0 - 0.005 * 2350.0, 5.0) << "a two-hundredth faster from a tenth of a second on";
+  EXPECT_EQ(clock_.resyncs(), 0u);
 }
 
 TEST_F(Corrected, ForgetsTheLinkWhenItIsResetAndAtAnotherSamplePeriod) {

@@ -58,6 +58,18 @@ TEST_F(GapFinderTest, WhatWasNotAppliedBeforeTheEngagementIsNoGap) {
   EXPECT_EQ(take().samples, 30);
 }
 
+TEST_F(GapFinderTest, ASlaveThatStoodAndWentOnWhereItHadBeenHasLostNothing) {
+  slave(20, true);
+  slave(300, false);
+  index_ -= 300;  // what came late was applied, all of it
+  slave(20, true);
+  EXPECT_EQ(take().samples, 0);
+  slave(300, false);
+  index_ -= 290;
+  slave(1, true);
+  EXPECT_EQ(take().samples, 10) << "what was left out";
+}
+
 TEST_F(GapFinderTest, StatesThatDidNotArriveSayNothing) {
   slave(20, true);
   slave(10, false);
