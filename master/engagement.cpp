@@ -5,7 +5,8 @@ namespace telekerf::master {
 namespace {
 
 constexpr double kAligned_m = 2e-6;
-/// A slave that has acknowledged no command for this long is released for that long.
+/// A slave that has acknowledged no command for this long is released for that long; the time of one that waits
+/// for late commands may stand for nearly as long.
 constexpr double kUnacknowledged_s = 0.6;
 constexpr double kReleaseHold_s = 0.2;
 /// One that has acknowledged none since it was taken hold of: the first answer takes a round trip, and until

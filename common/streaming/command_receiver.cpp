@@ -11,7 +11,7 @@ namespace telekerf::streaming {
 namespace {
 
 /// Gaps up to this many samples are concealed where both ends are known.
-constexpr int kReach = 400;
+constexpr int kReach = 720;
 
 /// A step that comes later than this was no late step: the process was asleep, and what queued up meanwhile
 /// says nothing about the link.
@@ -21,8 +21,10 @@ constexpr std::int64_t kAsleep_ns = 100'000'000;
 /// its own.
 constexpr double kShareOfConcealed = 0.5;
 
-/// Samples that are late by no more than this leave a gap; for those that are later time stands.
-constexpr double kBrief_s = 0.02;
+/// Samples that are late by no more than this leave a gap; for those that are later time stands, and for long
+/// enough that the tool is back where it was led last.
+constexpr double kBrief_s = 0.03;
+constexpr double kBack_s = 0.08;
 
 /// Of the age at which the play-out hurries, that which is enough.
 constexpr double kYoung = 0.8;
@@ -111,7 +113,7 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
                 kShareOfConcealed * settings_.max_acceleration_m_per_s2);
   }
   wait_for(buffer_->find(out.index) == nullptr, out);
-  if (const auto state = state_at(cursor, tool)) {
+  if (const auto state = state_at(cursor, tool); state && !out.waits) {
     out.sample = buffer_->find(out.index);
     out.state = *state;
     if (out.sample != nullptr)
@@ -127,18 +129,18 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
 
 void CommandReceiver::wait_for(bool missing, Played& out) noexcept {
   if (header().law == Law::kRemoteAcceleration) return;  // what has no place cannot be gone on from
-  if (!missing) {
-    next_ = out.index + 1;
-    missing_s_ = 0.0;
-    return;
+  if (!clock_.went_on()) next_.reset();                  // given up
+  const bool stands = pace_ == 0.0;
+  if (missing || stands) missing_s_ += 1e-9 * static_cast<double>(settings_.control_period_ns);
+  if (next_ && missing_s_ > kBrief_s) {
+    // What could not be bridged is lost, and what is after it is not waited for.
+    const auto more = buffer_->first_from(*next_, stream_.newest());
+    out.waits = stands ? missing || missing_s_ < kBrief_s + kBack_s : missing && !more;
+    if (out.waits) out.cursor = clock_.stand(static_cast<double>(more.value_or(*next_)));
   }
-  if (!clock_.went_on()) next_.reset();  // given up
-  missing_s_ += 1e-9 * static_cast<double>(settings_.control_period_ns);
-  out.waits = next_ && missing_s_ > kBrief_s;
-  if (!out.waits) return;
-  // What could not be bridged is lost.
-  out.cursor =
-      clock_.stand(static_cast<double>(buffer_->first_from(*next_, stream_.newest()).value_or(*next_)));
+  if (missing || out.waits) return;
+  next_ = out.index + 1;
+  missing_s_ = 0.0;
 }
 
 void CommandReceiver::keep_pace(Played& out) noexcept {

@@ -112,7 +112,7 @@ TEST(ConstraintBars, SharpCornersCuspsAndStrokesAreHeldAtAnySpeedOfTheHand) {
 TEST(ConstraintBars, AHandStrongerThanTheMotorsGetsItsWayAndTheToolComesBackGently) {
   const Fight weaker = fight(20.0, 1);
   EXPECT_FALSE(weaker.saturated);
-  EXPECT_NEAR(weaker.pushed_off_m, 66.2e-6, 2e-6);
+  EXPECT_NEAR(weaker.pushed_off_m, 35.8e-6, 2e-6);
   const Fight stronger = fight(60.0, 1);
   EXPECT_TRUE(stronger.saturated);
   EXPECT_FALSE(stronger.broken);
@@ -120,6 +120,15 @@ TEST(ConstraintBars, AHandStrongerThanTheMotorsGetsItsWayAndTheToolComesBackGent
   EXPECT_NEAR(stronger.back_s, 0.291, 0.025);
   EXPECT_LT(stronger.overshoot_m, 1e-6) << "nothing wound up";
   EXPECT_LT(stronger.return_m_per_s, 1.02 * master::ConstraintSettings{}.return_m_per_s);
+}
+
+/// Seeds 1 to 5 gave 53 to 66 um, and 100 to 128 with an observer that answers all readings alike.
+TEST(ConstraintBars, AHandThatLetsGoOf30NewtonDoesNotThrowTheToolToTheOtherSide) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Fight fought = fight(30.0, seed);
+    EXPECT_LT(fought.overshoot_m, 72e-6) << seed;
+    EXPECT_GT(fought.overshoot_m, 10e-6) << seed;
+  }
 }
 
 TEST(ConstraintBars, ACorridorIsFreeInsideAndEndsAtAWall) {

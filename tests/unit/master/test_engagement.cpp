@@ -56,17 +56,17 @@ TEST_F(EngagementTest, UnaidedItIsWhatIsWanted) {
   EXPECT_FALSE(engagement_.engaged());
 }
 
-TEST_F(EngagementTest, WhoHasAppliedNothingForThreeTenthsOfASecondIsReleasedForTwo) {
+TEST_F(EngagementTest, WhoHasAppliedNothingForSixTenthsOfASecondIsReleasedForTwo) {
   engage();
   told(1, 101, true);
-  told(300, 101, false);
-  EXPECT_EQ(engagement_.begin_block(500, true), Phase::kHolds) << "not yet";
+  told(600, 101, false);
+  EXPECT_EQ(engagement_.begin_block(800, true), Phase::kHolds) << "not yet";
   told(1, 101, false);
-  EXPECT_EQ(engagement_.begin_block(516, true), Phase::kApart);
-  EXPECT_EQ(engagement_.begin_block(516 + 199, true), Phase::kApart);
-  EXPECT_EQ(engagement_.begin_block(516 + 200, true), Phase::kBegins);
-  told(300, 717, false);
-  EXPECT_EQ(engagement_.begin_block(1100, true), Phase::kHolds) << "counted anew";
+  EXPECT_EQ(engagement_.begin_block(816, true), Phase::kApart);
+  EXPECT_EQ(engagement_.begin_block(816 + 199, true), Phase::kApart);
+  EXPECT_EQ(engagement_.begin_block(816 + 200, true), Phase::kBegins);
+  told(600, 1017, false);
+  EXPECT_EQ(engagement_.begin_block(1700, true), Phase::kHolds) << "counted anew";
 }
 
 // The first answer takes a round trip, 0.6 s and more over a satellite.
@@ -84,9 +84,9 @@ TEST_F(EngagementTest, OnlySamplesOfThisEngagementCountAndOneThatWasAppliedEndsT
   EXPECT_EQ(engagement_.begin_block(516, true), Phase::kHolds);
   told(1000, 101, false, false);  // another master's
   EXPECT_EQ(engagement_.begin_block(532, true), Phase::kHolds);
-  told(250, 101, false);
+  told(550, 101, false);
   told(1, 101, true);
-  told(250, 101, false);
+  told(550, 101, false);
   EXPECT_EQ(engagement_.begin_block(548, true), Phase::kHolds);
   told(51, 101, false);
   EXPECT_EQ(engagement_.begin_block(564, false), Phase::kApart);
@@ -95,10 +95,10 @@ TEST_F(EngagementTest, OnlySamplesOfThisEngagementCountAndOneThatWasAppliedEndsT
 
 TEST_F(EngagementTest, AnEngagementBeginsItsCountAnew) {
   engage();
-  told(250, 101, false);
+  told(500, 101, false);
   EXPECT_EQ(engagement_.begin_block(200, false), Phase::kApart);
   EXPECT_EQ(engagement_.begin_block(216, true), Phase::kBegins);
-  told(250, 217, false);
+  told(500, 217, false);
   EXPECT_EQ(engagement_.begin_block(600, true), Phase::kHolds);
 }
 

@@ -38,9 +38,10 @@ TEST(Delay, EveryShippedNetworkIsBorne) {
     trial.network = netem::load_profile(name);
     const DelayResult result = run_trial(hand(), trial);
     EXPECT_TRUE(result.stable) << name;
-    // Where whole stretches are lost, the slave stops and catches up.
-    const std::map<std::string, double> worse_um{
-        {"hostile", 3.2}, {"4g", 9.4}, {"leo", 8.2}, {"5g", 0.87}, {"wifi", 1.05}};
+    // Where whole stretches are late or lost, time stands, and the way over what is lost is not the hand's.
+    const std::map<std::string, double> worse_um{{"hostile", 2.71},    {"4g", 1.08},
+                                                 {"leo", 8.2},         {"wifi", 0.91},
+                                                 {"thesis-tcp", 0.82}, {"wifi-lossy", 0.82}};
     const double most_um = worse_um.contains(name) ? worse_um.at(name) : 0.75;
     EXPECT_LE(result.tracking_rmse_um, most_um) << name << ": the first burst comes before the copies";
   }

@@ -28,7 +28,7 @@ TEST_F(SlaveNodeTest, ItsBandwidthsAreChosenFromTheRobotUnlessTheyAreGiven) {
   EXPECT_EQ(given.node().bandwidths().observer_rad_per_s, 600.0);
 }
 
-/// Change of the reference's speed in a step, m/s, where it has gone on for 20 ms and is drawn back to where
+/// Change of the reference's speed in a step, m/s, where it has gone on for 30 ms and is drawn back to where
 /// it was led last.
 constexpr double kDrawnBack = 8.7e-3;
 

@@ -224,8 +224,8 @@ TEST_F(CommandReceiverTest, WhatComesLateIsPlayedFromWhereItStoodAndNothingIsLef
       [&](const Played& played) {
         ++step;
         if (played.sample != nullptr || !played.fresh) return;
-        // 6 more are there; 20 ms are gone on for.
-        EXPECT_EQ(played.waits, step >= 6 + 20) << step;
+        // 6 more are there; 30 ms are gone on for.
+        EXPECT_EQ(played.waits, step >= 6 + 30) << step;
         if (played.waits) {
           EXPECT_EQ(*played.cursor, static_cast<double>(last + 7)) << step;
         }
