@@ -133,9 +133,10 @@ void CommandReceiver::wait_for(bool missing, Played& out) noexcept {
   const bool stands = pace_ == 0.0;
   if (missing || stands) missing_s_ += 1e-9 * static_cast<double>(settings_.control_period_ns);
   if (next_ && missing_s_ > kBrief_s) {
-    // What could not be bridged is lost, and what is after it is not waited for.
+    // What is there after what could not be bridged is gone on from, at once or when it is due.
     const auto more = buffer_->first_from(*next_, stream_.newest());
-    out.waits = stands ? missing || missing_s_ < kBrief_s + kBack_s : missing && !more;
+    out.waits =
+        stands ? missing || missing_s_ < kBrief_s + kBack_s : missing && more.value_or(*next_) <= out.index;
     if (out.waits) out.cursor = clock_.stand(static_cast<double>(more.value_or(*next_)));
   }
   if (missing || out.waits) return;
