@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fuzz target without libFuzzer: a fixed number of seeded mutations of packets of every kind. Usage:
 // [ROUNDS [SEED]]
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <random>
 #include <vector>
 
 #include "common/codec/encoder.h"
+#include "tests/fuzz/mutations.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
@@ -15,8 +14,9 @@ namespace {
 
 using telekerf::Vec3;
 
-using Bytes = std::vector<std::uint8_t>;
-using Random = std::mt19937_64;
+using telekerf::fuzz::Bytes;
+using telekerf::fuzz::mutate;
+using telekerf::fuzz::Random;
 
 /// Packets of every codec, block length and mode, each with the target's leading byte.
 std::vector<Bytes> corpus() {
@@ -50,29 +50,6 @@ std::vector<Bytes> corpus() {
     }
   }
   return all;
-}
-
-void mutate(Bytes& bytes, Random& random) {
-  for (auto changes = random() % 5; changes > 0 && !bytes.empty(); --changes) {
-    const auto at = random() % bytes.size();
-    switch (random() % 5) {
-      case 0:
-        bytes[at] ^= static_cast<std::uint8_t>(1U << random() % 8);
-        break;
-      case 1:
-        bytes[at] = static_cast<std::uint8_t>(random());
-        break;
-      case 2:
-        bytes.resize(at);
-        break;
-      case 3:
-        bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), static_cast<std::uint8_t>(random()));
-        break;
-      default:
-        for (auto i = at; i < std::min(at + 8, bytes.size()); ++i)
-          bytes[i] = (random() & 1) != 0 ? 0xFF : 0x00;
-    }
-  }
 }
 
 }  // namespace
