@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/reporting/plot.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -175,8 +176,9 @@ void run_gnuplot(const std::string& script, const std::filesystem::path& file) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, fileno(in.get()), STDIN_FILENO);
-  for (const int out : {STDOUT_FILENO, STDERR_FILENO})
-    posix_spawn_file_actions_adddup2(&files, fileno(said.get()), out);
+  // Where it cannot write the file it draws to its output.
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, fileno(said.get()), STDERR_FILENO);
   std::string name = "gnuplot", no_settings_of_the_user = "-d";
   const std::array<char*, 3> words{name.data(), no_settings_of_the_user.data(), nullptr};
   pid_t child = 0;

@@ -36,10 +36,20 @@ Line path_line(const ContourRun& run, const std::string& label, Line::Style styl
 
 Line trace_line(const ContourRun& run, const std::string& label, int colour,
                 const std::function<double(const machining::PassRow&)>& value) {
+  // Of each stretch the least and the largest, so that no peak is lost.
   Line line{label, {}, {}, Line::Style::kSolid, colour};
-  for (std::size_t i = 0; i < run.pass.rows.size(); i += stride_of(run)) {
-    line.x.push_back(static_cast<double>(i) * run.pass.plan->period_s);
-    line.y.push_back(value(run.pass.rows[i]));
+  const auto& rows = run.pass.rows;
+  const std::size_t stretch = 2 * stride_of(run);
+  for (std::size_t from = 0; from < rows.size(); from += stretch) {
+    std::size_t low = from, high = from;
+    for (std::size_t i = from; i < std::min(from + stretch, rows.size()); ++i) {
+      if (value(rows[i]) < value(rows[low])) low = i;
+      if (value(rows[i]) > value(rows[high])) high = i;
+    }
+    for (const std::size_t i : {std::min(low, high), std::max(low, high)}) {
+      line.x.push_back(static_cast<double>(i) * run.pass.plan->period_s);
+      line.y.push_back(value(rows[i]));
+    }
   }
   return line;
 }

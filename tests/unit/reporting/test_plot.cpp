@@ -259,7 +259,7 @@ TEST(Plot, AFigureThatIsNotDrawnToItsEndIsNoFigure) {
     EXPECT_NE(said.find("half.png: gnuplot has not drawn it to its end, and said nothing"), said.npos)
         << lines << ": " << said;
   }
-  const std::string said = complaint_with(folder_with_gnuplot("echo no room; kill -9 $$"), figure, png);
+  const std::string said = complaint_with(folder_with_gnuplot("echo no room >&2; kill -9 $$"), figure, png);
   EXPECT_NE(said.find("gnuplot was ended by signal 9, and said: no room"), said.npos) << said;
 }
 
