@@ -144,19 +144,25 @@ Scratch scratch_with(const std::string& text) {
   return file;
 }
 
-/// What gnuplot complains of is the last line that it says.
-std::string last_line_of(std::FILE* file) {
+/// What gnuplot complains of, without the command that it repeats and the mark below it.
+std::string complaint_in(std::FILE* file) {
+  constexpr std::size_t kMost = 300;
   std::rewind(file);
-  std::string line, last;
+  std::string all, line;
+  const auto take = [&] {
+    const std::size_t from = line.find_first_not_of(' ');
+    if (from != line.npos && line[from] != '^' && !line.starts_with("gnuplot>") && all.size() < kMost)
+      all += (all.empty() ? "" : "; ") + line.substr(from, kMost);
+    line.clear();
+  };
   for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) {
-    if (c != '\n') {
+    if (c == '\n')
+      take();
+    else
       line += static_cast<char>(c);
-    } else {
-      if (!line.empty()) last = line;
-      line.clear();
-    }
   }
-  return line.empty() ? last : line;
+  take();
+  return all;
 }
 
 /// As a PNG or an SVG ends that was drawn to its end.
@@ -192,7 +198,7 @@ void run_gnuplot(const std::string& script, const std::filesystem::path& file) {
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (status == 0 && is_whole(file)) return;
-  const std::string words_of_it = last_line_of(said.get());
+  const std::string words_of_it = complaint_in(said.get());
   throw environment_error(fmt::format(
       "{}: gnuplot {}, and {}; is the folder writable with room in it, and does `gnuplot --version` answer?",
       file.string(),

@@ -175,7 +175,7 @@ void add_parameters(Options& o, Settings& s) {
   s.add("against", o.against, kFolder,
         "--out of another run: says which claims have another figure, and by how much");
   s.add("source", o.source, kFolder,
-        "top folder of the source: README.md and docs/results there get their tables and figures anew");
+        "top folder of the source: README.md and docs/results there get their tables, figures and report.html anew");
   s.add("out", o.out, kFolder,
         "folder for report.html, claims.json and the results, by commit, experiment and seed");
 }

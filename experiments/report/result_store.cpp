@@ -85,7 +85,8 @@ Ending run_process(std::vector<std::string> words, const fs::path& log) {
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   pid_t child = 0;
-  const int refused = posix_spawn(&child, argv[0], &files, nullptr, argv.data(), environ);
+  // Not by its name: what is built anew meanwhile is another program.
+  const int refused = posix_spawn(&child, "/proc/self/exe", &files, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   if (refused != 0) return {.complaint = "does not start: " + std::system_category().message(refused)};
   const int status = status_of(child);
