@@ -158,7 +158,7 @@ std::string complaint_in(std::FILE* file) {
   for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) {
     if (c == '\n')
       take();
-    else
+    else if (c != ' ' || !line.ends_with(' '))
       line += static_cast<char>(c);
   }
   take();
