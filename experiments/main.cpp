@@ -16,7 +16,9 @@ int main(int argc, char** argv) {
   telekerf::experiments::add_haptics_command(program);
   telekerf::experiments::add_kinematics_command(program);
   telekerf::experiments::add_lap_command(program);
+  telekerf::experiments::add_machine_command(program);
   telekerf::experiments::add_open_contour_command(program);
+  telekerf::experiments::add_pictures_command(program);
   telekerf::experiments::add_replay_command(program);
   telekerf::experiments::add_remote_machining_command(program);
   telekerf::experiments::add_robots_command(program);

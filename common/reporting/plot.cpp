@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/reporting/plot.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
-#include <ctime>
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <system_error>
 
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
+
+extern char** environ;
 
 namespace telekerf::reporting {
 namespace {
@@ -122,38 +130,82 @@ void add_panel(std::string& script, const Figure& figure, std::size_t index) {
   script += "NaN notitle\n";
 }
 
-/// While it is there, what this thread writes to a program that has ended is lost without ending this one.
-class BrokenPipeIgnored {
- public:
-  BrokenPipeIgnored() {
-    sigemptyset(&pipe_);
-    sigaddset(&pipe_, SIGPIPE);
-    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
-  }
-  ~BrokenPipeIgnored() {
-    const timespec at_once{};
-    while (sigtimedwait(&pipe_, nullptr, &at_once) > 0) {
-    }
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  BrokenPipeIgnored(const BrokenPipeIgnored&) = delete;
-  BrokenPipeIgnored& operator=(const BrokenPipeIgnored&) = delete;
+using Scratch = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
- private:
-  sigset_t pipe_, before_;
-};
+/// A file without a name that holds the text, read from its beginning.
+Scratch scratch_with(const std::string& text) {
+  Scratch file(std::tmpfile(), &std::fclose);
+  if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() ||
+      std::fflush(file.get()) != 0)
+    throw environment_error(
+        fmt::format("no file for what gnuplot is told: {}; make room in the folder for temporary files",
+                    std::system_category().message(errno)));
+  std::rewind(file.get());
+  return file;
+}
+
+/// What gnuplot complains of, without the command that it repeats and the mark below it.
+std::string complaint_in(std::FILE* file) {
+  constexpr std::size_t kMost = 300;
+  std::rewind(file);
+  std::string all, line;
+  const auto take = [&] {
+    const std::size_t from = line.find_first_not_of(' ');
+    if (from != line.npos && line[from] != '^' && !line.starts_with("gnuplot>") && all.size() < kMost)
+      all += (all.empty() ? "" : "; ") + line.substr(from, kMost);
+    line.clear();
+  };
+  for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) {
+    if (c == '\n')
+      take();
+    else if (c != ' ' || !line.ends_with(' '))
+      line += static_cast<char>(c);
+  }
+  take();
+  return all;
+}
+
+/// As a PNG or an SVG ends that was drawn to its end.
+bool is_whole(const std::filesystem::path& file) {
+  constexpr std::streamoff kTail = 64;
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in) return false;
+  in.seekg(-std::min<std::streamoff>(kTail, in.tellg()), std::ios::cur);
+  const std::string tail{std::istreambuf_iterator<char>(in), {}};
+  return tail.find(file.extension() == ".svg" ? "</svg>" : "IEND") != tail.npos;
+}
 
 void run_gnuplot(const std::string& script, const std::filesystem::path& file) {
-  const auto close = [](std::FILE* pipe) { return pclose(pipe); };
-  std::unique_ptr<std::FILE, decltype(close)> pipe(popen("gnuplot -d 2>/dev/null", "w"), close);
-  const BrokenPipeIgnored ignored;  // where there is no gnuplot the shell may be gone before it has read all
-  if (pipe) std::fwrite(script.data(), 1, script.size(), pipe.get());
-  const int status = pipe ? pclose(pipe.release()) : -1;
-  constexpr int kNotFound = 127;
-  if (WEXITSTATUS(status) == kNotFound)
-    throw environment_error(
-        "gnuplot is missing, which draws the figures: install gnuplot-nox (./telekerf setup does)");
-  if (status != 0) throw environment_error(file.string() + ": cannot be written");
+  const Scratch in = scratch_with(script), said = scratch_with("");
+  std::error_code was_none;
+  std::filesystem::remove(file, was_none);  // what is there afterwards has been drawn now
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, fileno(in.get()), STDIN_FILENO);
+  // Where it cannot write the file it draws to its output.
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, fileno(said.get()), STDERR_FILENO);
+  std::string name = "gnuplot", no_settings_of_the_user = "-d";
+  const std::array<char*, 3> words{name.data(), no_settings_of_the_user.data(), nullptr};
+  pid_t child = 0;
+  const int refused = posix_spawnp(&child, name.c_str(), &files, nullptr, words.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  if (refused != 0)
+    throw environment_error(fmt::format(
+        "gnuplot, which draws the figures, does not start: {}; install gnuplot-nox (./telekerf setup does)",
+        std::system_category().message(refused)));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (status == 0 && is_whole(file)) return;
+  const std::string words_of_it = complaint_in(said.get());
+  throw environment_error(fmt::format(
+      "{}: gnuplot {}, and {}; is the folder writable with room in it, and does `gnuplot --version` answer?",
+      file.string(),
+      status == 0           ? std::string("has not drawn it to its end")
+      : WIFSIGNALED(status) ? fmt::format("was ended by signal {}", WTERMSIG(status))
+                            : fmt::format("ended with code {}", WEXITSTATUS(status)),
+      words_of_it.empty() ? std::string("said nothing") : "said: " + words_of_it));
 }
 
 /// A field of CSV.

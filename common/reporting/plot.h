@@ -41,8 +41,8 @@ struct Figure {
 };
 
 /// Writes the figure, the same as SVG, and what it shows as CSV: NAME.png, NAME.svg, NAME.csv; the folder
-/// must exist. The same figure leaves the same bytes. Throws StartupError if gnuplot is missing or a file
-/// cannot be written.
+/// must exist. The same figure leaves the same bytes. Throws StartupError, with what gnuplot said, if it is
+/// missing or a file is not drawn to its end.
 void draw_figure(const Figure& figure, const std::filesystem::path& png);
 
 /// What gnuplot is told, all but the data's drawing surface (terminal and output).

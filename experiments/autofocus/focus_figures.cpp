@@ -144,12 +144,14 @@ Json json_of(const FocusFigures& figures, const FocusPlan& plan) {
             {"focus_error_dof", chosen.error_rms_dof}};
   if (figures.zooms > 0) {
     json["images_after_zoom"] = figures.zoom_pictures_p50;
-    json["zoom"] = {{"steps", figures.zooms},
-                    {"found", figures.zooms_found},
-                    {"images_max", figures.zoom_pictures_max},
-                    {"focus_error_dof", figures.zoom_error_rms_dof},
-                    {"scale_error_max", figures.scale_error_max},
-                    {"calibration_residual", figures.calibration_residual}};
+    json["zoom"] = {
+        {"steps", figures.zooms},
+        {"found", figures.zooms_found},
+        {"found_share", static_cast<double>(figures.zooms_found) / static_cast<double>(figures.zooms)},
+        {"images_max", figures.zoom_pictures_max},
+        {"focus_error_dof", figures.zoom_error_rms_dof},
+        {"scale_error_max", figures.scale_error_max},
+        {"calibration_residual", figures.calibration_residual}};
   }
   for (const RefusedRow& row : figures.refused)
     json["no_focus"][row.name] = {{"starts", row.starts}, {"refused", row.refused}};

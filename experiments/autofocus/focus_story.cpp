@@ -136,7 +136,7 @@ void draw_story(FocusStory story, std::uint64_t seed, const std::string& number,
   const StoryRun printed = run_story(story, FocusLaw::kThesis, seed);
   const auto panel = [&](const char* title, const char* label, double StoryFrame::*value, double unit) {
     return Panel{.title = title,
-                 .x_label = "time, s",
+                 .x_label = "time [s]",
                  .y_label = label,
                  .lines = {line_of(ours, value, unit, "search and track"),
                            line_of(printed, value, unit, "as printed")}};
@@ -144,9 +144,12 @@ void draw_story(FocusStory story, std::uint64_t seed, const std::string& number,
   reporting::draw_figure(
       {.title = number +
                 (story == FocusStory::kZoomIn ? " defocused, then zoomed in" : " in focus, then zoomed out"),
-       .panels = {panel("A: magnification axis", "mm", &StoryFrame::magnification_m, 1e3),
-                  panel("B: sharpness (eq. 155)", "grey levels", &StoryFrame::sharpness, 1.0),
-                  panel("defocus", "depths of field", &StoryFrame::defocus_dof, 1.0)},
+       .panels = {panel("(A) magnification level", "position of the magnification axis [mm]",
+                        &StoryFrame::magnification_m, 1e3),
+                  panel("(B) sharpness level (eq. 155)", "normalised variance [grey levels]",
+                        &StoryFrame::sharpness, 1.0),
+                  panel("true defocus", "distance from the focus [depths of field]", &StoryFrame::defocus_dof,
+                        1.0)},
        .columns = 3},
       folder / ("figure-" + number + ".png"));
   if (story != FocusStory::kZoomOut) return;
@@ -160,18 +163,26 @@ void draw_story(FocusStory story, std::uint64_t seed, const std::string& number,
     pictures.push_back(picture);
   }
   cv::hconcat(pictures, strip);
-  reporting::write_picture(folder / ("figure-" + number + "-c.png"), strip);
+  const std::filesystem::path pictures_of_it = folder / ("figure-" + number + "-pictures.png");
+  reporting::write_picture(pictures_of_it, strip);
+  reporting::draw_figure(
+      {.panels = {{.title = "(C) what the camera saw: manual defocusing and automatic focusing",
+                   .picture = pictures_of_it}},
+       .panel_width_px = strip.cols + 40,
+       .panel_height_px = strip.rows + 60},
+      folder / ("figure-" + number + "-c.png"));
 }
 
 void draw_surface(const SharpnessSurface& surface, const std::filesystem::path& folder) {
   // 7.12 seen from above: focus to the right, magnification upwards.
   cv::Mat values(static_cast<int>(surface.magnification_m.size()), static_cast<int>(surface.focus_m.size()),
                  CV_32F);
-  Panel along_focus{
-      .title = "B: focus, at several magnifications", .x_label = "focus axis, mm", .y_label = "sharpness"};
+  Panel along_focus{.title = "B: focus, at several magnifications",
+                    .x_label = "focus axis [mm]",
+                    .y_label = "normalised variance [grey levels]"};
   Panel along_zoom{.title = "A: magnification, at several focuses",
-                   .x_label = "magnification axis, mm",
-                   .y_label = "sharpness"};
+                   .x_label = "magnification axis [mm]",
+                   .y_label = "normalised variance [grey levels]"};
   Line ridge;
   Line heights;
   for (std::size_t i = 0; i < surface.magnification_m.size(); ++i) {
@@ -210,12 +221,12 @@ void draw_surface(const SharpnessSurface& surface, const std::filesystem::path& 
                          folder / "figure-7.13.png");
   reporting::draw_figure({.title = "7.14 the ridge",
                           .panels = {{.title = "where it is sharpest",
-                                      .x_label = "magnification axis, mm",
-                                      .y_label = "focus axis, mm",
+                                      .x_label = "magnification axis [mm]",
+                                      .y_label = "focus axis [mm]",
                                       .lines = {ridge}},
                                      {.title = "how sharp it is there",
-                                      .x_label = "magnification axis, mm",
-                                      .y_label = "sharpness",
+                                      .x_label = "magnification axis [mm]",
+                                      .y_label = "normalised variance [grey levels]",
                                       .lines = {heights}}},
                           .columns = 2},
                          folder / "figure-7.14.png");

@@ -10,7 +10,6 @@
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
-#include "experiments/machining/contour_figure.h"
 #include "experiments/machining/contour_run.h"
 #include "experiments/machining/contour_source.h"
 #include "experiments/machining/contour_tables.h"
@@ -114,7 +113,7 @@ ordered_json one_picture(const ContourExperiment::Subject& subject, const Option
     result["equal_terms"] = equal_terms(*plan, contour, settings);
   }
   draw_runs(fmt::format("{} at {:g} mm/s", image, options.speed_mm_s), runs, source.picture, out / "mark.png",
-            out / "panels.png");
+            subject.letters, out / "panels.png");
 
   if (options.sweep) {
     // Contour error against speed.
@@ -163,6 +162,12 @@ int run(const Options& options, const ContourExperiment& experiment) {
       const std::filesystem::path folder = out / subject.picture;
       all.push_back(one_picture(subject, options, experiment, folder));
       write_json(folder / "result.json", all.back());
+    }
+    if (!experiment.closed) {
+      std::vector<std::filesystem::path> folders;
+      for (const auto& subject : experiment.subjects) folders.push_back(out / subject.picture);
+      draw_pictures_and_marks(folders, options.material.value_or(&workpiece::kWood)->name,
+                              out / "figure-8.3.png");
     }
     result = all.front();
     std::filesystem::copy_file(out / experiment.subjects.front().picture / "trace.csv", out / "trace.csv",

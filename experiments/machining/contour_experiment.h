@@ -8,6 +8,7 @@
 
 #include "common/workpiece/material.h"
 #include "experiments/commands.h"
+#include "experiments/machining/contour_figure.h"
 
 namespace telekerf::experiments {
 
@@ -17,6 +18,7 @@ struct ContourExperiment {
   struct Subject {
     std::string picture;
     const workpiece::Material* material = &workpiece::kWood;
+    PanelLetters letters = {};  ///< of the thesis' figure
   };
   std::vector<Subject> subjects;  ///< without --image
   double speed_mm_s = 8.0;

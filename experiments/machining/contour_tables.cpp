@@ -66,4 +66,25 @@ std::vector<reporting::PageTable> contour_tables(const ordered_json& pictures) {
           {"terms", reporting::markdown_table(term_rows(pictures))}};
 }
 
+reporting::PageTable machine_table(const ordered_json& works) {
+  TableRows rows{{"picture", "contours", "time (estimate) s", "normal error rms / max um",
+                  "contour error max um", "closure gap um", "energy inside / outside J", "at a limit"}};
+  for (const auto& work : works) {
+    const auto number = [](const ordered_json& value, int digits) {
+      return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : std::string("-");
+    };
+    const auto& burn = work["burn"];
+    rows.push_back({work["image"].get<std::string>(),
+                    fmt::format("{} of {}", work["contours_cut"].get<int>(), work["contours"].get<int>()),
+                    fmt::format("{} ({})", number(work["time_s"], 2), number(work["time_estimate_s"], 2)),
+                    fmt::format("{} / {}", number(work["normal_error_um"]["rms"], 2),
+                                number(work["normal_error_um"]["max"], 1)),
+                    number(work["contour_error_um"]["max"], 1), number(work["closure_gap_um"], 2),
+                    fmt::format("{} / {:g}", number(burn["energy_inside_j"], 1),
+                                burn["energy_outside_corridor_j"].get<double>()),
+                    fmt::format("{} ticks", work["limit_violations"].get<int>())});
+  }
+  return {"machine", reporting::markdown_table(rows)};
+}
+
 }  // namespace telekerf::experiments

@@ -34,8 +34,8 @@ ordered_json side_by_side(const machining::TimedPath& plan, const geometry::Poly
           {"independent_normal_error_um", theirs["normal_error_um"]},
           {"mean_mm_s", ours["tangential_speed"]["mean_mm_s"]},
           {"independent_mean_mm_s", theirs["tangential_speed"]["mean_mm_s"]},
-          {"ripple_percent", ours["tangential_speed"]["ripple_percent"]},
-          {"independent_ripple_percent", theirs["tangential_speed"]["ripple_percent"]},
+          {"ripple_everywhere_percent", ours["tangential_speed"]["ripple_everywhere_percent"]},
+          {"independent_ripple_everywhere_percent", theirs["tangential_speed"]["ripple_everywhere_percent"]},
           {"normal_error_ratio", normal_error_ratio(ours, theirs)},
           {"independent_tuning", tuning(independent)}};
 }

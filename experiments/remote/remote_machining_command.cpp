@@ -70,6 +70,7 @@ ordered_json one_run(const Experiment& experiment, const std::string& netem, con
   ordered_json out{{"image", experiment.image}};
   out.update(measures(record));
   out["speed"] = speed_json(motion);
+  out["measured_beta"] = measured_beta(motion);
   const auto burnt = [&](const workpiece::Material& material, BeamPower power) {
     return burn_record(record, material, power, options.laser_w);
   };
@@ -103,7 +104,7 @@ ordered_json other_networks(const Experiment& experiment, const Options& options
     try {
       out[profile] = measures(run_of(experiment, profile, options));
     } catch (const StartupError& error) {
-      out[profile] = {{"ended", error.what()}};
+      out[profile] = {{"ended", error.what()}, {"cut", nullptr}};
     }
   }
   return out;

@@ -92,6 +92,22 @@ ordered_json speed_json(const std::vector<RemoteSample>& motion) {
            {{"rms", 1e3 * std::sqrt(squares / static_cast<double>(motion.size()))}, {"max", 1e3 * most}}}};
 }
 
+ordered_json measured_beta(const std::vector<RemoteSample>& motion) {
+  Vec2 master_sum = Vec2::Zero(), slave_sum = Vec2::Zero();
+  for (const RemoteSample& sample : motion) {
+    master_sum += sample.master_m;
+    slave_sum += sample.slave_m;
+  }
+  const double n = static_cast<double>(std::max<std::size_t>(1, motion.size()));
+  double both = 0.0, squares = 0.0;
+  for (const RemoteSample& sample : motion) {
+    const Vec2 master = sample.master_m - master_sum / n;
+    both += master.dot(sample.slave_m - slave_sum / n);
+    squares += master.squaredNorm();
+  }
+  return squares > 0.0 ? ordered_json(both / squares) : ordered_json();
+}
+
 ordered_json button_json(const RunRecord& record) {
   std::size_t lit = 0, without = 0, held = 0;
   for (const MasterRow& row : record.master) held += row.button ? 1 : 0;

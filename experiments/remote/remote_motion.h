@@ -28,6 +28,9 @@ std::vector<RemoteSample> remote_motion(const RunRecord& record);
 /// Speeds of both in mm/s, and how far they are from each other when the slave's is rescaled.
 nlohmann::ordered_json speed_json(const std::vector<RemoteSample>& motion);
 
+/// The factor between both motions, by least squares about their means; null without a motion.
+nlohmann::ordered_json measured_beta(const std::vector<RemoteSample>& motion);
+
 /// Ticks with the beam on, those among them at which the operator did not hold the button (at the tick that
 /// was applied), and the share of the time with the button held.
 nlohmann::ordered_json button_json(const RunRecord& record);
@@ -49,9 +52,10 @@ struct RemoteMark {
 RemoteMark burn_record(const RunRecord& record, const workpiece::Material& material, BeamPower power,
                        double laser_w);
 
-/// Mean and largest depth of what was marked, its spread as a share of the mean, the share that is cut
-/// through, how the depth goes with the dwell (Pearson's correlation), and what the beam left where it was
-/// never on.
+/// Marked is a bin of 0.25 mm in which, as in both of its neighbours, the beam was on for a tick or more: its
+/// share of the contour, mean and largest depth of what was marked, its spread as a share of the mean, the
+/// share that is cut through, how the depth goes with the dwell (Pearson's correlation), and what the beam
+/// left where it was never on.
 nlohmann::ordered_json mark_json(const RemoteMark& mark);
 
 }  // namespace telekerf::experiments

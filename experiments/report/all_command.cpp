@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
+#include "common/runtime/loop.h"
 #include "common/runtime/resources.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 #include "common/runtime/version.h"
 #include "experiments/commands.h"
+#include "experiments/report/fit.h"
 #include "experiments/report/judgement.h"
 #include "experiments/report/manifest.h"
 #include "experiments/report/page_marks.h"
@@ -68,11 +71,41 @@ bool was_run(const std::vector<Finished>& finished, const std::string& name) {
   return std::any_of(finished.begin(), finished.end(), [&](const Finished& one) { return one.name == name; });
 }
 
+/// What the other run has otherwise, of the experiments of this one.
+std::vector<std::string> changes_of_what_ran(const Manifest& manifest, const std::vector<Finished>& finished,
+                                             std::vector<Judged> judged, ordered_json before) {
+  std::set<std::string> not_run;
+  for (const Claim& claim : manifest.claims)
+    if (!was_run(finished, claim.experiment)) not_run.insert(claim.id);
+  std::erase_if(judged, [&](const Judged& row) { return not_run.contains(row.claim.id); });
+  ordered_json of_these = ordered_json::array();
+  for (const auto& claim : before)
+    if (!not_run.contains(claim["id"])) of_these.push_back(claim);
+  return differences(judged, of_these);
+}
+
+/// Of an interrupted run; returns its exit code, as ./telekerf's.
+int say_what_is_kept(const Manifest& manifest, const StorePlan& plan, const std::vector<Finished>& finished) {
+  const auto of =
+      std::count_if(manifest.experiments.begin(), manifest.experiments.end(), [&](const auto& one) {
+        return plan.only.empty() ||
+               std::find(plan.only.begin(), plan.only.end(), one.name) != plan.only.end();
+      });
+  fmt::print(stderr,
+             "\ninterrupted: no page was written; {} of {} experiments are finished and kept in {}; {}\n",
+             finished.size(), of, (plan.out / "results" / plan.commit).string(),
+             is_a_commit(plan.commit) ? "the same command goes on behind them"
+                                      : "this program was built from changes that are no commit, so the same "
+                                        "command runs all of them again");
+  return 130;
+}
+
 int run(const Options& options) {
   const Manifest manifest = load_manifest(options.claims.empty() ? find_resource("report", "claims", ".toml")
                                                                  : fs::path(options.claims));
   if (manifest.claims.empty()) throw input_error("--claims " + options.claims + ": holds no claim");
   refuse_unknown(options, manifest);
+  if (!options.source.empty()) require_pages(options.source);
   ordered_json before;
   if (!options.against.empty()) before = claims_of(options.against);
   const fs::path out = options.out;
@@ -81,32 +114,42 @@ int run(const Options& options) {
                        .quick = options.quick,
                        .jobs = static_cast<unsigned>(options.jobs),
                        .only = options.only};
+  catch_stop_signals();
   const std::vector<Finished> finished = run_experiments(manifest, plan);
-  const std::vector<Judged> judged = judge(manifest, read_results(manifest, finished), options.quick);
-
-  const std::vector<std::string> changes =
-      options.against.empty() ? std::vector<std::string>() : differences(judged, before);
+  if (stop_requested()) return say_what_is_kept(manifest, plan, finished);
+  const ResultsByName results = read_results(manifest, finished);
+  require_fit(manifest, finished, results, options.quick);
+  const std::vector<Judged> judged = judge(manifest, results, options.quick);
+  const std::vector<std::string> changes = options.against.empty()
+                                               ? std::vector<std::string>()
+                                               : changes_of_what_ran(manifest, finished, judged, before);
   write_json(out / "claims.json", ordered_json{{"version", kVersion},
                                                {"commit", plan.commit},
                                                {"seed", options.seed},
                                                {"quick", options.quick},
                                                {"claims", claims_json(judged)}});
-  write_atomically(out / "report.html",
-                   report_page({.manifest = manifest,
-                                .judged = judged,
-                                .finished = finished,
-                                .seed = options.seed,
-                                .quick = options.quick,
-                                .commit = plan.commit,
-                                .differences = changes,
-                                .against = fs::path(options.against).lexically_normal().filename().string(),
-                                .made = made_line(finished)}));
-  if (!options.source.empty()) write_pages(options.source, judged);
-
+  ReportPage page{.manifest = manifest,
+                  .judged = judged,
+                  .finished = finished,
+                  .seed = options.seed,
+                  .quick = options.quick,
+                  .commit = plan.commit,
+                  .differences = changes,
+                  .against = fs::path(options.against).lexically_normal().filename().string(),
+                  .made = made_line(finished)};
+  write_atomically(out / "report.html", report_page(page));
   bool good = all_held(judged), whole = true;
   for (const Finished& one : finished) {
     if (one.code > 1) fmt::print(stderr, "{}: could not be run: {}\n", one.name, one.complaint);
     whole = whole && one.code <= 1;
+  }
+  if (!options.source.empty() && whole) {
+    write_pages(options.source, judged);
+    page.against.clear();
+    page.made.clear();  // when and where is nothing that a repository wants
+    write_atomically(fs::path(options.source) / "docs/results/report.html", report_page(page));
+  } else if (!options.source.empty()) {
+    fmt::print(stderr, "the pages in {} stay as they are\n", options.source);
   }
   for (const Judged& row : judged)
     if (row.verdict != Verdict::kHeld && was_run(finished, row.claim.experiment))
@@ -132,7 +175,7 @@ void add_parameters(Options& o, Settings& s) {
   s.add("against", o.against, kFolder,
         "--out of another run: says which claims have another figure, and by how much");
   s.add("source", o.source, kFolder,
-        "top folder of the source: README.md and docs/results there get their tables and figures anew");
+        "top folder of the source: README.md and docs/results there get their tables, figures and report.html anew");
   s.add("out", o.out, kFolder,
         "folder for report.html, claims.json and the results, by commit, experiment and seed");
 }

@@ -91,13 +91,19 @@ std::string verdict_text(Verdict verdict) {
   return "";
 }
 
-std::optional<double> select(const ordered_json& json, const std::string& pointer) {
+const ordered_json* node_at(const ordered_json& json, const std::string& pointer) {
   const ordered_json* at = &json;
   for (const std::string& step : parts_of(pointer, '/')) {
     if (step.empty()) continue;
     at = step_into(*at, step);
-    if (at == nullptr) return std::nullopt;
+    if (at == nullptr || at->is_null()) break;
   }
+  return at;
+}
+
+std::optional<double> select(const ordered_json& json, const std::string& pointer) {
+  const ordered_json* at = node_at(json, pointer);
+  if (at == nullptr) return std::nullopt;
   if (at->is_boolean()) return at->get<bool>() ? 1.0 : 0.0;
   if (!at->is_number()) return std::nullopt;
   const double value = at->get<double>();
@@ -117,7 +123,7 @@ std::vector<Judged> judge(const Manifest& manifest, const ResultsByName& results
       row.value = claim.factor * *value;
       row.verdict = holds(claim, *row.value) ? Verdict::kHeld : Verdict::kNotHeld;
     } else {
-      row.why = "the result has no figure at " + claim.pointer;
+      row.why = "the run measured nothing there: " + claim.pointer;
     }
     out.push_back(row);
   }
@@ -158,7 +164,8 @@ std::vector<std::string> differences(const std::vector<Judged>& judged, const or
       continue;
     }
     const auto was = select(*before, "/value");
-    const std::string verdict = before->value("verdict", "");
+    const auto said = before->find("verdict");
+    const std::string verdict = said != before->end() && said->is_string() ? said->get<std::string>() : "";
     std::string what;
     if (was.has_value() != row.value.has_value()) {
       what = fmt::format("{} -> {}", was ? fmt::format("{:.6g}", *was) : "-",
@@ -170,6 +177,11 @@ std::vector<std::string> differences(const std::vector<Judged>& judged, const or
     if (verdict != verdict_text(row.verdict))
       what += fmt::format("{}{} -> {}", what.empty() ? "" : ", ", verdict, verdict_text(row.verdict));
     if (!what.empty()) out.push_back(row.claim.id + ": " + what);
+  }
+  for (const auto& before : other) {
+    const std::string id = before.value("id", "");
+    const auto is_it = [&](const Judged& row) { return row.claim.id == id; };
+    if (std::none_of(judged.begin(), judged.end(), is_it)) out.push_back(id + ": gone");
   }
   return out;
 }

@@ -25,7 +25,11 @@ struct Judged {
 };
 
 /// What stands at `/key/0/key=value&other=value/key`: in an array a step is a place, or the first element
-/// whose members are these. None: nothing does, or it is no number (true and false are 1 and 0).
+/// whose members are these. A null on the way is where it ends: nothing was measured there. Null pointer: no
+/// such thing stands there.
+const nlohmann::ordered_json* node_at(const nlohmann::ordered_json& json, const std::string& pointer);
+
+/// The number that stands there (true and false are 1 and 0); none: nothing does, or it is no number.
 std::optional<double> select(const nlohmann::ordered_json& json, const std::string& pointer);
 
 /// Results by experiments' names; what is not among them is not assessed.
@@ -41,7 +45,7 @@ std::string value_text(const Judged& judged);
 /// Rows of claims.json.
 nlohmann::ordered_json claims_json(const std::vector<Judged>& judged);
 
-/// What another claims.json has otherwise: a sentence a claim.
+/// What another claims.json has otherwise: a sentence a claim, and one for each that only the other has.
 std::vector<std::string> differences(const std::vector<Judged>& judged, const nlohmann::ordered_json& other);
 
 /// `headline` of the README, `claims` of docs/results/claims.md.

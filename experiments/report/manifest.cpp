@@ -38,6 +38,7 @@ std::vector<std::string> words_at(const ConfigFile& file, const std::string& key
 
 ManifestExperiment experiment_at(const ConfigFile& file, const std::string& at) {
   ManifestExperiment out;
+  out.key = at;
   out.name = file.text(at + "name");
   out.command = file.text_or(at + "command", out.name);
   out.title = file.text(at + "title");
@@ -52,6 +53,7 @@ ManifestExperiment experiment_at(const ConfigFile& file, const std::string& at) 
 
 Claim claim_at(const ConfigFile& file, const std::string& at) {
   Claim out;
+  out.key = at;
   out.id = file.text(at + "id");
   out.section = file.choice_or(at + "section", out.section, kSections);
   out.experiment = file.text(at + "experiment");
@@ -61,10 +63,16 @@ Claim claim_at(const ConfigFile& file, const std::string& at) {
   out.quantity = file.text(at + "quantity");
   out.unit = file.text_or(at + "unit", "");
   out.pointer = file.text(at + "pointer");
+  if (!out.pointer.starts_with('/')) file.refuse(at + "pointer", "must begin with '/', as \"/key/key\"");
   out.factor = file.number_or(at + "factor", out.factor);
+  if (out.factor == 0.0)
+    file.refuse(at + "factor", "must not be 0: every figure would be; leave it out for 1");
   out.relation = file.choice_or(at + "relation", out.relation, kRelations);
   out.bound = file.number(at + "bound");
   out.tolerance = file.number_or(at + "tolerance", out.tolerance, {.min = 0});
+  if (out.tolerance > 0.0 && out.relation != Relation::kWithin)
+    file.refuse(at + "tolerance", "is of relation = \"within\" alone; leave it out");
+  out.reason = file.text_or(at + "reason", "");
   out.quick = file.boolean_or(at + "quick", out.quick);
   out.negative = file.boolean_or(at + "negative", out.negative);
   out.headline = file.boolean_or(at + "headline", out.headline);
@@ -79,7 +87,7 @@ const ManifestExperiment& Manifest::experiment(const std::string& name) const {
 
 Manifest load_manifest(const std::filesystem::path& path) {
   const ConfigFile file(path);
-  Manifest out;
+  Manifest out{.file = file.name(), .experiments = {}, .figures = {}, .claims = {}};
   std::set<std::string> names, ids;
   const auto at = [](const char* table, std::size_t i) { return fmt::format("{}.{}.", table, i); };
   for (std::size_t i = 0; i < file.array_size("experiment"); ++i) {
@@ -93,8 +101,8 @@ Manifest load_manifest(const std::filesystem::path& path) {
   };
   for (std::size_t i = 0; i < file.array_size("figure"); ++i) {
     const std::string key = at("figure", i);
-    out.figures.push_back(
-        {file.text(key + "experiment"), file.text(key + "file"), file.text(key + "caption")});
+    out.figures.push_back({key, file.text(key + "experiment"), file.text(key + "file"),
+                           file.text(key + "caption"), file.boolean_or(key + "quick", true)});
     known(out.figures.back().experiment, key + "experiment");
   }
   for (std::size_t i = 0; i < file.array_size("claim"); ++i) {

@@ -13,6 +13,7 @@ namespace telekerf::experiments {
 
 /// A command of telekerf-experiment as `all` runs it; --seed and --out come on top.
 struct ManifestExperiment {
+  std::string key;   ///< in the manifest, "experiment.0."
   std::string name;  ///< of its folder
   std::string command;
   std::string title;
@@ -25,15 +26,18 @@ struct ManifestExperiment {
 };
 
 struct ManifestFigure {
+  std::string key;  ///< "figure.0."
   std::string experiment;
   std::string file;
   std::string caption;
+  bool quick = true;  ///< false: a short run leaves none
 };
 
 enum class Relation { kWithin, kAtMost, kAtLeast };
 enum class ClaimSection { kThesis, kRivals, kBeyond };
 
 struct Claim {
+  std::string key;  ///< "claim.0."
   std::string id;
   ClaimSection section = ClaimSection::kThesis;
   std::string experiment;
@@ -47,12 +51,14 @@ struct Claim {
   Relation relation = Relation::kAtMost;
   double bound = 0.0;      ///< in `unit`
   double tolerance = 0.0;  ///< of kWithin
+  std::string reason;      ///< why the bound is where it is; empty: the manifest's head says it
   bool quick = true;       ///< false: a short run cannot judge it
   bool negative = false;   ///< known not to hold: stays on the page, and does not fail the run
   bool headline = false;   ///< stands in the README
 };
 
 struct Manifest {
+  std::string file;  ///< as errors name it
   std::vector<ManifestExperiment> experiments;
   std::vector<ManifestFigure> figures;
   std::vector<Claim> claims;

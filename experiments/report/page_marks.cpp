@@ -52,11 +52,14 @@ std::string with_figures(const std::string& page, const std::vector<Judged>& jud
   return out.append(from, page.end());
 }
 
-void write_pages(const fs::path& source, const std::vector<Judged>& judged) {
-  const fs::path readme = source / "README.md", results = source / "docs/results";
-  if (!fs::exists(readme) || !fs::exists(results / "claims.md"))
+void require_pages(const fs::path& source) {
+  if (!fs::exists(source / "README.md") || !fs::exists(source / "docs/results/claims.md"))
     throw input_error("--source " + source.string() +
                       ": has no README.md and docs/results/claims.md; name the top folder of the source");
+}
+
+void write_pages(const fs::path& source, const std::vector<Judged>& judged) {
+  const fs::path readme = source / "README.md", results = source / "docs/results";
   reporting::write_tables(readme, {headline_table(judged)});
   reporting::write_tables(results / "claims.md", {claims_table(judged)});
   std::vector<fs::path> pages{readme};

@@ -14,6 +14,9 @@ namespace telekerf::experiments {
 /// gives. Claims without a figure leave the page's.
 std::string with_figures(const std::string& page, const std::vector<Judged>& judged);
 
+/// Throws StartupError if `source` holds no README.md and docs/results/claims.md.
+void require_pages(const std::filesystem::path& source);
+
 /// README.md and docs/results/*.md below `source`: the tables `headline` and `claims`, and every marked
 /// figure. Throws StartupError that names the file.
 void write_pages(const std::filesystem::path& source, const std::vector<Judged>& judged);

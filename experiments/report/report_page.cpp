@@ -68,7 +68,11 @@ std::string claim_row(const Judged& row, const ReportPage& page) {
       cell("ours",
            fmt::format("{}: <b>{}{}</b>", html_text(claim.quantity), value_text(row), html_text(unit)),
            "figure"),
-      cell("may be", html_text(bound_text(claim)), "figure"),
+      cell(
+          "may be",
+          html_text(bound_text(claim)) +
+              (claim.reason.empty() ? "" : "<br><span class=\"soft\">" + html_text(claim.reason) + "</span>"),
+          "figure"),
       cell("verdict", html_text(verdict), "verdict " + class_of(row.verdict)),
       cell("command",
            fmt::format("<a href=\"#x-{}\">{}</a>, seed {}", claim.experiment, claim.experiment, page.seed)));
@@ -118,9 +122,8 @@ std::string experiment_part(const ManifestExperiment& experiment, const ReportPa
   if (one->code == 1) out += "<p>It says itself that a bar was missed (exit code 1).</p>\n";
   for (const ManifestFigure& figure : page.manifest.figures) {
     if (figure.experiment != experiment.name) continue;
+    if (page.quick && !figure.quick) continue;
     const fs::path png = one->folder / figure.file;
-    // A short run leaves fewer figures.
-    if (!fs::exists(png)) continue;
     out += fmt::format(
         "<figure><div class=\"pan\" tabindex=\"0\"><img loading=\"lazy\" alt=\"{0}\" "
         "src=\"{1}\"></div><figcaption>{0}</figcaption>\n{2}</figure>\n",
@@ -150,7 +153,7 @@ std::string report_page(const ReportPage& page) {
       quick, page.seed);
   for (const auto& [place, html] : std::initializer_list<std::pair<const char*, std::string>>{
            {"dygraph_css", dygraphs("dygraph.min.css")},
-           {"made", "<p class=\"made\">" + html_text(page.made) + "</p>"},
+           {"made", page.made.empty() ? "" : "<p class=\"made\">" + html_text(page.made) + "</p>"},
            {"summary", summary(page)},
            {"differences", difference_list(page)},
            {"contents", contents},

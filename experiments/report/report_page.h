@@ -21,7 +21,7 @@ struct ReportPage {
   std::string commit;
   std::vector<std::string> differences;  ///< from the run it is held against; empty with `against`: none
   std::string against;                   ///< name of that run; empty: none was named
-  std::string made;                      ///< the one line that depends on when and where
+  std::string made;  ///< the one line that depends on when and where; empty: there is none
 };
 
 /// The page's text. Throws StartupError if the template, Dygraphs or a figure cannot be read.

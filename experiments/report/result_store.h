@@ -16,6 +16,7 @@ namespace telekerf::experiments {
 /// The source that this program was built from; "-changed" behind it: and something on top, or "unknown".
 /// What such a program leaves is never taken for finished.
 std::string built_commit();
+bool is_a_commit(const std::string& commit);
 
 struct StorePlan {
   std::filesystem::path out;
@@ -38,7 +39,9 @@ struct Finished {
 std::filesystem::path folder_of(const StorePlan& plan, const std::string& experiment);
 
 /// In the manifest's order. Progress goes to standard error: a bar on a terminal, a line an experiment
-/// elsewhere. Throws StartupError if a folder cannot be made.
+/// elsewhere. Throws StartupError if a folder cannot be made or another run works in it. Once a stop is
+/// requested (common/runtime/loop.h) what runs is ended, nothing more begins, and what is not finished is not
+/// among them.
 std::vector<Finished> run_experiments(const Manifest& manifest, const StorePlan& plan);
 
 /// What they left.

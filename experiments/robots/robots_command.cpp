@@ -57,7 +57,8 @@ double number(const Row& row, const char* part, const char* name) {
   return value.is_number() ? value.get<double>() : std::nan("");
 }
 
-/// Least, median, 95 % and largest of what was measured, and in how many runs nothing was.
+/// Least, median and largest of what was measured, what at least 95 % of the runs do not exceed, and in how
+/// many runs nothing was.
 Json spread(const std::vector<Row>& rows, const char* part, const char* name) {
   std::vector<double> values;
   std::size_t none = 0;
@@ -66,10 +67,11 @@ Json spread(const std::vector<Row>& rows, const char* part, const char* name) {
     const double value = number(row, part, name);
     std::isfinite(value) ? values.push_back(value) : void(++none);
   }
-  if (values.empty()) return {{"none", none}};
+  if (values.empty())
+    return {{"min", nullptr}, {"p50", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"none", none}};
   std::sort(values.begin(), values.end());
   const auto at = [&](double share) {
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+    return values[static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size()))) - 1];
   };
   return {
       {"min", values.front()}, {"p50", at(0.5)}, {"p95", at(0.95)}, {"max", values.back()}, {"none", none}};

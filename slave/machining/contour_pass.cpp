@@ -92,7 +92,8 @@ std::vector<Vec2> corners_of(const Polyline& contour) {
 }
 
 ordered_json measure(std::span<const ContourPass> passes, double speed_m_per_s) {
-  ErrorStatistics to_contour, to_reference, normal, tangential, height, model, model_everywhere, ripple;
+  ErrorStatistics to_contour, to_reference, normal, tangential, height, model, model_everywhere, ripple,
+      ripple_everywhere, ripple_at_corners;
   double speed_sum = 0.0, corner_error = 0.0, gap = 0.0, slowest = speed_m_per_s;
   std::size_t corner_count = 0;
   bool any_closed = false;
@@ -120,10 +121,15 @@ ordered_json measure(std::span<const ContourPass> passes, double speed_m_per_s) 
       speed_sum += speed;
       const Vec2 at = row.reference.position_m.head<2>();
       const double off = extracted.find(at).distance_m;
+      const double too_fast = speed - row.reference.speed_m_per_s;
       model_everywhere.add(off);
-      if (near_any(corners, at, kCornerReach_m)) continue;
+      ripple_everywhere.add(too_fast);
+      if (near_any(corners, at, kCornerReach_m)) {
+        ripple_at_corners.add(too_fast);
+        continue;
+      }
       model.add(off);
-      ripple.add(speed - row.reference.speed_m_per_s);
+      ripple.add(too_fast);
     }
     const double cut_to_m = pass.rows.back().reference.arc_length_m;
     for (const Vec2& corner : corners) {
@@ -151,6 +157,10 @@ ordered_json measure(std::span<const ContourPass> passes, double speed_m_per_s) 
             {"mean_mm_s", mean * 1e3},
             {"ripple_percent", percent(ripple.rms())},
             {"ripple_peak_percent", percent(ripple.max)},
+            {"ripple_everywhere_percent", percent(ripple_everywhere.rms())},
+            {"ripple_everywhere_peak_percent", percent(ripple_everywhere.max)},
+            {"ripple_at_corners_peak_percent",
+             ripple_at_corners.count > 0 ? ordered_json(percent(ripple_at_corners.max)) : ordered_json()},
             {"slowest_planned_mm_s", slowest * 1e3}}},
           {"corners", corner_count},
           {"corner_error_um", corner_error * 1e6},

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <csignal>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
@@ -93,6 +94,95 @@ TEST(AllExperiments, SaysWhatHasChangedAgainstAnotherRun) {
   EXPECT_NE(said.find("changed: 9.2-saddle: "), said.npos) << said;
   EXPECT_EQ(said.find("changed: 7.2.1-resolution"), said.npos) << "it has no seed";
   EXPECT_NE(text_of(b / "report.html").find("<h3>Against all-seed-1</h3>"), std::string::npos);
+  // What was not run has not changed.
+  EXPECT_EQ(run_all((Program::scratch() / "all-one").string(), {"--against", a.string()}, "hall-sensor")
+                .find("changed:"),
+            std::string::npos);
+}
+
+/// Processes whose command line holds the words.
+std::vector<int> processes_with(const std::string& words) {
+  std::vector<int> found;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != name.npos) continue;
+    if (text_of(entry.path() / "cmdline").find(words) != std::string::npos) found.push_back(std::stoi(name));
+  }
+  return found;
+}
+
+TEST(AllExperiments, AnInterruptionEndsWhatRunsAndSaysWhatIsKept) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const fs::path out = Program::scratch() / ("all-interrupted-" + std::to_string(signal));
+    // The first is there at once, the second takes a minute.
+    Program all("telekerf-experiment",
+                {"all", "--only", "space-contour,closed-contour", "--jobs", "2", "--out", out.string()});
+    ASSERT_TRUE(all.says("space-contour (", seconds(60))) << all.output();
+    ASSERT_EQ(processes_with(out.string()).size(), 2u) << "itself and the experiment";
+    all.interrupt(signal);  // it alone, as kill and systemd do
+    EXPECT_EQ(all.wait(seconds(10)), 130) << all.output();
+    EXPECT_TRUE(processes_with(out.string()).empty());
+    EXPECT_NE(
+        all.output().find("interrupted: no page was written; 1 of 2 experiments are finished and kept in " +
+                          out.string()),
+        std::string::npos)
+        << all.output();
+    EXPECT_FALSE(fs::exists(out / "report.html"));
+    const auto commit = *fs::directory_iterator(out / "results");
+    EXPECT_TRUE(fs::exists(commit.path() / "space-contour/1/done.json"));
+    EXPECT_FALSE(fs::exists(commit.path() / "closed-contour/1"));
+  }
+}
+
+TEST(AllExperiments, TwoRunsDoNotWorkInOneFolder) {
+  const fs::path out = Program::scratch() / "all-shared";
+  Program first("telekerf-experiment", {"all", "--only", "closed-contour", "--out", out.string()});
+  for (int i = 0; i < 200 && processes_with(out.string()).size() < 2; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const auto refused = [&] {
+    Program second("telekerf-experiment", {"all", "--only", "space-contour", "--out", out.string()});
+    EXPECT_EQ(second.wait(seconds(30)), 2) << second.output();
+    EXPECT_NE(second.output().find("another run works there"), std::string::npos) << second.output();
+  };
+  refused();
+  // An experiment that outlives its parent still does.
+  first.kill();
+  EXPECT_NE(first.wait(seconds(10)), 0);
+  const std::vector<int> left = processes_with(out.string());
+  ASSERT_EQ(left.size(), 1u);
+  refused();
+  ::kill(left[0], SIGTERM);
+}
+
+TEST(AllExperiments, AManifestThatDoesNotFitIsRefused) {
+  std::string manifest = text_of(fs::path(TELEKERF_SOURCE_DIR) / "experiments/report/claims.toml");
+  const std::string out = (Program::scratch() / "all-misfit").string();
+  const auto said_of = [&](const std::string& from, const std::string& to) {
+    std::string changed = manifest;
+    const std::size_t at = changed.find(from);
+    EXPECT_NE(at, changed.npos) << from;
+    changed.replace(at, from.size(), to);
+    Program all("telekerf-experiment", {"all", "--quick", "--only", "space-contour", "--out", out, "--claims",
+                                        file_with("misfit.toml", changed).string()});
+    EXPECT_EQ(all.wait(seconds(60)), 2) << all.output();
+    EXPECT_FALSE(fs::exists(fs::path(out) / "report.html"));
+    return all.output();
+  };
+  std::string said = said_of("/saddle/normal_error_um/rms", "/sadle/normal_error_um/rms");
+  EXPECT_NE(said.find("pointer = \"/sadle/normal_error_um/rms\": claim 9.2-saddle: nothing stands there"),
+            said.npos)
+      << said;
+  said = said_of("space-contour.png", "space-contours.png");
+  EXPECT_NE(
+      said.find("file = \"space-contours.png\": space-contour leaves no such picture; name one of those"),
+      said.npos)
+      << said;
+  said = said_of("reference = \"9.2\"\nresult = \"result.json\"",
+                 "reference = \"9.2\"\nresult = \"results.json\"");
+  EXPECT_NE(said.find("result = \"results.json\": space-contour leaves no such JSON file; name one of those "
+                      "that it leaves: result.json"),
+            said.npos)
+      << said;
 }
 
 TEST(AllExperiments, WhatIsThereOfTheSameCommitIsNotRunAgain) {
@@ -118,9 +208,14 @@ TEST(AllExperiments, WhatCannotBeDoneIsOneSentence) {
   for (const auto& [words, named] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--only", "nothing"}, "--only nothing: must be one of"},
            {{"--against", "/nowhere"}, "holds no claims.json"},
-           {{"--against", file_with("other/claims.json", R"({"claims": [{"id": 3}]})").parent_path().string()}, "is none of this program's"},
-           {{"--claims", file_with("none.toml", "").string()}, "holds no claim"}}) {
-    std::vector<std::string> all{"all", "--out", (Program::scratch() / "never").string()};
+           {{"--against",
+             file_with("other/claims.json", R"({"claims": [{"id": 3}]})").parent_path().string()},
+            "is none of this program's"},
+           {{"--claims", file_with("none.toml", "").string()}, "holds no claim"},
+           {{"--out", file_with("taken/results", "a file").parent_path().string()},
+            "taken/results is no folder; name another"}}) {
+    std::vector<std::string> all{"all"};
+    if (words[0] != "--out") all.insert(all.end(), {"--out", (Program::scratch() / "never").string()});
     all.insert(all.end(), words.begin(), words.end());
     Program program("telekerf-experiment", all);
     EXPECT_EQ(program.wait(seconds(30)), 2) << program.output();

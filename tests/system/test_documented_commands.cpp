@@ -63,21 +63,24 @@ std::set<std::string> documented() {
 }
 
 /// What makes an experiment short.
-const std::map<std::string, Words> kShort{{"all", {"--only", "hall-sensor"}},
-                                          {"autofocus", {"--starts", "1"}},
-                                          {"chaos", {"--runs", "2"}},
-                                          {"closed-contour", {"--image", "circle", "--speed-mm-s", "50"}},
-                                          {"codec", {"--seconds", "5"}},
-                                          {"constraint", {"--duration-s", "5"}},
-                                          {"contours", {}},
-                                          {"delay", {"--rtt-ms", "100", "--duration-s", "3"}},
-                                          {"hall-sensor", {}},
-                                          {"haptics", {"--hands", "1", "--runs", "20"}},
-                                          {"lap", {"--duration-s", "5"}},
-                                          {"open-contour", {"--image", "line", "--speed-mm-s", "50"}},
-                                          {"remote-machining", {"--netem", "ideal", "--duration-s", "5"}},
-                                          {"robots", {"--runs", "2"}},
-                                          {"space-contour", {}}};
+const std::map<std::string, Words> kShort{
+    {"all", {"--only", "hall-sensor"}},
+    {"autofocus", {"--starts", "1"}},
+    {"chaos", {"--runs", "2"}},
+    {"closed-contour", {"--image", "circle", "--speed-mm-s", "50"}},
+    {"codec", {"--seconds", "5"}},
+    {"constraint", {"--duration-s", "5"}},
+    {"contours", {}},
+    {"delay", {"--rtt-ms", "100", "--duration-s", "3"}},
+    {"hall-sensor", {}},
+    {"haptics", {"--hands", "1", "--runs", "20"}},
+    {"lap", {"--duration-s", "5"}},
+    {"machine", {"--image", "line"}},
+    {"open-contour", {"--image", "line", "--speed-mm-s", "50"}},
+    {"pictures", {"--netem", "lan", "--seeds", "1", "--duration-s", "2"}},
+    {"remote-machining", {"--netem", "ideal", "--duration-s", "5"}},
+    {"robots", {"--runs", "2"}},
+    {"space-contour", {}}};
 
 /// Pages stay as they are, and files go where the test's are.
 Words shortened(Words words, const std::string& experiment, const std::string& out) {

@@ -38,5 +38,21 @@ TEST(MachiningPage, AnOctagonComesToWhatItSays) {
     expect_cell(terms[r].at(static_cast<std::size_t>(column)), fresh[r][1], terms[r][0]);
 }
 
+TEST(MachiningPage, TheWholeWorkOfAnOctagonComesToWhatItSays) {
+  const fs::path out = Program::scratch() / "machine-page";
+  Program run("telekerf-experiment", {"machine", "--image", "octagon", "--out", out.string()});
+  ASSERT_EQ(run.wait(std::chrono::seconds(150)), 0) << run.output();
+  std::ifstream in(out / "result.json");
+  const auto now = reporting::read_rows(
+      experiments::machine_table(nlohmann::ordered_json::parse(in)["pictures"]).markdown);
+  const auto page =
+      reporting::read_table(fs::path(TELEKERF_SOURCE_DIR) / "docs/results/machining.md", "machine");
+  ASSERT_EQ(page.size(), 14u) << "every shipped picture";
+  const auto row =
+      std::find_if(page.begin(), page.end(), [](const auto& cells) { return cells[0] == "octagon"; });
+  ASSERT_NE(row, page.end());
+  for (std::size_t c = 0; c < row->size(); ++c) expect_cell((*row)[c], now[1][c], page[0][c]);
+}
+
 }  // namespace
 }  // namespace telekerf::integration

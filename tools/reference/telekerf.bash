@@ -7,7 +7,7 @@ _telekerf_commands() {
   case $1 in
     telekerf-ctl) echo 'stop clear-stop look engage disengage beta take-contour zoom refocus choose ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
-    telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor haptics kinematics lap open-contour replay remote-machining robots space-contour ' ;;
+    telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor haptics kinematics lap machine open-contour pictures replay remote-machining robots space-contour ' ;;
     telekerf-inspect) echo 'codec contour drive efd export inputs label recover robot run runs ' ;;
   esac
 }
@@ -50,7 +50,9 @@ _telekerf_flags() {
     'telekerf-experiment haptics') echo '--image --netem --depth-mm --own-depth-mm --laser-w --hand-speed-mm-s --hands --runs --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment kinematics') echo '--robot --step-m --out --config --print-config --help --version' ;;
     'telekerf-experiment lap') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --felt-depth-mm --felt-depth-speed-mm2-per-s --felt-max-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --record --out --config --print-config --help --version' ;;
+    'telekerf-experiment machine') echo '--image --speed-mm-s --seed --page --out --config --print-config --help --version' ;;
     'telekerf-experiment open-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --out --config --print-config --help --version' ;;
+    'telekerf-experiment pictures') echo '--netem --seeds --duration-s --seed --jobs --page --out --config --print-config --help --version' ;;
     'telekerf-experiment replay') echo '--image --width-mm --master-robot --slave-robot --netem --seed --beta --mismatch --control-hz --stream-hz --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --felt-depth-mm --felt-depth-speed-mm2-per-s --felt-max-n --slave-codec --slave-block --slave-keep --slave-max-rms --slave-force-keep --slave-force-max-rms --slave-redundancy --slave-bandwidth-rad-s --slave-observer-rad-s --slave-stale-s --slave-beam-age-s --slave-touched --slave-look-age-s --slave-bare-accelerations --slave-laser-w --slave-laser-speed-mm-s --slave-dose-max-j --slave-dose-max-j-per-mm2 --duration-s --out --config --print-config --help --version' ;;
     'telekerf-experiment remote-machining') echo '--netem --all-profiles --duration-s --laser-w --seed --out --config --print-config --help --version' ;;
     'telekerf-experiment robots') echo '--runs --seed --duration-s --jobs --out --config --print-config --help --version' ;;
@@ -541,6 +543,11 @@ _telekerf_values() {
     'telekerf-experiment lap --slave-dose-max-j-per-mm2') echo "" ;;
     'telekerf-experiment lap --duration-s') echo "" ;;
     'telekerf-experiment lap --out') echo "-d" ;;
+    'telekerf-experiment machine --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;
+    'telekerf-experiment machine --speed-mm-s') echo "" ;;
+    'telekerf-experiment machine --seed') echo "" ;;
+    'telekerf-experiment machine --page') echo "-f" ;;
+    'telekerf-experiment machine --out') echo "-d" ;;
     'telekerf-experiment open-contour --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;
     'telekerf-experiment open-contour --robot') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-experiment open-contour --width-mm') echo "" ;;
@@ -556,6 +563,13 @@ _telekerf_values() {
     'telekerf-experiment open-contour --across-rad-s') echo "" ;;
     'telekerf-experiment open-contour --seed') echo "" ;;
     'telekerf-experiment open-contour --out') echo "-d" ;;
+    'telekerf-experiment pictures --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
+    'telekerf-experiment pictures --seeds') echo "" ;;
+    'telekerf-experiment pictures --duration-s') echo "" ;;
+    'telekerf-experiment pictures --seed') echo "" ;;
+    'telekerf-experiment pictures --jobs') echo "" ;;
+    'telekerf-experiment pictures --page') echo "-f" ;;
+    'telekerf-experiment pictures --out') echo "-d" ;;
     'telekerf-experiment replay ') echo "-d" ;;
     'telekerf-experiment replay ') echo "-d" ;;
     'telekerf-experiment replay --image') echo "-f -W 'blob cam circle figure-8 flange gear heart letter-e letter-s line octagon script-e spiral'" ;;

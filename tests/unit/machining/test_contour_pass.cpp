@@ -127,6 +127,7 @@ TEST(MeasuredPass, ErrorsAreThoseOfTheMovingFrameAndOfTheLines) {
   EXPECT_NEAR(m["tangential_speed"]["mean_mm_s"].get<double>(), 9.9, 1e-3);
   EXPECT_NEAR(m["tangential_speed"]["ripple_percent"].get<double>(), 100 * 0.1 / 9.9, 1e-3);
   EXPECT_NEAR(m["tangential_speed"]["ripple_peak_percent"].get<double>(), 100 * 0.1 / 9.9, 1e-3);
+  EXPECT_TRUE(m["tangential_speed"]["ripple_at_corners_peak_percent"].is_null()) << "there is none";
   EXPECT_NEAR(m["tangential_speed"]["slowest_planned_mm_s"].get<double>(),
               1e3 * straight.plan.slowest_m_per_s, 1e-9);
   EXPECT_EQ(m["corners"], 0);
@@ -141,6 +142,13 @@ TEST(MeasuredPass, SpeedAndModelNearACornerAreTheCornersOwn) {
               [&](double arc_m) { return std::abs(std::abs(arc_m - 5e-3) - away_m) < 50e-6 ? 2e-3 : 0.0; });
     const auto m = elbow.measured();
     EXPECT_NEAR(m["tangential_speed"]["ripple_peak_percent"].get<double>(), away_m > 0.4e-3 ? 20.0 : 0.0, 0.3)
+        << away_m;
+    EXPECT_NEAR(m["tangential_speed"]["ripple_at_corners_peak_percent"].get<double>(),
+                away_m > 0.4e-3 ? 0.0 : 20.0, 0.3)
+        << away_m;
+    EXPECT_NEAR(m["tangential_speed"]["ripple_everywhere_peak_percent"].get<double>(), 20.0, 0.3) << away_m;
+    // Two stretches of 0.1 mm in 10 mm.
+    EXPECT_NEAR(m["tangential_speed"]["ripple_everywhere_percent"].get<double>(), 20.0 * std::sqrt(0.02), 0.1)
         << away_m;
     EXPECT_EQ(m["corners"], 1);
     const double rounding_um = m["model_error_um"]["max_at_corners"];

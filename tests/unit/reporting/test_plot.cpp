@@ -201,21 +201,67 @@ TEST(Plot, TheDataStandInTheCsv) {
             "\"speed, \"\"true\"\"\",\"time [s]\",\"[mm/s]\",\"line 2\",0,3\n");
 }
 
-TEST(Plot, WhatCannotBeDrawnIsSaid) {
-  EXPECT_THROW(draw_figure({.panels = std::vector<Panel>(1)}, "/nowhere/at/all.png"), StartupError);
+/// What is said where the folder is where programs are looked for first.
+std::string complaint_with(const fs::path& folder, const Figure& figure, const fs::path& png) {
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", (folder.string() + ":/usr/bin:/bin").c_str(), 1);
+  std::string said;
+  try {
+    draw_figure(figure, png);
+  } catch (const StartupError& error) {
+    said = error.what();
+  }
+  setenv("PATH", path.c_str(), 1);
+  return said;
+}
+
+/// A program that stands in for gnuplot.
+fs::path folder_with_gnuplot(const std::string& lines) {
+  const fs::path folder = file_named("programs");
+  fs::create_directories(folder);
+  std::ofstream(folder / "gnuplot") << "#!/bin/sh\n" << lines << "\n";
+  fs::permissions(folder / "gnuplot", fs::perms::owner_all);
+  return folder;
+}
+
+TEST(Plot, WhatGnuplotSaysIsInTheError) {
+  const std::string said =
+      complaint_with("/nowhere", {.panels = std::vector<Panel>(1)}, "/nowhere/at/all.png");
+  EXPECT_TRUE(said.starts_with("/nowhere/at/all.png: gnuplot ended with code 1, and said: line ")) << said;
+  EXPECT_NE(said.find(": cannot open file; output not changed; system error: No such file or directory;"),
+            said.npos)
+      << said;
+}
+
+TEST(Plot, WhereThereIsNoGnuplotItIsSaid) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", "/nowhere", 1);
+  EXPECT_THROW(draw_figure({.panels = std::vector<Panel>(1)}, file_named("never.png")), StartupError);
   std::string said;
-  // So much that it is never all written before it is noticed that nobody reads it.
-  Figure large{.panels = std::vector<Panel>(1)};
-  large.title = std::string(1'000'000, 'x');
   try {
-    draw_figure(large, file_named("never.png"));
+    draw_figure({.panels = std::vector<Panel>(1)}, file_named("never.png"));
   } catch (const StartupError& error) {
     said = error.what();
   }
   setenv("PATH", path.c_str(), 1);
   EXPECT_NE(said.find("install gnuplot-nox"), said.npos) << said;
+}
+
+TEST(Plot, AFigureThatIsNotDrawnToItsEndIsNoFigure) {
+  const Figure figure{.panels = {{.title = "a", .lines = {{.x = {0, 1}, .y = {0, 1}}}}}};
+  const fs::path png = file_named("half.png");
+  draw_figure(figure, png);
+  const std::string whole = text_of(png);
+  // It ends well and has drawn nothing, nothing at all, or half of it; what was there before does not count.
+  const std::string file = "'" + png.string() + "'";
+  for (const std::string& lines : {std::string("exit 0"), ": > " + file, "echo some of it > " + file}) {
+    std::ofstream(png, std::ios::binary) << whole;
+    const std::string said = complaint_with(folder_with_gnuplot("cat > /dev/null; " + lines), figure, png);
+    EXPECT_NE(said.find("half.png: gnuplot has not drawn it to its end, and said nothing"), said.npos)
+        << lines << ": " << said;
+  }
+  const std::string said = complaint_with(folder_with_gnuplot("echo no room >&2; kill -9 $$"), figure, png);
+  EXPECT_NE(said.find("gnuplot was ended by signal 9, and said: no room"), said.npos) << said;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "common/runtime/startup_error.h"
+#include "experiments/report/fit.h"
 #include "experiments/report/judgement.h"
 #include "experiments/report/page_figures.h"
 #include "experiments/report/page_marks.h"
@@ -91,6 +92,7 @@ TEST(Judge, SaysWhatChangedAndByHowMuch) {
             std::vector<std::string>{"a: 0.8 -> 1.2 um (+50 %), held -> not held"});
   EXPECT_EQ(differences(row(nullptr), before), std::vector<std::string>{"a: 0.8 -> -, held -> not assessed"});
   EXPECT_EQ(differences(row(0.8), ordered_json::array()), std::vector<std::string>{"a: new"});
+  EXPECT_EQ(differences({}, before), std::vector<std::string>{"a: gone"});
 }
 
 TEST(Manifest, WhatIsWrongIsNamed) {
@@ -107,6 +109,94 @@ TEST(Manifest, WhatIsWrongIsNamed) {
   EXPECT_NE(complaint(claim("a", "bound = 1\n")).find("claim.0.experiment"), std::string::npos);
   EXPECT_NE(complaint(kExperiment + claim("a", "")).find("bound"), std::string::npos);
   EXPECT_NE(complaint(kExperiment + claim("a", "bound = 1\nbond = 2\n")).find("bond"), std::string::npos);
+}
+
+TEST(Manifest, WhatMakesAFigureMeaninglessIsRefused) {
+  const auto complaint = [](const std::string& more) -> std::string {
+    try {
+      load_manifest(file_with(kExperiment + claim("a", "bound = 1\n") + claim("b", more)));
+    } catch (const StartupError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(complaint("bound = 1\nfactor = 0.5\n"), "");
+  EXPECT_NE(complaint("bound = 1\nfactor = 0\n").find("claim.1.factor = 0: must not be 0"),
+            std::string::npos);
+  EXPECT_NE(complaint("bound = 1\ntolerance = 0.1\n").find("claim.1.tolerance = 0.1: is of relation"),
+            std::string::npos);
+}
+
+/// A folder as the experiment "lap" leaves it, and what is said of a manifest held against it.
+class Fit : public testing::Test {
+ protected:
+  Fit() : folder_(fs::path(testing::TempDir()) / ("fit-" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "r.json") << R"({"a": 1, "b": {"c": null, "d": "word"}})";
+    std::ofstream(folder_ / "f.png") << "drawn";
+  }
+  ~Fit() override { fs::remove_all(folder_); }
+
+  std::string complaint(const std::string& text, bool quick = false, int code = 0) const {
+    const Manifest manifest = load_manifest(file_with(text));
+    const std::vector<Finished> finished{{.name = "lap", .folder = folder_, .code = code, .complaint = {}}};
+    try {
+      require_fit(manifest, finished, read_results(manifest, finished), quick);
+    } catch (const StartupError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+std::string claim_at(const std::string& pointer, const std::string& more = "") {
+  return "[[claim]]\nid = \"x\"\nexperiment = \"lap\"\nstatement = \"s\"\nquantity = \"q\"\nbound = "
+         "1\npointer = \"" +
+         pointer + "\"\n" + more;
+}
+
+TEST_F(Fit, PlacesInTheResult) {
+  EXPECT_EQ(complaint(kExperiment + claim_at("/a")), "");
+  EXPECT_EQ(complaint(kExperiment + claim_at("/b/c")), "") << "nothing was measured there";
+  EXPECT_EQ(complaint(kExperiment + claim_at("/b/c/further")), "");
+  const std::string nowhere = complaint(kExperiment + claim_at("/b/e"));
+  EXPECT_NE(nowhere.find(".toml: claim.0.pointer = \"/b/e\": claim x: nothing stands there in lap's r.json"),
+            nowhere.npos)
+      << nowhere;
+  const std::string word = complaint(kExperiment + claim_at("/b/d"));
+  EXPECT_NE(word.find("claim.0.pointer = \"/b/d\": claim x: what stands there in lap's r.json is no number"),
+            word.npos)
+      << word;
+  // What a short run does not have is asked of a full one alone.
+  EXPECT_EQ(complaint(kExperiment + claim_at("/b/e", "quick = false\n"), true), "");
+  EXPECT_NE(complaint(kExperiment + claim_at("/b/e"), true).find("say quick = false"), std::string::npos);
+  EXPECT_NE(complaint(kExperiment + claim_at("/b/e", "quick = false\n"), false), "");
+  EXPECT_EQ(complaint(kExperiment + claim_at("/b/e"), false, 2), "")
+      << "it could not be run: that is said elsewhere";
+}
+
+TEST_F(Fit, ResultsAndFigures) {
+  const std::string said =
+      complaint("[[experiment]]\nname = \"lap\"\ntitle = \"t\"\nreference = \"8\"\nresult = \"s.json\"\n");
+  EXPECT_NE(said.find("experiment.0.result = \"s.json\": lap leaves no such JSON file; name one of those "
+                      "that it leaves: r.json"),
+            said.npos)
+      << said;
+  const auto figure = [](const std::string& file, const std::string& more = "") {
+    return kExperiment + "[[figure]]\nexperiment = \"lap\"\ncaption = \"c\"\nfile = \"" + file + "\"\n" +
+           more;
+  };
+  EXPECT_EQ(complaint(figure("f.png")), "");
+  const std::string missing = complaint(figure("g.png"));
+  EXPECT_NE(
+      missing.find(
+          "figure.0.file = \"g.png\": lap leaves no such picture; name one of those that it leaves: f.png"),
+      missing.npos)
+      << missing;
+  EXPECT_EQ(complaint(figure("g.png", "quick = false\n"), true), "");
+  EXPECT_NE(complaint(figure("g.png", "quick = false\n"), false), "");
 }
 
 TEST(Manifest, EveryFigureOfChapterEightHasItsPanels) {

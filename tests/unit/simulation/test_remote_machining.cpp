@@ -59,6 +59,14 @@ TEST(RemoteMachining, SpeedsAreAlongTheContourAndThoseOfTheTickThatWasApplied) {
   EXPECT_NEAR(speeds["slave_mm_s"]["max"].get<double>(), 1e3 * fast, 0.1);
 }
 
+TEST(RemoteMachining, TheScaleIsThatOfTheMotionsNotTheOneThatWasAsked) {
+  RunRecord record = circle();
+  EXPECT_NEAR(measured_beta(remote_motion(record)).get<double>(), kBeta, 1e-9);
+  for (SlaveRow& row : record.slave) row.tool_m = 1.1 * row.tool_m + Vec3(1e-3, 0.0, 0.0);
+  EXPECT_NEAR(measured_beta(remote_motion(record)).get<double>(), 1.1 * kBeta, 1e-9);
+  EXPECT_TRUE(measured_beta({}).is_null());
+}
+
 TEST(RemoteMachining, ASlaveThatIsNotWhereTheMasterWasShowsInTheSpeeds) {
   RunRecord record = circle();
   for (std::size_t i = 1000; i < 2000; ++i)
