@@ -58,6 +58,20 @@ TEST_F(Field, TheSamePictureAgainChangesNothingAndAnotherOneWaitsForTheOperator)
       << "not engaged by itself";
 }
 
+TEST_F(Field, AFirstContourThatDoesNotFitEndsNobodyAndTheNextOneIsCut) {
+  // Sized for a robot that reaches farther than the slave.
+  auto vision = start("telekerf-vision", {"--image", "circle", "--robot", "master-horizontal", "--width-mm", "60"});
+  const auto slave = start("telekerf-slave");
+  const auto master = start("telekerf-master", {"--engage"});
+  ASSERT_TRUE(slave->says("refused: the contour reaches 30.0 mm", seconds(30))) << slave->output();
+  ASSERT_TRUE(master->says("refused: ", seconds(30))) << master->output();
+  std::this_thread::sleep_for(seconds(1));
+  ASSERT_TRUE(slave->running() && master->running()) << slave->output() << master->output();
+  vision->kill();
+  vision = start("telekerf-vision", {"--image", "circle"});
+  EXPECT_TRUE(slave->says("beam on", seconds(30))) << slave->output() << master->output();
+}
+
 TEST_F(Field, OfTwoMastersThatCouldNotSeeEachOtherOneGivesWay) {
   const auto vision = start("telekerf-vision", {"--image", "circle"});
   const auto slave = start("telekerf-slave");
