@@ -121,6 +121,7 @@ int run(Flags& flags) {
     const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events, emergency.order());
     recording.step(now_ns, arrived_states, arrived_events, out);
     emergency.obeyed(out.stop);
+    if (out.say_stop) emergency.say();
     if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
     // Who is stopped does not wait for anybody.
