@@ -121,6 +121,7 @@ int run(Flags& flags) {
     const StationOutputs out = station.step(now_ns, task, arrived_states, arrived_events, emergency.order());
     recording.step(now_ns, arrived_states, arrived_events, out);
     emergency.obeyed(out.stop);
+    if (out.say_stop) emergency.say();
     if (out.prepare_anew) contour.request_rebuild();
     if (out.command) commands.write(*out.command);
     // Who is stopped does not wait for anybody.
@@ -133,7 +134,8 @@ int run(Flags& flags) {
     if (out.let_go != nullptr) verdicts.push({0, out.let_go});  // nobody has asked
     for (std::size_t n = 0; n < out.verdict_count; ++n) verdicts.push(EventVerdict(out.verdicts[n]));
     netem_switch.beam(slave != nullptr && slave->laser_on);
-    process.lookout().missing(missing_of(task != nullptr, slave != nullptr, out.mode));
+    // What was refused with a sentence has come.
+    process.lookout().missing(missing_of(task != nullptr || contour.refused(), slave != nullptr, out.mode));
     if (flags.duration_s > 0.0) status.progress(engaged_s / flags.duration_s, flags.duration_s);
     const MasterNode& node = station.node();
     if (node.tick() % kTelemetryTicks == 0)
@@ -142,8 +144,7 @@ int run(Flags& flags) {
     link.step(slave);
     const bool goes_on = rivals.goes_on(obeyed_by(slave, settings.epoch));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
-    return goes_on && !done && !contour.refused() && !station.machine().failed() &&
-           station.obstacle() == nullptr;
+    return goes_on && !done && !station.machine().failed() && station.obstacle() == nullptr;
   });
   station.release();
 
@@ -162,9 +163,9 @@ int run(Flags& flags) {
     write_master(flags.record.record, record);
   }
   if (const std::string why = rivals.sentence(); !why.empty()) throw environment_error(why);
-  if (contour.refused()) throw input_error(contour.refusal());
   process.refuse_ended();
   if (flags.duration_s > 0.0 && engaged_s < flags.duration_s && !stop_requested() && !failed) {
+    if (contour.refused()) throw input_error(contour.refusal());
     throw environment_error(fmt::format(
         "nobody to work with for {:.0f} s in {}: are telekerf-vision and telekerf-slave running there?",
         flags.wait_s, process.place()));

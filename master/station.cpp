@@ -93,6 +93,7 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   MasterInputs inputs;
   inputs.joints = machine_.read();
   const OperatorSample told = operator_ ? operator_->sample(now_ns) : OperatorSample{};
+  out.say_stop = told.stop;
   if (!machine_.started()) {  // nobody knows where the tool is: nothing to decide, nothing to tell the slave
     out.stop = stop.number;
     if (stop.number != 0) requests_.spend_engage();

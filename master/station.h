@@ -42,6 +42,7 @@ struct StationOutputs : MasterOutputs {
   static constexpr std::size_t kMostVerdicts = 16;
   std::array<EventVerdict, kMostVerdicts> verdicts;
   std::size_t verdict_count = 0;
+  bool say_stop = false;      ///< the operator's device wants an emergency stop
   bool prepare_anew = false;  ///< another scale is asked for: prepare() the contour once more
 };
 

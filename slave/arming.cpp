@@ -14,13 +14,15 @@ void Arming::step(const streaming::Played& played, const Circumstances& now) noe
   if (now.heard && (!known_ || now.master_epoch != master_epoch_)) {
     known_ = true;
     master_epoch_ = now.master_epoch;
-    spent_ = leading_ = now.newest_engage;
+    spent_ = leading_ = newest_led_ = now.newest_engage;
     spend(now.newest_engage);
   }
-  if (now.stopped && now.heard) spend(now.newest_engage);
+  // Also while nobody is heard: another sender may just have been tried in vain.
+  const std::uint32_t newest = now.heard ? now.newest_engage : spent_;
+  if (now.stopped) spend(newest);
   if (now.contour_id != contour_id_) {
     contour_id_ = now.contour_id;
-    if (now.heard) spend(now.newest_engage);
+    spend(newest);
   }
   const streaming::StreamSample* sample = played.sample;
   const bool good = sample != nullptr && played.age_s && *played.age_s <= settings_.follow_age_s;
@@ -39,13 +41,14 @@ bool Arming::may_lead(std::uint32_t engage) noexcept {
   if (after(engage, spent_) <= 0) return false;
   if (!armed_ || engage != leading_) button_armed_ = false;
   leading_ = engage;
+  if (after(engage, newest_led_) > 0) newest_led_ = engage;
   armed_ = true;
   return true;
 }
 
 void Arming::spend(std::uint32_t engage) noexcept {
   if (after(engage, spent_) > 0) spent_ = engage;
-  if (after(leading_, spent_) > 0) spent_ = leading_;
+  if (after(newest_led_, spent_) > 0) spent_ = newest_led_;
   armed_ = button_armed_ = false;
   outage_s_ = 0.0;
 }

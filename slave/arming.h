@@ -13,6 +13,7 @@ struct FreshnessSettings {
   double beam_age_s = 0.35;   ///< commands older than this give no light; an outage longer than this ends an
                               ///< engagement
   double follow_age_s = 2.5;  ///< commands older than this are not followed
+  bool operator==(const FreshnessSettings&) const = default;
 };
 
 /// Of one control step, beside what the stream has.
@@ -42,6 +43,8 @@ class Arming {
   /// Engagements up to this one are not followed any more.
   std::uint32_t spent() const noexcept { return spent_; }
 
+  bool operator==(const Arming&) const = default;
+
  private:
   void spend(std::uint32_t engage) noexcept;
 
@@ -51,7 +54,8 @@ class Arming {
   std::uint32_t master_epoch_ = 0;
   std::uint32_t contour_id_ = 0;
   std::uint32_t spent_ = 0;
-  std::uint32_t leading_ = 0;  ///< the newest that has led
+  std::uint32_t leading_ = 0;     ///< at present, or last
+  std::uint32_t newest_led_ = 0;  ///< of all that have led
   bool armed_ = false;
   bool button_armed_ = false;
   double outage_s_ = 0.0;  ///< since there was anything to follow, while armed

@@ -119,8 +119,9 @@ int run(Flags& flags) {
     process.status().state(text_of(out.mode, out.reason));
     explainer->step(out);
     netem_switch.beam(out.laser_w > 0.0);
-    process.lookout().missing(missing_of(corridor != nullptr, out.reason));
-    return !contour.refused() && !station.machine().failed() && !station.beam().failed();
+    // What was refused with a sentence has come.
+    process.lookout().missing(missing_of(corridor != nullptr || contour.refused(), out.reason));
+    return !station.machine().failed() && !station.beam().failed();
   });
   explainer.reset();  // what follows is no reason to wait for
   station.release();
@@ -133,7 +134,6 @@ int run(Flags& flags) {
   add_figures(process.bus().counters(), commands.counters(), record.slave_figures);
   netem::add_figures(emulator.get(), record.slave_figures);
   if (recording.close(record)) write_slave(flags.record.record, record);
-  if (contour.refused()) throw input_error(contour.refusal());
   if (station.machine().failed()) throw hardware_error(station.machine().failure());
   if (station.beam().failed()) throw hardware_error(station.beam().failure());
   process.refuse_ended();

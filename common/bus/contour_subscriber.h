@@ -27,11 +27,11 @@ namespace telekerf {
 /// As people tell it from another one: number, source, length and size.
 std::string title_of(const ContourMessage& message);
 
-/// `Prepared` is what a node needs of a contour (a guide, a corridor). A first contour that does not fit ends
-/// the subscription with the StartupError's sentence. Another one than that in force waits until an operator
-/// takes it (EventMessage::Kind::kTakeContour); of several the last one waits. If it does not fit then it is
-/// refused with its sentence, and what is in force stays. So is one whose id is not its digest. The contour
-/// in force, published again, changes nothing.
+/// `Prepared` is what a node needs of a contour (a guide, a corridor). The first contour that fits is in force
+/// at once. Another one than that waits until an operator takes it (EventMessage::Kind::kTakeContour); of
+/// several the last one waits. One that does not fit (prepare() throws a StartupError) is refused with its
+/// sentence and counted, and what is in force stays; so is one whose id is not its digest. The contour in
+/// force, published again, changes nothing.
 template <class Prepared>
 class ContourSubscriber {
  public:
@@ -48,16 +48,16 @@ class ContourSubscriber {
   /// The contour in force as prepared last, null before the first. For one thread, the control loop's, once a
   /// step: wait-free. What an earlier step got may be freed after the step that got another one (Handover).
   Prepared* current() noexcept { return prepared_.current(); }
-  /// True once a contour was refused; `refusal()` says why.
+  /// True as long as none is in force and the newest that came does not fit; `refusal()` says why.
   bool refused() const noexcept { return refused_.load(std::memory_order_acquire); }
   std::string refusal() const {
     const std::lock_guard lock(mutex_);
     return refusal_;
   }
-  /// Contours that were refused while the run went on.
+  /// Contours that were refused.
   std::uint64_t unfit() const noexcept { return unfit_.load(std::memory_order_relaxed); }
-  /// Prepares the newest contour once more, for what has changed in its preparation. Wait-free. If it is
-  /// refused now, what was in force stays, and the refusal's sentence goes to stderr.
+  /// Prepares the newest contour once more, for what has changed in its preparation, be it in force or refused.
+  /// Wait-free. If it is refused now, what was in force stays, and the refusal's sentence goes to stderr.
   void request_rebuild() noexcept { rebuild_.store(true, std::memory_order_release); }
   /// The message that was prepared last: the one behind current(), or behind what current() will give next.
   ContourMessage message() const {
@@ -87,28 +87,31 @@ class ContourSubscriber {
           answers_.give(event->value.epoch, take(event->value.value));
       }
       answers_.again();
-      if (rebuild_.exchange(false, std::memory_order_acq_rel) && any_) rebuild();
+      if (rebuild_.exchange(false, std::memory_order_acq_rel)) rebuild();
       prepared_.collect();
     }
   }
   void consider(ContourMessage message) {
     if (message.id != digest_of(message)) return refuse(message, "its id is not the digest of its points");
-    if (!any_) {
-      try {
-        adopt(message);
-      } catch (const StartupError& refusal) {
-        const std::lock_guard lock(mutex_);
-        refusal_ = refusal.what();
-        refused_.store(true, std::memory_order_release);
-      }
-      return;
-    }
-    if (message.id == message_.id || (waiting_ && message.id == waiting_->id)) return;
+    if ((any_ && message.id == message_.id) || (waiting_ && message.id == waiting_->id)) return;
+    if (!any_) return begin(std::move(message));
     write_line(stdout,
                fmt::format("{}: {} has come and waits; {} stays in force unless it is told: telekerf-ctl "
                            "take-contour {}",
                            role_, title_of(message), title_of(message_), message.id));
     waiting_ = std::move(message);
+  }
+  /// None is in force yet. One that does not fit waits for another preparation.
+  void begin(ContourMessage message) {
+    try {
+      adopt(message);
+    } catch (const StartupError& refusal) {
+      refuse(message, refusal.what());
+      waiting_ = std::move(message);
+      const std::lock_guard lock(mutex_);
+      refusal_ = refusal.what();
+      refused_.store(true, std::memory_order_release);
+    }
   }
   /// Why nothing comes of it; empty: it is done.
   std::string take(double id) {
@@ -138,13 +141,19 @@ class ContourSubscriber {
       adopted_.push_back(message);
     }
     prepared_.offer(std::move(prepared));
+    if (!any_) waiting_.reset();
     any_ = true;
+    refused_.store(false, std::memory_order_release);
   }
   void refuse(const ContourMessage& message, const char* why) {
     unfit_.fetch_add(1, std::memory_order_relaxed);
     write_line(stderr, fmt::format("{}: contour {} refused: {}", role_, message.source, why));
   }
   void rebuild() {
+    if (!any_) {
+      if (auto refused = std::exchange(waiting_, std::nullopt)) begin(std::move(*refused));
+      return;
+    }
     try {
       prepared_.offer(prepare_(message_));  // only this thread writes it
     } catch (const StartupError& refusal) {
@@ -162,7 +171,7 @@ class ContourSubscriber {
   EventAnswers answers_;
   Prepare prepare_;
   bool any_ = false;                       ///< the thread's: a contour is in force
-  std::optional<ContourMessage> waiting_;  ///< the thread's
+  std::optional<ContourMessage> waiting_;  ///< the thread's: for an operator, or refused while none is in force
   Handover<Prepared> prepared_;
   mutable std::mutex mutex_;
   ContourMessage message_;

@@ -44,7 +44,7 @@ std::string Process::place() const {
 void Process::ready() { status_.say(fmt::format("ready in {}", bus_.settings().cell)); }
 
 LoopStatistics Process::run(double rate_hz, const std::function<bool(std::int64_t)>& step) {
-  if (const std::string refusal = real_time_refusal(); !refusal.empty()) status_.say(refusal);
+  for (const std::string& remark : real_time_remarks()) status_.say(remark);
   const LoopStatistics loop = run_loop(rate_hz, [&](std::int64_t now_ns) {
     supervision_.step();
     return step(now_ns) && !stop_requested() && !ended();

@@ -6,7 +6,6 @@
 
 #include <chrono>
 #include <mutex>
-#include <random>
 #include <thread>
 
 #include "common/bus/endpoints.h"
@@ -99,12 +98,9 @@ std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMess
 
 std::vector<std::string> send_stop(Bus& bus, const std::string& source, const std::string& reason) {
   const Answers answers(bus);
-  std::random_device random;
-  std::uint32_t number = 0;
-  while (number == 0) number = random();
   return insist(bus, answers,
                 {.epoch = bus.settings().epoch,
-                 .number = number,
+                 .number = any_stop_number(),
                  .source = source,
                  .set = true,
                  .obeyed = false,

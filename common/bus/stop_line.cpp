@@ -62,7 +62,8 @@ std::string StopFlags::path(const BusSettings& bus) const {
 StopLine::StopLine(Bus& bus, std::string path)
     : path_(std::move(path)),
       latch_(path_.empty() ? StopLatch() : StopLatch::from_text(read(path_))),
-      answers_(bus.settings().epoch),
+      epoch_(bus.settings().epoch),
+      answers_(epoch_),
       kept_(latch_.text()),
       writer_(bus),
       reader_(bus, [this](const StopMessage& message) { hear(message); }) {
@@ -105,11 +106,26 @@ void StopLine::hear(const StopMessage& message) {
 
 void StopLine::publish() {
   const std::uint32_t obeyed = obeyed_.load(std::memory_order_acquire);
+  const bool said = said_.exchange(false, std::memory_order_acq_rel);
   const std::lock_guard lock(mutex_);
+  if (said) stop_here();
   if (obeyed != 0) (void)latch_.quoted(obeyed);  // known already, unless only the stream has brought it
   order_from_latch();
   if (latch_.text() != kept_) keep();
   for (const StopMessage& answer : answers_.take(latch_, obeyed)) (void)writer_.write(answer);
+}
+
+void StopLine::stop_here() {
+  const auto& stops = latch_.in_force();
+  if (std::any_of(stops.begin(), stops.end(), [](const auto& stop) { return stop.source == kDevice; }))
+    return;
+  // The answer that the loop obeys it, and the number in the stream, tell it to everyone else.
+  (void)latch_.hear({.epoch = epoch_,
+                     .number = any_stop_number(),
+                     .source = kDevice,
+                     .set = true,
+                     .obeyed = false,
+                     .reason = "squeezed"});
 }
 
 void StopLine::keep() {

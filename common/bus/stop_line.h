@@ -34,6 +34,10 @@ class StopLine {
   StopOrder order() const noexcept;
   /// What the loop obeys at this step (0: none), which may have come by the other side's stream. Wait-free.
   void obeyed(std::uint32_t number) noexcept { obeyed_.store(number, std::memory_order_release); }
+  /// In each step in which the operator's own device wants a stop: one of kDevice is in force from the next
+  /// steps on, and anew if it is cleared meanwhile. Wait-free.
+  void say() noexcept { said_.store(true, std::memory_order_release); }
+  static constexpr const char* kDevice = "foot-switch";
   /// Who stopped and why, for people; empty: nobody.
   std::string sentence() const;
 
@@ -41,17 +45,20 @@ class StopLine {
   void hear(const StopMessage& message);
   void publish();
   void keep();
+  void stop_here();
   /// What the loop reads from now on.
   void order_from_latch() noexcept;
 
   std::string path_;
   mutable std::mutex mutex_;
   StopLatch latch_;
+  std::uint32_t epoch_;
   StopReplies answers_;
   std::string kept_;                      ///< what the file holds
   std::atomic<std::uint32_t> number_{0};  ///< of the order
   std::array<std::atomic<std::uint32_t>, std::tuple_size_v<decltype(StopOrder::cleared)>> cleared_{};
   std::atomic<std::uint32_t> obeyed_{0};
+  std::atomic<bool> said_{false};
   Writer<StopMessage> writer_;
   Reader<StopMessage> reader_;
   std::jthread thread_;  ///< last: starts when everything else is there, ends first

@@ -2,6 +2,7 @@
 #include "common/protocol/stop_talk.h"
 
 #include <algorithm>
+#include <random>
 
 namespace telekerf {
 namespace {
@@ -19,6 +20,13 @@ void keep_only(std::vector<std::uint32_t>& numbers, const std::vector<StopLatch:
 }
 
 }  // namespace
+
+std::uint32_t any_stop_number() {
+  std::random_device random;
+  std::uint32_t number = 0;
+  while (number == 0) number = random();
+  return number;
+}
 
 void StopReplies::asked(const StopMessage& message) {
   if (!message.obeyed) std::erase(message.set ? told_set_ : told_cleared_, message.number);

@@ -14,6 +14,9 @@ namespace telekerf {
 /// either way, the answer is there within 60 ms of a round trip but for one time in a million.
 inline constexpr std::chrono::milliseconds kStopAgain{5};
 
+/// Of a new stop: drawn by who says it.
+std::uint32_t any_stop_number();
+
 /// What a station has to say: that its control loop obeys a stop, and that one is over for it. Once, and
 /// again for each who still asks. Without thread, clock and bus.
 class StopReplies {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace telekerf {
 
@@ -28,5 +29,13 @@ class RealTimePriority {
 /// What the system refuses a control loop of this process, and the remedy, in one sentence; empty: nothing.
 /// It asks for both: not from a control loop.
 std::string real_time_refusal();
+
+/// What the kernel does to a thread of real-time priority that hardly sleeps, and the remedy, in one
+/// sentence; empty: nothing. Of `period_us` it may run `runtime_us` (negative: all); the kernel's
+/// sched_rt_runtime_us.
+std::string throttling_sentence(long runtime_us, long period_us);
+
+/// All of this that is so for a control loop of this process, a sentence each. Not from a control loop.
+std::vector<std::string> real_time_remarks();
 
 }  // namespace telekerf

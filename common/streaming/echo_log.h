@@ -23,7 +23,7 @@ class EchoLog {
     // A copy of an earlier block counts from before the block that its packet echoes.
     if (sequence == 0 || entry.sequence != sequence || echo_ns > entry.sent_ns || now_ns < entry.sent_ns)
       return std::nullopt;
-    if (entry.sent_ns - echo_ns > kLongestCopy_ns) return std::nullopt;
+    if (echo_ns < entry.sent_ns - kLongestCopy_ns) return std::nullopt;  // any 64 bits may come
     return static_cast<double>(now_ns - echo_ns) * 1e-9;
   }
 

@@ -16,6 +16,7 @@ namespace telekerf::master {
 struct OperatorSample {
   bool trigger = false;  ///< the laser is wanted
   bool held = false;     ///< a hand is there, and holds the tool
+  bool stop = false;     ///< an emergency stop is wanted
   /// Of the hand on the tool, N, master's workpiece frame; it moves a simulated master only. None: the device
   /// knows no force.
   std::optional<Vec3> force_n = {};

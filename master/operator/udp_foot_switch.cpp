@@ -24,20 +24,23 @@ UdpFootSwitch::UdpFootSwitch(const UdpAddress& address) : socket_(context_), sea
 }
 
 OperatorSample UdpFootSwitch::sample(std::int64_t now_ns) noexcept {
+  stop_ = false;
   constexpr int kMostAtOnce = 64;  // bounds the step, whatever is in the queue
   for (int i = 0; i < kMostAtOnce; ++i) {
     DatagramSeal::Sealed<UdpButton> sealed;
     const UdpButton& told = sealed.datagram;
     udp::endpoint from;
     boost::system::error_code error;
-    const std::size_t size = socket_.receive_from(boost::asio::buffer(&sealed, sizeof(sealed)), from, 0, error);
+    const std::size_t size =
+        socket_.receive_from(boost::asio::buffer(&sealed, sizeof(sealed)), from, 0, error);
     if (error == boost::asio::error::would_block) break;
     if (!error && seal_.open(sealed, size) == sizeof(told) && told.magic == UdpButton::kMagic &&
         told.version == UdpButton::kVersion) {
       hear(told, from, now_ns);
     }
   }
-  return {.trigger = lease_.held(now_ns)};
+  return {.trigger = lease_.held(now_ns) && !squeezed_,
+          .stop = stop_ || (newest_ == UdpButton::kSqueezed && !lease_.silent(now_ns))};
 }
 
 void UdpFootSwitch::hear(const UdpButton& told, const udp::endpoint& from, std::int64_t now_ns) noexcept {
@@ -46,7 +49,10 @@ void UdpFootSwitch::hear(const UdpButton& told, const udp::endpoint& from, std::
     lease_.begin();
   }
   if (from != pedal_) return;  // a stranger's
-  (void)lease_.hear({told.sequence, std::nullopt, told.held == 1}, now_ns);
+  if (!lease_.hear({told.sequence, std::nullopt, told.held == UdpButton::kHeld}, now_ns)) return;
+  newest_ = told.held;
+  stop_ = stop_ || newest_ == UdpButton::kSqueezed;  // also where it was squeezed for less than a step
+  squeezed_ = newest_ == UdpButton::kSqueezed || (squeezed_ && newest_ == UdpButton::kHeld);
 }
 
 std::unique_ptr<OperatorInput> open_udp_foot_switch(std::string_view rest) {

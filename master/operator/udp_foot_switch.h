@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pedal that sends datagrams: the smallest OperatorInput, to copy from. For one host or a wire of its own: against a
-// stranger's datagrams there is the seal alone (common/runtime/datagram_seal.h), if both ends have its key.
+// A pedal that sends datagrams: the smallest OperatorInput, to copy from. For one host or a wire of its own:
+// against a stranger's datagrams there is the seal alone (common/runtime/datagram_seal.h), if both ends have
+// its key.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -23,11 +24,14 @@ struct UdpButton {
   std::uint32_t magic = kMagic;
   std::uint32_t version = kVersion;
   std::uint64_t sequence = 0;  ///< from 1, more each time
-  std::uint32_t held = 0;      ///< 1: held, all else: released
+  static constexpr std::uint32_t kHeld = 1;
+  static constexpr std::uint32_t kSqueezed = 2;
+  std::uint32_t held = 0;  ///< kHeld; kSqueezed, as in fright: an emergency stop; all else: released
   std::uint32_t reserved = 0;
 };
 
-/// Held by a lease (operator_lease.h): who holds it down while the line comes back must press it anew.
+/// Held by a lease (operator_lease.h): who holds it down while the line comes back must press it anew, and so
+/// must who has squeezed it.
 class UdpFootSwitch final : public OperatorInput {
  public:
   /// `address`: of this host, where the pedal's datagrams arrive; port 0: any free one. Throws StartupError.
@@ -44,6 +48,9 @@ class UdpFootSwitch final : public OperatorInput {
   DatagramSeal seal_;
   boost::asio::ip::udp::endpoint pedal_;  ///< the one that is heard
   OperatorLease lease_;
+  std::uint32_t newest_ = 0;  ///< what it said last
+  bool squeezed_ = false;     ///< since it was released
+  bool stop_ = false;         ///< of this step
 };
 
 /// `rest`: HOST:PORT, as the user wrote it. Throws StartupError.

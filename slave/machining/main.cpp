@@ -128,7 +128,7 @@ int run(Flags& flags) {
   status.say(fmt::format("{} {} to cut, {:.1f} mm, about {:.1f} s in all", job->plans.size(),
                          job->plans.size() == 1 ? "contour" : "contours", job->cut_length_m * 1e3,
                          job->time_s()));
-  if (const std::string refusal = real_time_refusal(); !refusal.empty()) status.say(refusal);
+  for (const std::string& remark : real_time_remarks()) status.say(remark);
   station.begin(*job);
 
   bool stop = false;

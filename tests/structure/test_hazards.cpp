@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What docs/safety.md promises: fifty hazards, and each names a test or a fault that is there, or what is
-// open.
+// What docs/safety.md and docs/field.md promise: fifty hazards, and faults of the field, and each names a
+// test or a fault that is there, or what is open.
 #include <gtest/gtest.h>
 
 #include <regex>
@@ -16,6 +16,8 @@ namespace {
 constexpr const char* kPage = "docs/safety.md";
 constexpr const char* kFaults = "experiments/chaos/fault.h";
 constexpr int kHazards = 50;
+constexpr const char* kField = "docs/field.md";
+constexpr int kFieldFaults = 50;  ///< at least
 
 /// "Suite.Test" of every test that the sources define.
 std::set<std::string> tests_of(const Repository& repository) {
@@ -95,6 +97,53 @@ std::vector<std::string> unfounded_hazards(const Repository& repository, int haz
     breaches.push_back(std::string(kPage) + " has " + std::to_string(next - 1) + " hazards, not " +
                        std::to_string(hazards));
   return breaches;
+}
+
+/// Rows of three cells, the last one the proof; `fewest` of them.
+std::vector<std::string> unfounded_field_faults(const Repository& repository, int fewest) {
+  const std::set<std::string> tests = tests_of(repository), faults = faults_of(repository);
+  std::vector<std::string> breaches;
+  int rows = 0;
+  for (const std::string& line : lines_of(repository.files.at(kField))) {
+    if (!line.starts_with("| ") || line.starts_with("| --- ") || line.starts_with("| what was done "))
+      continue;
+    ++rows;
+    const std::vector<std::string> cells = cells_of(line);
+    const std::string row = std::string(kField) + ", " + cells.front() + ": ";
+    if (cells.size() != 3) {
+      breaches.push_back(row + "a row has three cells");
+      continue;
+    }
+    for (const std::string& doubt : doubts_of(cells[2], tests, faults)) breaches.push_back(row + doubt);
+  }
+  if (rows < fewest)
+    breaches.push_back(std::string(kField) + " has " + std::to_string(rows) + " faults, fewer than " +
+                       std::to_string(fewest));
+  return breaches;
+}
+
+TEST(Hazards, EachFaultOfTheFieldNamesATestThatIsThereOrThatItIsOpen) {
+  const Repository repository = read_repository(TELEKERF_SOURCE_DIR);
+  ASSERT_TRUE(repository.holds(kField));
+  expect_none(unfounded_field_faults(repository, kFieldFaults));
+}
+
+TEST(Hazards, AFaultOfTheFieldWithoutProofIsFound) {
+  Repository repository;
+  repository.files["tests/a.cpp"] = "TEST(Field, Holds) {}";
+  repository.files[kField] =
+      "| what was done | what has to come | test |\n| --- | --- | --- |\n"
+      "| a | b | `Field.Holds` |\n"
+      "| c | d | open: all of it |\n"
+      "| e | f | `Field.Breaks` |\n"
+      "| g | h | we believe so |\n"
+      "| i | `Field.Holds` |\n";
+  const auto breaches = unfounded_field_faults(repository, 6);
+  ASSERT_EQ(breaches.size(), 4u);
+  EXPECT_NE(breaches[0].find("names the test Field.Breaks, which is not there"), std::string::npos);
+  EXPECT_NE(breaches[1].find("names neither a test nor what is open"), std::string::npos);
+  EXPECT_NE(breaches[2].find("a row has three cells"), std::string::npos);
+  EXPECT_NE(breaches[3].find("has 5 faults, fewer than 6"), std::string::npos);
 }
 
 TEST(Hazards, EachNamesATestOrAFaultThatIsThereOrThatItIsOpen) {

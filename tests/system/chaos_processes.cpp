@@ -127,6 +127,33 @@ TEST_F(ProcessChaos, ALinkThatIsDownForAWhile) {
   }
 }
 
+TEST_F(ProcessChaos, ALinkThatIsDownOnTheWayToTheSlaveAlone) {
+  const auto profile = Program::scratch() / "one-way.toml";
+  std::ofstream(profile) << "[both]\ndelay_ms = 20\n[[event]]\nfirst_s = 12\nduration_ms = 2000\nloss = 1.0\n"
+                            "direction = \"forward\"\n";
+  begin({.all = {"--netem", profile.string()}});
+  const std::string followed = "engaged: the slave follows";
+  ASSERT_TRUE(cell->slave->says("no commands arrive", seconds(20))) << cell->said();
+  const double down_s = clock_s();
+  sleep_ms(3000);
+  const std::string said = cell->master->output();
+  EXPECT_GT(said.find("the slave does not follow", said.rfind(followed)), said.rfind(followed))
+      << "it no longer says that the slave follows\n"
+      << said;
+  dark_until_engaged(down_s);
+}
+
+TEST_F(ProcessChaos, AMasterThatIsStartedAnewAtOnce) {
+  begin();
+  cell->master->interrupt();
+  EXPECT_EQ(cell->master->wait(seconds(10)), 0) << cell->said();
+  const double ended_s = clock_s() + 0.3;
+  cell->flags.master = {"--button", "pressed"};
+  cell->start_master();
+  ASSERT_TRUE(cell->master->says("guiding the hand", seconds(10))) << cell->said();
+  dark_until_engaged(ended_s);
+}
+
 TEST_F(ProcessChaos, AFullDisk) {
   const auto full = Program::scratch() / "full";
   std::filesystem::create_directories(full);

@@ -58,6 +58,14 @@ TEST_F(Field, AReaderOfTheOutputThatGoesEndsNothing) {
   EXPECT_TRUE(std::filesystem::exists(out + "/slave.json"));
 }
 
+TEST_F(Field, AMasterThatGivesUpKeepsItsRecord) {
+  const std::filesystem::path out = Program::scratch() / "alone";
+  const auto master =
+      start("telekerf-master", {"--engage", "--duration-s", "1", "--wait-s", "1", "--record", out.string()});
+  EXPECT_EQ(master->wait(seconds(20)), 2) << master->output();
+  EXPECT_GT(std::filesystem::file_size(out / "master.h5"), 0u);
+}
+
 TEST_F(Field, TheLinkIsTriedBeforeTheWorkInWordsAndNumbers) {
   const auto slave =
       start("telekerf-slave", {"--link-test", "--link-test-s", "2", "--json", "--peer", "127.0.0.1"});

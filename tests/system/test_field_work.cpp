@@ -58,6 +58,40 @@ TEST_F(Field, TheSamePictureAgainChangesNothingAndAnotherOneWaitsForTheOperator)
       << "not engaged by itself";
 }
 
+TEST_F(Field, AFirstContourThatDoesNotFitEndsNobodyAndTheNextOneIsCut) {
+  // Sized for a robot that reaches farther than the slave.
+  auto vision =
+      start("telekerf-vision", {"--image", "circle", "--robot", "master-horizontal", "--width-mm", "60"});
+  const auto slave = start("telekerf-slave");
+  const auto master = start("telekerf-master", {"--engage"});
+  ASSERT_TRUE(slave->says("refused: the contour reaches 30.0 mm", seconds(30))) << slave->output();
+  ASSERT_TRUE(master->says("refused: ", seconds(30))) << master->output();
+  std::this_thread::sleep_for(seconds(1));
+  ASSERT_TRUE(slave->running() && master->running()) << slave->output() << master->output();
+  vision->kill();
+  vision = start("telekerf-vision", {"--image", "circle"});
+  EXPECT_TRUE(slave->says("beam on", seconds(30))) << slave->output() << master->output();
+}
+
+TEST_F(Field, AStopWaitsForASlaveThatHangsAndForTheMasterThatComesNext) {
+  const auto vision = start("telekerf-vision", {"--image", "circle"});
+  const auto slave = start("telekerf-slave");
+  auto master = start("telekerf-master", {"--engage", "--stop-file", "off"});
+  ASSERT_TRUE(slave->says("beam on", seconds(30))) << slave->output();
+  slave->interrupt(SIGSTOP);
+  const auto [code, said] = say({"stop"});
+  EXPECT_EQ(code, 2) << said;
+  EXPECT_NE(said.find("slave of cell 'field'"), std::string::npos) << said;
+  EXPECT_NE(said.find("has not confirmed it"), std::string::npos) << said;
+  const std::size_t before = slave->output().size();
+  slave->interrupt(SIGCONT);
+  EXPECT_TRUE(slave->says("stopped: laser off until clear-stop", seconds(5))) << slave->output();
+  master->kill();
+  master = start("telekerf-master", {"--engage", "--stop-file", "off"});
+  EXPECT_TRUE(master->says("stopped", seconds(20))) << master->output();
+  EXPECT_EQ(slave->output().find("beam on", before), std::string::npos) << slave->output();
+}
+
 TEST_F(Field, OfTwoMastersThatCouldNotSeeEachOtherOneGivesWay) {
   const auto vision = start("telekerf-vision", {"--image", "circle"});
   const auto slave = start("telekerf-slave");

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The emergency stop between real processes: who confirms it, who ends it, and what a restart makes of it.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
 
 #include "tests/system/programs.h"
 
@@ -90,6 +96,76 @@ TEST_F(Stop, SurvivesTheRestartOfEachSideAndOfBoth) {
   slave = start("telekerf-slave");  // nobody is there to tell it
   EXPECT_TRUE(slave->says("stopped: laser off until clear-stop", seconds(10))) << slave->output();
   EXPECT_EQ(say({"clear-stop"}).first, 0);
+}
+
+/// A foot switch of three states at the port of the master's.
+class Foot {
+ public:
+  Foot() : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    // Any port that is free now.
+    there_.sin_family = AF_INET;
+    there_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const int probe = ::socket(AF_INET, SOCK_DGRAM, 0);
+    socklen_t size = sizeof(there_);
+    EXPECT_EQ(::bind(probe, reinterpret_cast<sockaddr*>(&there_), size), 0);
+    EXPECT_EQ(::getsockname(probe, reinterpret_cast<sockaddr*>(&there_), &size), 0);
+    ::close(probe);
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      for (; !stop.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(10))) tell();
+    });
+  }
+  ~Foot() {
+    thread_ = {};
+    ::close(socket_);
+  }
+  std::string button() const { return "udp:127.0.0.1:" + std::to_string(ntohs(there_.sin_port)); }
+  void is(std::uint32_t state) { state_ = state; }
+
+ private:
+  void tell() {
+    struct {
+      std::uint32_t magic = 0x42554b54, version = 1;
+      std::uint64_t sequence = 0;
+      std::uint32_t held = 0, reserved = 0;
+    } told;
+    told.sequence = ++sequence_;
+    told.held = state_;
+    (void)::sendto(socket_, &told, sizeof(told), 0, reinterpret_cast<const sockaddr*>(&there_),
+                   sizeof(there_));
+  }
+
+  sockaddr_in there_{};
+  int socket_;
+  std::uint64_t sequence_ = 0;
+  std::atomic<std::uint32_t> state_{0};
+  std::jthread thread_;
+};
+
+TEST_F(Stop, AFootThatSqueezesItsSwitchStopsBothSidesUntilItHasLetGo) {
+  constexpr std::uint32_t kReleased = 0, kHeld = 1, kSqueezed = 2;
+  Foot foot;
+  master->interrupt();
+  EXPECT_EQ(master->wait(seconds(10)), 0);
+  master = start("telekerf-master", {"--engage", "--button", foot.button()});
+  ASSERT_TRUE(master->says("engaged: the slave follows", seconds(30))) << master->output();
+  std::this_thread::sleep_for(seconds(1));
+  foot.is(kHeld);
+  ASSERT_TRUE(slave->says("beam on", seconds(30))) << slave->output();
+  foot.is(kSqueezed);
+  EXPECT_TRUE(slave->says("stopped: laser off until clear-stop", seconds(2))) << slave->output();
+  EXPECT_TRUE(master->says("stopped", seconds(2))) << master->output();
+  const auto [foreign, foreign_said] = say({"clear-stop"});
+  EXPECT_EQ(foreign, 2) << foreign_said;
+  EXPECT_NE(foreign_said.find("the stop was said by foot-switch"), std::string::npos) << foreign_said;
+
+  (void)say({"clear-stop", "--as", "foot-switch"});  // its cause stands
+  EXPECT_NE(say({"clear-stop"}).second.find("the stop was said by foot-switch"), std::string::npos)
+      << "stopped anew";
+  foot.is(kReleased);
+  const auto [cleared, clear_said] = say({"clear-stop", "--as", "foot-switch"});
+  EXPECT_EQ(cleared, 0) << clear_said;
+  EXPECT_TRUE(master->says("moving to the contour", seconds(5))) << master->output();
+  EXPECT_NE(say({"clear-stop"}).second.find("no stop is in force"), std::string::npos);
 }
 
 TEST(StopOfNobody, IsNoSuccess) {

@@ -93,12 +93,37 @@ TEST_F(Contours, ARebuildTakesTheNewestAgain) {
   EXPECT_FALSE(subscriber.refused());
 }
 
-TEST_F(Contours, ARefusedContourEndsItWithTheSentence) {
+TEST_F(Contours, AFirstOneThatDoesNotFitIsRefusedOnceAndTheNextThatFitsIsInForce) {
   too_large = true;
   publish(1);
   ASSERT_TRUE(soon([&] { return subscriber.refused(); }));
   EXPECT_EQ(subscriber.refusal(), "too large");
   EXPECT_EQ(subscriber.current(), nullptr);
+  publish(1);
+  std::this_thread::sleep_for(200ms);
+  EXPECT_EQ(subscriber.unfit(), 1u) << "the same one again is no other refusal";
+  too_large = false;
+  publish(1);
+  std::this_thread::sleep_for(200ms);
+  EXPECT_EQ(subscriber.current(), nullptr) << "nor fits it by itself";
+  EXPECT_TRUE(sees(publish(2)));
+  EXPECT_FALSE(subscriber.refused());
+}
+
+TEST_F(Contours, AFirstOneThatDidNotFitIsTriedAgainWhereItsPreparationChanges) {
+  too_large = true;
+  const std::uint32_t id = publish(1);
+  ASSERT_TRUE(soon([&] { return subscriber.refused(); }));
+  subscriber.request_rebuild();
+  EXPECT_TRUE(soon([&] { return subscriber.unfit() == 2; }));
+  too_large = false;
+  subscriber.request_rebuild();
+  EXPECT_TRUE(sees(id));
+  EXPECT_FALSE(subscriber.refused());
+  const std::uint32_t other = publish(2);
+  std::this_thread::sleep_for(200ms);
+  EXPECT_EQ(subscriber.current()->id, id) << "one is in force now: another waits for the operator";
+  EXPECT_TRUE(takes(other));
 }
 
 TEST_F(Contours, InMidRunARefusedOneLeavesTheOneBeforeInForce) {

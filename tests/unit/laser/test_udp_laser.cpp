@@ -2,9 +2,12 @@
 // The laser behind a UDP address: what it is told, and what one at the other end makes of it.
 #include <gtest/gtest.h>
 
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <random>
+#include <type_traits>
 #include <utility>
 
 #include "slave/laser/laser_output.h"
@@ -224,6 +227,47 @@ TEST_F(Device, ThatIsStuckIsPutOutByItsSupplyAndBySilenceAlone) {
   EXPECT_EQ(power_w(), 20.0);
   enable = 0;
   EXPECT_TRUE(tell(5, 0.0));
+  EXPECT_EQ(power_w(), 0.0);
+}
+
+/// What no controller says, and what one says at random: the light keeps its bounds, and goes out.
+TEST_F(Device, WhateverArrivesItsLightIsWithinBoundsAndEndsBySilence) {
+  std::mt19937_64 random(19);
+  const auto any_of = [&](auto... values) {
+    const std::common_type_t<decltype(values)...> all[] = {values...};
+    return all[random() % std::size(all)];
+  };
+  std::int64_t obeyed_ns = 0;
+  int obeyed = 0, lit = 0;
+  for (int n = 0; n < 200'000; ++n, now_ns += static_cast<std::int64_t>(random() % (2 * kMs))) {
+    if (n % 1000 == 999) now_ns += 600 * kMs;  // whoever spoke has gone
+    UdpPower told;
+    if (random() % 8 == 0) told.magic = static_cast<std::uint32_t>(random());
+    if (random() % 8 == 0) told.version = any_of(0U, 1U, 3U, ~0U);
+    told.sequence = random() % 16 == 0 ? any_of(0ULL, 1ULL, ~0ULL) : static_cast<std::uint64_t>(n % 1000);
+    told.power_w = any_of(0.0, 0.0, -0.0, 1.0, 8.0, 1e300, -1.0, -1e-300, kNan, kInfinite, -kInfinite);
+    told.period_ns = any_of(0U, 1'000'000U, 1'000'000U, 5'000'000U, ~0U);
+    told.pilot = any_of(0U, 0U, 1U, 2U);
+    told.enable = random() % 16 == 0 ? any_of(0ULL, ~0ULL) : static_cast<std::uint64_t>(n % 1000);
+    told.lasts_ns = any_of(0U, 1'000'000U, 2'000'000U, ~0U);
+    const std::size_t size = random() % 8 == 0 ? random() % 100 : sizeof(told);
+    const UdpLaserDevice::Sender from{boost::asio::ip::address_v4::loopback(),
+                                      static_cast<unsigned short>(1 + (random() % 16 == 0 ? 1 : 0))};
+    if (device.hear(told, size, from, now_ns)) {
+      ASSERT_TRUE(size == sizeof(told) && told.magic == UdpPower::kMagic &&
+                  told.version == UdpPower::kVersion);
+      obeyed_ns = now_ns;
+      period_ns = told.period_ns;
+      ++obeyed;
+    }
+    ASSERT_TRUE(power_w() >= 0.0 && power_w() <= 20.0) << power_w();
+    ASSERT_TRUE(power_w() == 0.0 || now_ns - obeyed_ns < udp_silence_ns(period_ns));
+    ASSERT_TRUE(device.dark_ns() - obeyed_ns <= udp_silence_ns(period_ns));
+    lit += power_w() > 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(obeyed, 5000);
+  EXPECT_GT(lit, 1000);
+  now_ns = obeyed_ns + udp_silence_ns(period_ns);
   EXPECT_EQ(power_w(), 0.0);
 }
 

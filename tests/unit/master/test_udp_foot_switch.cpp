@@ -74,7 +74,7 @@ TEST_F(Pedal, IsHeldAsLongAsItSaysSo) {
   tell(4, 1);
   tell(5, 0);
   EXPECT_FALSE(pressed()) << "the newest counts";
-  tell(6, 2);
+  tell(6, 3);
   EXPECT_FALSE(pressed());
 }
 
@@ -93,6 +93,41 @@ TEST_F(Pedal, SilenceIsLettingGoAndItMustBePressedAnew) {
   tell(10, 0);
   tell(11, 1);
   EXPECT_TRUE(pressed());
+}
+
+TEST_F(Pedal, SqueezedInFrightItStopsAndHasToBeLetGoBeforeItIsHeldAgain) {
+  tell(1, 0);
+  tell(2, UdpButton::kHeld);
+  OperatorSample told = pedal.sample(now_ns);
+  EXPECT_TRUE(told.trigger && !told.stop);
+  tell(3, UdpButton::kSqueezed);
+  for (int n = 0; n < 3; ++n) {
+    told = pedal.sample(now_ns += kMs);
+    EXPECT_TRUE(told.stop && !told.trigger) << n;
+  }
+  tell(4, UdpButton::kHeld);
+  told = pedal.sample(now_ns);
+  EXPECT_FALSE(told.stop) << "the stop has been said";
+  EXPECT_FALSE(told.trigger) << "on the way back from the squeeze";
+  tell(5, 0);
+  tell(6, UdpButton::kHeld);
+  EXPECT_TRUE(pressed());
+  tell(7, UdpButton::kSqueezed);
+  tell(8, 0);
+  EXPECT_TRUE(pedal.sample(now_ns).stop) << "for less than a step";
+  EXPECT_FALSE(pedal.sample(now_ns).stop);
+}
+
+TEST_F(Pedal, ASqueezedOneThatFallsSilentOrIsAStrangersWantsNoStop) {
+  tell(1, UdpButton::kSqueezed);
+  EXPECT_TRUE(pedal.sample(now_ns).stop) << "nobody has to have let go for that";
+  now_ns += OperatorLease::kSilence_ns;
+  EXPECT_FALSE(pedal.sample(now_ns).stop) << "what it said is latched elsewhere";
+  tell(2, 0);
+  EXPECT_FALSE(pedal.sample(now_ns).stop);
+  tell(stranger, 3, UdpButton::kSqueezed);
+  tell(2, UdpButton::kSqueezed);
+  EXPECT_FALSE(pedal.sample(now_ns).stop);
 }
 
 TEST_F(Pedal, HeldDownFromTheStartIsNotPressed) {

@@ -4,6 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <iterator>
+#include <map>
+#include <random>
+#include <string>
+
 namespace telekerf {
 namespace {
 
@@ -92,6 +97,63 @@ TEST(StopLatch, AFloodChangesNothing) {
   for (std::uint32_t n = 1; n < 1000; ++n) (void)latch.hear(message(n, false));
   EXPECT_EQ(latch.order().number, 0u);
   EXPECT_LE(latch.cleared().size(), 16u);
+}
+
+/// A latch and what is to come of it by the words of the contract alone, under any messages in any order.
+TEST(StopLatch, WhateverIsSaidOnlyWhoSaidAStopEndsItAndTextKeepsIt) {
+  std::mt19937_64 random(17);
+  const std::string sources[] = {"", "ann", "bob", "two\nlines\tof"};
+  const std::uint32_t numbers[] = {0, 1, 2, 3, 4, 0x7FFFFFFF, 0xFFFFFFFF};
+  int stopped = 0, cleared = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    StopLatch latch;
+    std::map<std::uint32_t, std::string> in_force;  // by number: its owner
+    for (int n = 0; n < 200; ++n) {
+      StopMessage said = message(numbers[random() % std::size(numbers)], random() % 3 != 0,
+                                 sources[random() % std::size(sources)]);
+      said.obeyed = random() % 2 == 0;
+      const bool quoted = random() % 4 == 0;
+      const auto held = in_force.find(said.number);
+      const Heard heard = quoted ? latch.quoted(said.number) : latch.hear(said);
+      const std::string source = quoted ? "" : said.source;
+      if (heard == Heard::kStopped) {
+        ASSERT_TRUE((quoted || said.set) && held == in_force.end());
+        in_force[said.number] = source;
+        ++stopped;
+      } else if (held != in_force.end() && held->second.empty() && (quoted || said.set)) {
+        held->second = source;
+      } else if (heard == Heard::kCleared) {
+        ASSERT_TRUE(held != in_force.end() && !quoted && !said.set);
+        ASSERT_TRUE(held->second.empty() ? said.obeyed : held->second == said.source);
+        in_force.erase(held);
+        ++cleared;
+      }
+      ASSERT_EQ(latch.in_force().size(), in_force.size());
+      for (const StopLatch::Entry& entry : latch.in_force()) ASSERT_TRUE(in_force.contains(entry.number));
+      ASSERT_EQ(latch.order().number != 0, !in_force.empty());
+      ASSERT_TRUE(in_force.empty() || in_force.contains(latch.order().number));
+      const StopLatch back = StopLatch::from_text(latch.text());
+      ASSERT_EQ(back.in_force().size(), in_force.size());
+      ASSERT_EQ(back.text(), latch.text());
+    }
+  }
+  EXPECT_GT(stopped, 1000);
+  EXPECT_GT(cleared, 300);
+}
+
+TEST(StopLatch, AnyBytesAsItsFileAreStopsOrNone) {
+  std::mt19937_64 random(18);
+  const std::string letters = "0123456789\t\t\n\nab\r\0-.";
+  std::size_t kept = 0;
+  for (int n = 0; n < 20'000; ++n) {
+    std::string text(random() % 60, ' ');
+    for (char& c : text) c = n % 2 == 0 ? static_cast<char>(random()) : letters[random() % letters.size()];
+    const StopLatch latch = StopLatch::from_text(text);
+    kept += latch.in_force().size();
+    for (const StopLatch::Entry& entry : latch.in_force()) ASSERT_NE(entry.number, 0u);
+    ASSERT_EQ(StopLatch::from_text(latch.text()).in_force().size(), latch.in_force().size());
+  }
+  EXPECT_GT(kept, 1000u);
 }
 
 TEST(StopLatch, ItSurvivesAsText) {

@@ -4,6 +4,8 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <fstream>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -106,6 +108,30 @@ TEST(Loop, AStopThatIsRequestedStays) {
   EXPECT_FALSE(stop_requested());
   request_stop();
   EXPECT_TRUE(stop_requested());
+}
+
+TEST(RealTime, ALimitOfTheKernelIsToldWithItsRemedyAndNoneIsNot) {
+  const std::string said = throttling_sentence(950'000, 1'000'000);
+  EXPECT_NE(said.find("more than 95 % of the time"), std::string::npos) << said;
+  EXPECT_NE(said.find("50 ms of every 1 s (sched_rt_runtime_us = 950000)"), std::string::npos) << said;
+  EXPECT_NE(said.find("sysctl -w kernel.sched_rt_runtime_us=-1"), std::string::npos) << said;
+  EXPECT_NE(throttling_sentence(0, 1'000'000), "") << "nothing may run at all";
+  EXPECT_NE(throttling_sentence(999'999, 1'000'000), "");
+  EXPECT_EQ(throttling_sentence(1'000'000, 1'000'000), "");
+  EXPECT_EQ(throttling_sentence(-1, 1'000'000), "");
+}
+
+TEST(RealTime, WhatIsSaidIsWhatTheSystemGrantsThisProcess) {
+  long runtime_us = -1, period_us = 0;
+  std::ifstream("/proc/sys/kernel/sched_rt_runtime_us") >> runtime_us;
+  std::ifstream("/proc/sys/kernel/sched_rt_period_us") >> period_us;
+  std::string all;
+  for (const std::string& remark : real_time_remarks()) all += remark + "\n";
+  const bool granted = RealTimePriority(kLoopPriority).granted();
+  EXPECT_EQ(all.find("priority") == std::string::npos, granted) << all;
+  EXPECT_EQ(all.find("sched_rt_runtime_us") != std::string::npos,
+            granted && !throttling_sentence(runtime_us, period_us).empty())
+      << all;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -35,7 +36,7 @@ class SlaveNodeTest : public testing::Test {
 
   Vec3 place(double t_s) const {
     const double angle = 0.02 / 0.005 * t_s;
-    return {radius_m_ * std::cos(angle), radius_m_ * std::sin(angle), 0.0};
+    return {radius_m_ * std::cos(angle), radius_m_ * std::sin(angle), height_m_};
   }
 
   CommandBlock next_block() {
@@ -79,7 +80,11 @@ class SlaveNodeTest : public testing::Test {
       std::vector<Received<CommandBlock>> arrived;
       if (n == 0 && block) arrived.push_back({*block, now_ns_});
       out_ = station_.step(now_ns_, corridor_.get(), arrived, stop_);
-      if (out_.state) echo_ = *out_.state;
+      if (out_.state) {
+        states_.push_back(*out_.state);
+        while (states_.size() > states_late_ + 1) states_.pop_front();
+        echo_ = states_.front();
+      }
       judge();
       now_ns_ += kMs;
       const Vec3 v = out_.reference.velocity_m_per_s;
@@ -123,10 +128,13 @@ class SlaveNodeTest : public testing::Test {
   int released_blocks_ = 8;
   StopOrder stop_;
   StateHeader echo_;
+  std::deque<StateHeader> states_;
+  std::size_t states_late_ = 0;  ///< on their way to the master
   Tick tick_ = 0;
   std::uint16_t ticks_per_sample_ = 1;
   bool engaged_ = true;
   double radius_m_ = 0.005;
+  double height_m_ = 0.0;
   std::uint32_t contour_id_ = 1;
   std::function<bool(Tick)> pressed_ = [](Tick) { return true; };
   std::function<void()> each_tick_;

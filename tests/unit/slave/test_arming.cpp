@@ -113,6 +113,31 @@ TEST_F(ArmingTest, AnotherMasterEndsIt) {
   needs_both();
 }
 
+TEST_F(ArmingTest, AnOutageSpendsAlsoANewerEngagementThanTheOneThatLedLast) {
+  begin();
+  EXPECT_TRUE(lead(2));
+  EXPECT_TRUE(lead(1)) << "played once more";
+  nothing(0.352);
+  EXPECT_FALSE(lead(2));
+  EXPECT_TRUE(lead(3));
+}
+
+TEST_F(ArmingTest, AStopOrAnotherContourWhileNobodyIsHeardEndsItToo) {
+  for (const bool stop : {true, false}) {
+    arming_ = Arming({}, kDt_s);
+    now_ = {};
+    begin();
+    now_.heard = false;
+    now_.stopped = stop;
+    now_.contour_id += stop ? 0 : 1;
+    arming_.step({}, now_);
+    EXPECT_FALSE(arming_.armed());
+    now_.heard = true;
+    now_.stopped = false;
+    EXPECT_FALSE(lead(1)) << stop;
+  }
+}
+
 TEST_F(ArmingTest, AnotherMastersCountMayBeginLower) {
   begin();
   for (std::uint32_t engage = 2; engage < 9; ++engage) ASSERT_TRUE(lead(engage));

@@ -87,6 +87,43 @@ TEST_F(Permit, AStepThatComesLateKeepsTheBeamOffForAWhile) {
   EXPECT_GT(out_.laser_w, 0.0);
 }
 
+/// Half a millimetre is what may be.
+TEST_F(Permit, AToolThatIsLiftedTooFarBurnsNothing) {
+  burn();
+  height_m_ = 0.4e-3;
+  follow(1.0);
+  EXPECT_GT(out_.laser_w, 0.0);
+  height_m_ = 0.6e-3;
+  follow(1.0);
+  EXPECT_NEAR(out_.tool_m.z(), 0.6e-3, 20e-6);
+  EXPECT_EQ(out_.forbidden, laser::guard_bit("height"));
+  laser_ticks_ = 0;
+  follow(0.5);
+  EXPECT_EQ(laser_ticks_, 0);
+}
+
+/// States that take 0.4 s to the master: the commands that come back are older than the gate.
+TEST_F(Permit, CommandsThatWereLongUnderWayAreFollowedWithoutLight) {
+  burn();
+  states_late_ = 25;
+  follow(0.6);
+  each_tick_ = [&] {
+    ASSERT_EQ(out_.mode, SlaveMode::kFollowing);
+    ASSERT_NE(out_.forbidden & laser::guard_bit("age"), 0u);
+    ASSERT_GT(out_.command_age_s, 0.35);
+  };
+  laser_ticks_ = 0;
+  follow(0.5);
+  EXPECT_EQ(laser_ticks_, 0);
+  each_tick_ = {};
+  states_late_ = 0;
+  follow(0.5);
+  EXPECT_EQ(laser_ticks_, 0) << "nor by itself when they are young again";
+  released_blocks_ = 8;
+  follow(0.5);
+  EXPECT_GT(out_.laser_w, 0.0);
+}
+
 TEST_F(Permit, WithoutAContourNothingBurns) {
   burn();
   laser_ticks_ = 0;

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// Blocks that no master sends, at random: whatever stands in them the slave keeps its numbers finite and
+// lights nothing outside, and when they are over it hears its master again.
+#include <limits>
+#include <random>
+
+#include "tests/unit/slave/commanded_slave.h"
+
+namespace telekerf::slave {
+namespace {
+
+class HostileCommands : public SlaveNodeTest, public testing::WithParamInterface<std::uint64_t> {
+ protected:
+  /// Any of these, or anything.
+  template <class T>
+  T some(std::initializer_list<T> values) {
+    const std::size_t n = random_() % (values.size() + 1);
+    return n < values.size() ? values.begin()[n] : static_cast<T>(random_());
+  }
+  double some_number() {
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    const double numbers[] = {0.0,
+                              -0.0,
+                              1e-300,
+                              1e-3,
+                              -1.0,
+                              1.0,
+                              1e9,
+                              -1e300,
+                              kInfinite,
+                              -kInfinite,
+                              std::numeric_limits<double>::quiet_NaN()};
+    return numbers[random_() % std::size(numbers)];
+  }
+  /// A true block with some of it changed.
+  CommandBlock changed(CommandBlock block) {
+    constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
+    constexpr auto kLargest = std::numeric_limits<std::int64_t>::max();
+    const auto again = [&](auto change) {
+      if (random_() % 6 == 0) change();
+    };
+    again([&] { block.sequence = some<std::uint32_t>({0, 1, block.sequence + 60, 0x7FFFFFFF, 0xFFFFFFFF}); });
+    again([&] { block.epoch = some<std::uint32_t>({0, epoch_ + 1, 0xFFFFFFFF}); });
+    again([&] { block.first_tick = some<Tick>({0, block.first_tick + 900, Tick{1} << 62U, ~Tick{0}}); });
+    again([&] { block.sample_period_ns = some<std::uint32_t>({0, 1, 10'000, 100'000'000, 0xFFFFFFFF}); });
+    again([&] { block.ticks_per_sample = some<std::uint16_t>({0, 1, 2, 1000, 0xFFFF}); });
+    again([&] { block.contour_id = some<std::uint32_t>({0, 1, 2}); });
+    again([&] { block.beta = some_number(); });
+    again([&] { block.engaged = !block.engaged; });
+    again([&] { block.engaged_before = static_cast<std::uint8_t>(random_()); });
+    again([&] { block.anchor.position_m[static_cast<int>(random_() % 3)] = some_number(); });
+    again([&] { block.anchor.velocity_m_per_s[static_cast<int>(random_() % 3)] = some_number(); });
+    again([&] { block.sent_ns = some<std::int64_t>({kLeast, -1, 0, now_ns_, kLargest}); });
+    again([&] { block.engage = some<std::uint32_t>({0, engage_ + 1, 0x7FFFFFFF, 0xFFFFFFFF}); });
+    again([&] { block.echo_sequence = some<std::uint32_t>({0, echo_.sequence + 1, 0xFFFFFFFF}); });
+    again([&] { block.echo_sent_ns = some<std::int64_t>({kLeast, -1, 0, now_ns_ + 1, kLargest}); });
+    again([&] { block.payload.size = static_cast<std::uint16_t>(random_() % (Payload::kCapacity + 1)); });
+    for (std::uint64_t flips = random_() % 4; flips > 0 && block.payload.size > 0; --flips)
+      block.payload.bytes[random_() % block.payload.size] ^= static_cast<std::uint8_t>(1U << random_() % 8);
+    return block;
+  }
+  /// A step in which all of `blocks` arrive at odd times.
+  void hear(const std::vector<CommandBlock>& blocks) {
+    std::vector<Received<CommandBlock>> arrived;
+    for (const CommandBlock& block : blocks)
+      arrived.push_back({block, now_ns_ - static_cast<std::int64_t>(random_() % kMs)});
+    out_ = station_.step(now_ns_, corridor_.get(), arrived);
+    if (out_.state) echo_ = *out_.state;
+    now_ns_ += kMs;
+    judge();
+    ASSERT_TRUE(out_.currents_a.allFinite() && out_.reference.position_m.allFinite() &&
+                out_.reference.velocity_m_per_s.allFinite() && std::isfinite(out_.laser_w));
+    ASSERT_LE(out_.reference.position_m.head<2>().norm(), model_.workspace.radius_m + 1e-12);
+    ASSERT_TRUE(out_.laser_w == 0.0 || out_.tool_m.head<2>().norm() <= model_.workspace.radius_m);
+    ASSERT_TRUE(out_.command_age_s >= 0.0 || out_.command_age_s == -1.0) << out_.command_age_s;
+    ASSERT_FALSE(out_.laser_w > 0.0 && station_.machine().failed());
+  }
+
+  std::mt19937_64 random_{GetParam()};
+  robot::RobotModel model_ = robot::load_robot(StationSettings{}.robot);
+};
+
+TEST_P(HostileCommands, BreakNothingAndTheMasterIsHeardAgain) {
+  follow(1.0);
+  for (int b = 0; b < 120; ++b) {
+    const CommandBlock good = next_block();
+    for (int n = 0; n < 16; ++n) {
+      std::vector<CommandBlock> blocks;
+      if (n == 0 && b % 3 != 0) blocks.push_back(good);
+      for (std::uint64_t more = random_() % 3; more > 0; --more) blocks.push_back(changed(good));
+      hear(blocks);
+      // Wild places throw the tool about. Where it runs off the robot is given up, dark, and that is the end.
+      if (HasFatalFailure() || station_.machine().failed()) return;
+    }
+  }
+  // Whoever followed a forger hears its master again after a second of nothing acceptable, and needs one
+  // engagement.
+  for (int b = 0; b < 140; ++b) run(next_block());
+  engage_ = echo_.engage + 1;
+  released_blocks_ = 8;
+  laser_ticks_ = 0;
+  follow(1.5);
+  EXPECT_EQ(out_.mode, SlaveMode::kFollowing) << static_cast<int>(out_.reason);
+  EXPECT_GT(laser_ticks_, 200) << std::hex << out_.forbidden << " forbids";
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, HostileCommands, testing::Range<std::uint64_t>(1, 13));
+
+}  // namespace
+}  // namespace telekerf::slave
