@@ -61,10 +61,10 @@ TEST_F(Field, TheSamePictureAgainChangesNothingAndAnotherOneWaitsForTheOperator)
 TEST_F(Field, AFirstContourThatDoesNotFitEndsNobodyAndTheNextOneIsCut) {
   // Sized for a robot that reaches farther than the slave.
   auto vision =
-      start("telekerf-vision", {"--image", "circle", "--robot", "master-horizontal", "--width-mm", "60"});
+      start("telekerf-vision", {"--image", "circle", "--robot", "master-horizontal", "--width-mm", "106"});
   const auto slave = start("telekerf-slave");
   const auto master = start("telekerf-master", {"--engage"});
-  ASSERT_TRUE(slave->says("refused: the contour reaches 30.0 mm", seconds(30))) << slave->output();
+  ASSERT_TRUE(slave->says("refused: the contour reaches 30.1 mm", seconds(30))) << slave->output();
   ASSERT_TRUE(master->says("refused: ", seconds(30))) << master->output();
   std::this_thread::sleep_for(seconds(1));
   ASSERT_TRUE(slave->running() && master->running()) << slave->output() << master->output();
@@ -81,8 +81,7 @@ TEST_F(Field, AStopWaitsForASlaveThatHangsAndForTheMasterThatComesNext) {
   slave->interrupt(SIGSTOP);
   const auto [code, said] = say({"stop"});
   EXPECT_EQ(code, 2) << said;
-  EXPECT_NE(said.find("slave of cell 'field'"), std::string::npos) << said;
-  EXPECT_NE(said.find("has not confirmed it"), std::string::npos) << said;
+  EXPECT_NE(said.find("master has confirmed it, but no slave is seen in cell 'field'"), std::string::npos) << said;
   const std::size_t before = slave->output().size();
   slave->interrupt(SIGCONT);
   EXPECT_TRUE(slave->says("stopped: laser off until clear-stop", seconds(5))) << slave->output();
