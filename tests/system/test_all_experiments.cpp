@@ -149,9 +149,9 @@ TEST(AllExperiments, TwoRunsDoNotWorkInOneFolder) {
   first.kill();
   EXPECT_NE(first.wait(seconds(10)), 0);
   const std::vector<int> left = processes_with(out.string());
-  ASSERT_EQ(left.size(), 1u);
+  ASSERT_FALSE(left.empty());
   refused();
-  ::kill(left[0], SIGTERM);
+  for (const int process : left) ::kill(process, SIGTERM);  // it may be drawing, by another process
 }
 
 TEST(AllExperiments, AManifestThatDoesNotFitIsRefused) {
