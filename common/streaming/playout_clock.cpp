@@ -79,11 +79,17 @@ std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t co
   went_on_ = false;
   if (transits_ == 0) return std::nullopt;
   const double wanted = target(now_ns);
-  const double give_up = 1e9 * settings_.max_lag_s / static_cast<double>(period_ns_);
-  if (!synchronized_ || std::abs(wanted - (cursor_ + ahead_)) > give_up) {
+  const auto too_far = [&](double samples, double most_s) {
+    return std::abs(samples) * static_cast<double>(period_ns_) > 1e9 * most_s;
+  };
+  const bool lost = stood_ ? too_far(wanted - (cursor_ + ahead_), settings_.max_lag_s)
+                           : too_far(wanted - cursor_, settings_.give_up_s) ||
+                                 too_far(std::min(ahead_, 0.0), settings_.give_up_s);
+  if (!synchronized_ || lost) {
     resyncs_ += synchronized_ ? 1 : 0;
     cursor_ = std::floor(wanted);
     ahead_ = slowing_ = 0.0;
+    stood_ = false;
     synchronized_ = true;
     return cursor_;
   }
@@ -102,12 +108,13 @@ std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t co
 double PlayoutClock::stand(double at) noexcept {
   ahead_ = std::min(at - cursor_, 0.0);
   slowing_ = 1.0;
+  stood_ = true;
   return cursor_ + ahead_;
 }
 
 double PlayoutClock::catch_up(double step) noexcept {
   const double period_s = static_cast<double>(period_ns_) * 1e-9;
-  const bool hurry = hurry_ || -ahead_ * period_s > settings_.long_lag_s;
+  const bool hurry = hurry_ || stood_;
   const double aim =
       std::clamp(ahead_ * period_s / kCorrection_s, -(hurry ? settings_.max_slowing : settings_.max_hurry),
                  settings_.max_slowing);
@@ -116,6 +123,7 @@ double PlayoutClock::catch_up(double step) noexcept {
   const double change = step * period_s * share;
   slowing_ += std::clamp(aim - slowing_, -change, change);
   ahead_ -= slowing_ * step;
+  if (slowing_ < 1.0 && ahead_ > -1.0) stood_ = false;
   if (std::abs(ahead_) < 1e-3 && std::abs(slowing_) < 1e-3) ahead_ = slowing_ = 0.0;
   return ahead_;
 }

@@ -16,8 +16,8 @@ struct PlayoutSettings {
   double max_slowing =
       0.2;  ///< of the usual pace, while more delay is taken up; the pace itself does not jump
   double max_hurry = 0.005;  ///< and while delay is given back; as above where there is a hurry
-  double long_lag_s = 0.1;   ///< a lag longer than this is one
-  double max_lag_s = 0.75;   ///< and one longer than this is skipped
+  double give_up_s = 0.25;   ///< a correction longer than this is no slow one: the clock begins anew
+  double max_lag_s = 0.75;   ///< the same of what is behind because it stood, which is caught up in a hurry
 };
 
 /// A block that came.
@@ -84,6 +84,7 @@ class PlayoutClock {
   bool synchronized_ = false;
   bool went_on_ = false;
   bool hurry_ = false;
+  bool stood_ = false;   ///< and has not caught up yet
   double cursor_ = 0.0;  ///< as if corrections took no time
   double ahead_ = 0.0;   ///< samples by which what is played is still ahead of that
   double slowing_ = 0.0;
