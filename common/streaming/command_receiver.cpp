@@ -62,7 +62,9 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
     clock_.reset();
     next_.reset();
   }
-  clock_.arrived({.now_ns = received.received_ns - lost_ns(now_ns),
+  keep_time(now_ns);
+  clock_.arrived({.now_ns = received.received_ns,
+                  .sent_ns = header.sent_ns,
                   .last = samples.last(),
                   .count = static_cast<int>(samples.size()),
                   .sample_period_ns = header.sample_period_ns,
@@ -72,11 +74,15 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
 }
 
 bool CommandReceiver::asleep(std::int64_t now_ns) const noexcept {
-  return time_ns_ && now_ns - *time_ns_ > settings_.control_period_ns + kAsleep_ns;
+  return played_ns_ && now_ns - *played_ns_ > settings_.control_period_ns + kAsleep_ns;
 }
 
-std::int64_t CommandReceiver::lost_ns(std::int64_t now_ns) const noexcept {
-  return time_ns_ && !asleep(now_ns) ? now_ns - (*time_ns_ + settings_.control_period_ns) : 0;
+void CommandReceiver::keep_time(std::int64_t now_ns) noexcept {
+  if (!played_ns_ || asleep(now_ns)) return;
+  const std::int64_t lost_ns = now_ns - *played_ns_ - settings_.control_period_ns;
+  if (lost_ns < settings_.control_period_ns) return;
+  clock_.overslept(lost_ns);
+  *played_ns_ += lost_ns;
 }
 
 std::optional<KinematicState> CommandReceiver::state_at(double cursor,
@@ -94,14 +100,15 @@ std::optional<KinematicState> CommandReceiver::state_at(double cursor,
 }
 
 Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) noexcept {
-  time_ns_ = time_ns_ && !asleep(now_ns) ? *time_ns_ + settings_.control_period_ns : now_ns;
+  keep_time(now_ns);
+  played_ns_ = now_ns;
   Played out;
   out.begins = begins_;
   begins_ = false;
   // What the play-out waits for stragglers is not silence yet.
   out.fresh = heard() && stream_.silent_s(now_ns) - clock_.wait_s() < settings_.timeout_s;
   if (!out.fresh) return out;
-  out.cursor = clock_.advance(*time_ns_, settings_.control_period_ns);
+  out.cursor = clock_.advance(now_ns, settings_.control_period_ns);
   if (!out.cursor) return out;
   const double cursor = *out.cursor;
   out.tick = cursor * header().ticks_per_sample;

@@ -66,10 +66,10 @@ class CommandReceiver {
   void describe(const Acknowledgement& acknowledgement, StateHeader& header) const noexcept;
 
  private:
-  /// By how much this side's steps are behind the clock at the step that comes next.
-  std::int64_t lost_ns(std::int64_t now_ns) const noexcept;
   /// No step was made for so long that its time is given up.
   bool asleep(std::int64_t now_ns) const noexcept;
+  /// What the steps have lost by `now_ns`.
+  void keep_time(std::int64_t now_ns) noexcept;
   std::optional<KinematicState> state_at(double cursor, const KinematicState& tool) const noexcept;
   /// `missing`: what is due is not there. For a while time goes on; then it stands at what came last, until
   /// more has come.
@@ -82,9 +82,7 @@ class CommandReceiver {
   std::unique_ptr<JitterBuffer> buffer_;
   PlayoutClock clock_;
   EchoLog echoes_;
-  /// This side's time, in steps: what a late step costs is neither jitter of the link nor time to catch up
-  /// with.
-  std::optional<std::int64_t> time_ns_;
+  std::optional<std::int64_t> played_ns_;  ///< when the last step was made
   bool begins_ = false;
   std::optional<double> cursor_;      ///< of the last step
   double pace_ = 1.0;                 ///< by how much it went on in that step, of what is usual

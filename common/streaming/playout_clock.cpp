@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace telekerf::streaming {
 namespace {
@@ -13,6 +14,10 @@ constexpr double kCorrection_s = 0.02;
 constexpr double kStart_s = 0.05;
 /// Delay that was longer than any lately by this much is no jitter: it is over.
 constexpr std::int64_t kOver_ns = 250'000'000;
+/// In which what was overslept is asked back.
+constexpr std::int64_t kAwake_ns = 500'000'000;
+/// A sender's clock that jumps by more is not believed.
+constexpr std::int64_t kMostLost_ns = 10'000'000'000;
 
 }  // namespace
 
@@ -21,6 +26,7 @@ void PlayoutClock::reset() noexcept {
   next_ = 0;
   synchronized_ = false;
   loss_memory_s_ = 0.0;
+  overslept_ns_ = 0;
 }
 
 void PlayoutClock::arrived(const BlockArrival& block) noexcept {
@@ -32,37 +38,61 @@ void PlayoutClock::arrived(const BlockArrival& block) noexcept {
   last_arrival_ns_ = block.now_ns;
   period_ns_ = block.sample_period_ns;
   block_ = block.count;
-  transit_ns_[static_cast<std::size_t>(next_)] = block.now_ns - block.last * block.sample_period_ns;
+  const std::int64_t lag_ns = sender_lag_ns(block);
+  const bool newest = transits_ == 0 || block.last > newest_;
+  std::int64_t lost_ns = newest && transits_ > 0 ? std::max<std::int64_t>(0, lag_ns - sender_lag_ns_) : 0;
+  const std::int64_t by_both_ns = std::min(lost_ns, overslept_ns_);
+  overslept_ns_ -= by_both_ns;
+  lost_ns -= by_both_ns;
+  const std::int64_t transit_ns = block.now_ns - block.last * block.sample_period_ns - lag_ns;
+  history_[static_cast<std::size_t>(next_)] = {transit_ns, transit_ns + lost_ns};
+  if (newest) {
+    newest_ = block.last;
+    sender_lag_ns_ = lag_ns;
+  }
   next_ = (next_ + 1) % kHistory;
   transits_ = std::min(transits_ + 1, kHistory);
   choose_depth(block);
 }
 
+std::int64_t PlayoutClock::sender_lag_ns(const BlockArrival& block) const noexcept {
+  const bool possible = block.sent_ns >= 0 && block.sent_ns < std::int64_t{1} << 62;
+  const std::int64_t made_ns = block.last * block.sample_period_ns;
+  if (transits_ == 0) return (possible ? block.sent_ns : block.now_ns) - made_ns;
+  const std::int64_t lag_ns = block.sent_ns - made_ns;
+  return possible && std::abs(lag_ns - sender_lag_ns_) < kMostLost_ns ? lag_ns : sender_lag_ns_;
+}
+
 void PlayoutClock::forget_what_is_over() noexcept {
   if (transits_ <= kRecent) return;
-  std::array<std::int64_t, kRecent> recent{};
+  std::array<Transit, kRecent> recent{};
   for (int n = 0; n < kRecent; ++n)
     recent[static_cast<std::size_t>(n)] =
-        transit_ns_[static_cast<std::size_t>((next_ + kHistory - kRecent + n) % kHistory)];
-  const auto latest = [](auto begin, auto end) { return *std::max_element(begin, end); };
+        history_[static_cast<std::size_t>((next_ + kHistory - kRecent + n) % kHistory)];
+  const auto latest = [](auto begin, auto end) {
+    return std::max_element(begin, end, [](const Transit& a, const Transit& b) { return a.late < b.late; })
+        ->late;
+  };
   if (!hurry_ &&
-      latest(transit_ns_.begin(), transit_ns_.begin() + transits_) - latest(recent.begin(), recent.end()) <
+      latest(history_.begin(), history_.begin() + transits_) - latest(recent.begin(), recent.end()) <
           kOver_ns)
     return;
-  std::copy(recent.begin(), recent.end(), transit_ns_.begin());
+  std::copy(recent.begin(), recent.end(), history_.begin());
   transits_ = next_ = kRecent;
 }
 
 void PlayoutClock::choose_depth(const BlockArrival& newest) noexcept {
   forget_what_is_over();
   // The newest transits at block rate: 512 blocks of 16 ms are 8 s, so the envelope follows the clocks' skew.
-  std::array<std::int64_t, kHistory> sorted = transit_ns_;
-  const auto begin = sorted.begin();
-  const auto end = begin + transits_;
+  std::array<std::int64_t, kHistory> late_ns;
+  envelope_ns_ = history_.front().ns;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(transits_); ++i) {
+    late_ns[i] = history_[i].late;
+    envelope_ns_ = std::min(envelope_ns_, history_[i].ns);
+  }
   const auto rank = static_cast<std::ptrdiff_t>(std::lround(settings_.jitter_quantile * (transits_ - 1)));
-  std::nth_element(begin, begin + rank, end);
-  const std::int64_t late = *(begin + rank);
-  envelope_ns_ = *std::min_element(begin, end);
+  std::nth_element(late_ns.begin(), late_ns.begin() + rank, late_ns.begin() + transits_);
+  const std::int64_t late = late_ns[static_cast<std::size_t>(rank)];
 
   const double period_s = static_cast<double>(period_ns_) * 1e-9;
   double depth_s = static_cast<double>(late - envelope_ns_) * 1e-9 + settings_.margin_s;
@@ -72,12 +102,15 @@ void PlayoutClock::choose_depth(const BlockArrival& newest) noexcept {
 }
 
 double PlayoutClock::target(std::int64_t now_ns) const noexcept {
-  return static_cast<double>(now_ns - envelope_ns_) / static_cast<double>(period_ns_) - depth_;
+  const std::int64_t since_ns = now_ns - envelope_ns_ - sender_lag_ns_ - overslept_ns_;
+  return static_cast<double>(since_ns) / static_cast<double>(period_ns_) - depth_;
 }
 
 std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t control_period_ns) noexcept {
   went_on_ = false;
   if (transits_ == 0) return std::nullopt;
+  overslept_ns_ -=
+      std::min(overslept_ns_, std::max(overslept_ns_, control_period_ns) * control_period_ns / kAwake_ns);
   const double wanted = target(now_ns);
   const auto too_far = [&](double samples, double most_s) {
     return std::abs(samples) * static_cast<double>(period_ns_) > 1e9 * most_s;
@@ -114,7 +147,7 @@ double PlayoutClock::stand(double at) noexcept {
 
 double PlayoutClock::catch_up(double step) noexcept {
   const double period_s = static_cast<double>(period_ns_) * 1e-9;
-  const bool hurry = hurry_ || stood_;
+  const bool hurry = hurry_ || stood_ || overslept_ns_ > 0;
   const double aim =
       std::clamp(ahead_ * period_s / kCorrection_s, -(hurry ? settings_.max_slowing : settings_.max_hurry),
                  settings_.max_slowing);

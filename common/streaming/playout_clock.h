@@ -23,17 +23,19 @@ struct PlayoutSettings {
 /// A block that came.
 struct BlockArrival {
   std::int64_t now_ns = 0;
-  std::int64_t last = 0;  ///< index of its last sample
-  int count = 0;          ///< samples in it
+  std::int64_t sent_ns = 0;  ///< by its sender's clock
+  std::int64_t last = 0;     ///< index of its last sample
+  int count = 0;             ///< samples in it
   std::int64_t sample_period_ns = 0;
   int copies = 0;     ///< earlier blocks that its sender repeats: waited for where losses are seen
   int lookahead = 0;  ///< samples after the one that is applied which are needed as well
   bool lost = false;  ///< blocks before it are missing
 };
 
-/// Maps the slave's clock to the stream sample to apply. The map is the lower envelope of (arrival - sample
-/// time) plus a depth that covers block filling, jitter and, where losses are seen, the redundant copies.
-/// It is corrected by whole samples, and they little by little: what is played goes on without a jump, a
+/// Maps the slave's clock to the stream sample to apply. The map is the lower envelope of (arrival - sending)
+/// plus a depth that covers block filling, jitter and, where losses are seen, the redundant copies. Time that
+/// the sender's loop lost is no jitter: all that it sends later is later by as much.
+/// The map is corrected by whole samples, and they little by little: what is played goes on without a jump, a
 /// little slower or faster.
 class PlayoutClock {
  public:
@@ -50,6 +52,9 @@ class PlayoutClock {
   /// What is due is not there. Until that is said no more, what is played stands at `at` (samples), no later
   /// than what is due; then it sets off again without a jump of the pace. Returns where it stands.
   double stand(double at) noexcept;
+  /// The slave's loop has lost time since the last advance(). Where the sender lost as much, as on a machine
+  /// of both that did something else, nothing is behind; what is left is caught up within a second or two.
+  void overslept(std::int64_t lost_ns) noexcept { overslept_ns_ += synchronized_ ? lost_ns : 0; }
   /// Commands come so late that they are of little use: delay that has gone is given back as fast as the pace
   /// may change, and none is kept for what may come again.
   void hurry(bool on) noexcept { hurry_ = on; }
@@ -63,6 +68,9 @@ class PlayoutClock {
   std::uint64_t resyncs() const noexcept { return resyncs_; }
 
  private:
+  /// How far the sender's clock is ahead of its samples' time when it sends this one: more by what its loop
+  /// loses.
+  std::int64_t sender_lag_ns(const BlockArrival& block) const noexcept;
   void choose_depth(const BlockArrival& newest) noexcept;
   /// A delay that has gone must not be waited for as long as the history lasts.
   void forget_what_is_over() noexcept;
@@ -72,10 +80,17 @@ class PlayoutClock {
   static constexpr int kHistory = 512;
   static constexpr int kRecent = 96;  ///< 1.5 s of blocks of 16 ms
   PlayoutSettings settings_;
-  std::array<std::int64_t, kHistory> transit_ns_{};  ///< arrival - last * period, newest overwrite oldest
+  /// Of a block that came, in the clocks' difference.
+  struct Transit {
+    std::int64_t ns = 0;    ///< arrival - sending
+    std::int64_t late = 0;  ///< and with what its sender had just lost and the slave had not
+  };
+  std::array<Transit, kHistory> history_{};  ///< newest overwrite oldest
   int transits_ = 0;
   int next_ = 0;
   std::int64_t envelope_ns_ = 0;
+  std::int64_t newest_ = 0;         ///< last sample that came
+  std::int64_t sender_lag_ns_ = 0;  ///< when it was sent
   std::int64_t period_ns_ = 0;
   int block_ = 0;
   int depth_ = 0;
@@ -84,9 +99,10 @@ class PlayoutClock {
   bool synchronized_ = false;
   bool went_on_ = false;
   bool hurry_ = false;
-  bool stood_ = false;   ///< and has not caught up yet
-  double cursor_ = 0.0;  ///< as if corrections took no time
-  double ahead_ = 0.0;   ///< samples by which what is played is still ahead of that
+  bool stood_ = false;             ///< and has not caught up yet
+  std::int64_t overslept_ns_ = 0;  ///< that nothing has been done for yet
+  double cursor_ = 0.0;            ///< as if corrections took no time
+  double ahead_ = 0.0;             ///< samples by which what is played is still ahead of that
   double slowing_ = 0.0;
   std::uint64_t corrections_ = 0;
   std::uint64_t resyncs_ = 0;

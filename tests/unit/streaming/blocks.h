@@ -36,6 +36,9 @@ class Sender {
     return block;
   }
 
+  /// Of the next block's first sample.
+  std::int64_t next_tick() const { return index_; }
+
   std::uint64_t button = 0;  ///< bit n: pressed at sample n of the blocks to come
 
  private:

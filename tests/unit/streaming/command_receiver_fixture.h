@@ -21,8 +21,9 @@ class CommandReceiverTest : public testing::Test {
     CommandBlock block = sender_.next();
     block.engaged = true;
     block.engaged_before = 0x7F;
-    block.sent_ns = 1000 * block.sequence;
     change_(block);
+    const auto last = static_cast<std::int64_t>(block.first_tick / block.ticks_per_sample) + kBlock - 1;
+    block.sent_ns = last * block.sample_period_ns + lost_ns_;
     return block;
   }
   /// `steps` steps; `each` may look at what was played.
@@ -44,6 +45,7 @@ class CommandReceiverTest : public testing::Test {
   Sender<CommandBlock> sender_{7};
   std::function<void(CommandBlock&)> change_ = [](CommandBlock&) {};
   std::int64_t now_ns_ = 15 * kMs;
+  std::int64_t lost_ns_ = 0;  ///< by the sender's loop
   Played played_;
 };
 

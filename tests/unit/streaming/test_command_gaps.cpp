@@ -87,6 +87,7 @@ TEST_F(CommandReceiverTest, WhileACorrectionGoesByTheMotionIsAsMuchSlower) {
   EXPECT_GT(slower, 50);
 }
 
+/// The machine of both does something else now and then.
 TEST_F(CommandReceiverTest, LateStepsOfBothSidesAreNeitherJitterNorCaughtUpWith) {
   double last = -1.0;
   const auto in_step = [&](const Played& played) {
@@ -97,18 +98,51 @@ TEST_F(CommandReceiverTest, LateStepsOfBothSidesAreNeitherJitterNorCaughtUpWith)
   };
   for (int n = 0; n < 10; ++n) {
     run(3, in_step);
-    now_ns_ += (7 * n % 40) * kMs;  // the machine did something else
+    now_ns_ += (7 * n % 40) * kMs;
+    lost_ns_ += (7 * n % 40) * kMs;
   }
   EXPECT_EQ(receiver_.clock().depth_samples(), 21);
   EXPECT_EQ(receiver_.clock().corrections(), 0u);
 }
 
-TEST_F(CommandReceiverTest, ABlockThatCameBeforeALateStepIsAsEarlyAsItWas) {
-  run(10);
-  const std::int64_t came_ns = now_ns_ + 2 * kMs;
-  now_ns_ += 9 * kMs;
-  receiver_.receive({next(), came_ns}, 4, now_ns_);
-  EXPECT_EQ(receiver_.clock().depth_samples(), 21 + 7) << "7 ms earlier in steps than those before";
+/// However much it is in all, it is no delay: what is played stays as young as it was.
+TEST_F(CommandReceiverTest, WhatTheSendersLoopLosesDoesNotAddUp) {
+  run(600);
+  const double before = *played_.cursor - static_cast<double>(sender_.next_tick());
+  for (int n = 0; n < 40; ++n) {
+    now_ns_ += 12 * kMs;
+    for (int late = 12; late > 0; --late) played_ = receiver_.play(now_ns_ - late * kMs, kTool);
+    lost_ns_ += 12 * kMs;
+    run(12, [&](const Played& played) {
+      EXPECT_EQ(played.discontinuity, false);
+      EXPECT_FALSE(played.waits);
+    });
+  }
+  EXPECT_EQ(receiver_.clock().depth_samples(), 21 + 12) << "it covers one loss: more of them than 0.5 %";
+  EXPECT_NEAR(*played_.cursor - static_cast<double>(sender_.next_tick()), before - 12.0, 4.0);
+}
+
+/// Nor is what the receiver's own loop loses: it is caught up with.
+TEST_F(CommandReceiverTest, WhatItsOwnLoopLosesIsCaughtUpWith) {
+  run(100);
+  const double before = *played_.cursor - static_cast<double>(sender_.next_tick());
+  double behind = 0.0;
+  for (int n = 0; n < 200; ++n) {
+    receiver_.receive({next(), now_ns_}, 4, now_ns_);
+    for (int step = 0; step < kBlock; ++step, now_ns_ += kMs) {
+      if (n % 12 == 0 && step < 12) continue;
+      played_ = receiver_.play(now_ns_, kTool);
+      EXPECT_FALSE(played_.discontinuity);
+      EXPECT_NE(played_.sample, nullptr);
+    }
+    behind = std::min(behind, *played_.cursor - static_cast<double>(sender_.next_tick()) - before);
+  }
+  EXPECT_GT(behind, -45.0) << "6 % of half a second, and one more";
+  EXPECT_LT(behind, -12.0);
+  EXPECT_EQ(receiver_.clock().depth_samples(), 21);
+  EXPECT_EQ(receiver_.clock().resyncs(), 0u);
+  run(200);
+  EXPECT_NEAR(*played_.cursor - static_cast<double>(sender_.next_tick()), before, 4.0);
 }
 
 TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeStandsOnceAndThenThereIsAlwaysSomethingToPlay) {

@@ -293,7 +293,7 @@ TEST_F(CommandReceiverTest, SaysOfTheStreamWhatItsNewestBlockSaid) {
   EXPECT_EQ(header.playout_ticks, receiver_.clock().depth_samples());
   EXPECT_EQ(header.playout_ticks, 21);
   EXPECT_EQ(header.echo_sequence, 5u);
-  EXPECT_EQ(header.echo_sent_ns, 5000);
+  EXPECT_EQ(header.echo_sent_ns, (5 * kBlock - 1) * kMs);
   EXPECT_EQ(header.echo_received_ns, now_ns_ - kBlock * kMs);
 }
 

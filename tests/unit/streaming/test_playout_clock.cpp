@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
@@ -17,7 +18,13 @@ constexpr std::int64_t kMs = 1'000'000;
 
 /// 16 samples at 1 kHz.
 BlockArrival block(std::int64_t now_ns, std::int64_t last, bool lost = false) {
-  return {.now_ns = now_ns, .last = last, .count = 16, .sample_period_ns = kMs, .copies = 1, .lost = lost};
+  return {.now_ns = now_ns,
+          .sent_ns = last * kMs,
+          .last = last,
+          .count = 16,
+          .sample_period_ns = kMs,
+          .copies = 1,
+          .lost = lost};
 }
 
 /// A stream of blocks of 16 samples at 1 kHz over a link with the given delay; returns the number of control
@@ -350,12 +357,37 @@ TEST_F(Corrected, ForgetsTheLinkWhenItIsResetAndAtAnotherSamplePeriod) {
       EXPECT_EQ(clock_.depth_samples(), 17) << "neither jitter nor losses";
       EXPECT_EQ(first_cursor(), 3000.0 - 105.0 - 17.0);
     } else {
-      clock_.arrived(
-          {.now_ns = 15 * 2 * kMs + 105 * kMs, .last = 15, .count = 16, .sample_period_ns = 2 * kMs});
+      clock_.arrived({.now_ns = 15 * 2 * kMs + 105 * kMs,
+                      .sent_ns = 15 * 2 * kMs,
+                      .last = 15,
+                      .count = 16,
+                      .sample_period_ns = 2 * kMs});
       EXPECT_EQ(clock_.depth_samples(), 15 + 1);
       EXPECT_EQ(first_cursor(), std::floor((3000.0 - 105.0) / 2.0) - 16.0);
     }
     EXPECT_EQ(clock_.resyncs(), 0u) << "it was not lost, it began anew";
+  }
+}
+
+/// What no clock says, and one that is set, count as nothing: the delay of the link is what it was.
+TEST(PlayoutClock, ASendersClockThatCannotBeTrueIsNotBelieved) {
+  constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t wrong : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1}, kLargest,
+                                   std::int64_t{1} << 62, 16'000 * kMs, 12'000 * kMs}) {
+    PlayoutClock clock{PlayoutSettings{}};
+    arrive(clock, {5.0, 5.0, 5.0});
+    BlockArrival arrival = block(63 * kMs + 5 * kMs, 63);
+    arrival.sent_ns = wrong;
+    clock.arrived(arrival);
+    EXPECT_EQ(clock.depth_samples(), 17) << wrong;
+    EXPECT_EQ(clock.advance(1000 * kMs, kMs), 1000.0 - 5.0 - 17.0) << wrong;
+  }
+  for (const std::int64_t wrong : {std::numeric_limits<std::int64_t>::min(), kLargest}) {
+    PlayoutClock clock{PlayoutSettings{}};
+    BlockArrival arrival = block(20 * kMs, 15);
+    arrival.sent_ns = wrong;
+    clock.arrived(arrival);
+    EXPECT_EQ(clock.advance(1000 * kMs, kMs), 1000.0 - 5.0 - 17.0) << wrong;
   }
 }
 
