@@ -55,19 +55,23 @@ double distance_m(const Polyline& line, const Vec2& p) {
 
 /// The part of segment a that lies on segment b, metres from a's start; nothing where they part.
 Stretch common_stretch(const Segment& a, const Segment& b, double tolerance) {
+  // Along and across are times a's length here: most pairs part, and cost no root and no division.
   const Vec2 way = a.to - a.from;
-  const double length = way.norm();
-  const Vec2 along = way / length;
-  const double s0 = (b.from - a.from).dot(along);
-  const double s1 = (b.to - a.from).dot(along);
-  const double low = std::max(0.0, std::min(s0, s1));
-  const double high = std::min(length, std::max(s0, s1));
-  if (!(high > low) || !(std::abs(s1 - s0) > 0.0)) return {};
+  const double square = way.squaredNorm();
+  const double along0 = way.dot(b.from - a.from);
+  const double along = way.dot(b.to - a.from) - along0;
+  const double low = std::max(0.0, std::min(along0, along0 + along));
+  const double high = std::min(square, std::max(along0, along0 + along));
+  if (!(high > low)) return {};
+  const double across0 = geometry::cross(way, b.from - a.from);
+  const double across = geometry::cross(way, b.to - a.from) - across0;
+  const double near = tolerance * along;
   for (const double s : {low, high}) {
-    const Vec2 on_b = b.from + (s - s0) / (s1 - s0) * (b.to - b.from);
-    if (!(std::abs(geometry::cross(along, on_b - a.from)) <= tolerance)) return {};
+    const double aside = across0 * along + (s - along0) * across;
+    if (!(aside * aside <= near * near * square)) return {};
   }
-  return {low, high};
+  const double length = std::sqrt(square);
+  return {low / length, high / length};
 }
 
 /// Where the pen goes back the way it came, one line ends and another begins.
