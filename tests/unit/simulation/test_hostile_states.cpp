@@ -3,60 +3,53 @@
 // its numbers finite, and when they are over it leads its slave again after one engagement.
 #include <gtest/gtest.h>
 
-#include <limits>
-#include <random>
-
 #include "common/runtime/startup_error.h"
 #include "experiments/simulation/simulation.h"
 #include "experiments/simulation/virtual_link.h"
+#include "tests/unit/hostile_values.h"
 
 namespace telekerf::simulation {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
-constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
-constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kLeast = HostileValues::kLeast;
+constexpr std::int64_t kLargest = HostileValues::kLargest;
 
 class HostileStates : public testing::TestWithParam<std::uint64_t> {
  protected:
-  template <class T>
-  T some(std::initializer_list<T> values) {
-    const std::size_t n = random_() % (values.size() + 1);
-    return n < values.size() ? values.begin()[n] : static_cast<T>(random_());
-  }
-  double some_number() {
-    constexpr double kInfinite = std::numeric_limits<double>::infinity();
-    const double numbers[] = {0.0,   1e-3,      -1.0,       1.0,
-                              1e300, kInfinite, -kInfinite, std::numeric_limits<double>::quiet_NaN()};
-    return numbers[random_() % std::size(numbers)];
-  }
   StateBlock changed(StateBlock block, std::int64_t now_ns) {
     const auto again = [&](auto change) {
-      if (random_() % 6 == 0) change();
+      if (random_.one_in(6)) change();
     };
-    again([&] { block.sequence = some<std::uint32_t>({0, 1, block.sequence + 60, 0xFFFFFFFF}); });
-    again([&] { block.epoch = some<std::uint32_t>({0, 0xFFFFFFFF}); });
-    again([&] { block.master_epoch = some<std::uint32_t>({0, 0xFFFFFFFF}); });
-    again([&] { block.first_tick = some<Tick>({0, block.first_tick + 900, ~Tick{0}}); });
-    again([&] { block.sample_period_ns = some<std::uint32_t>({0, 10'000, 100'000'000, 0xFFFFFFFF}); });
-    again([&] { block.ticks_per_sample = some<std::uint16_t>({0, 2, 0xFFFF}); });
-    again([&] { block.contour_id = some<std::uint32_t>({0, 1}); });
-    again([&] { block.beta = some_number(); });
-    again([&] { block.anchor.position_m[static_cast<int>(random_() % 3)] = some_number(); });
-    again([&] { block.anchor.velocity_m_per_s[static_cast<int>(random_() % 3)] = some_number(); });
-    again([&] { block.applied_tick = some<Tick>({0, block.applied_tick + 1000, Tick{1} << 63U, ~Tick{0}}); });
-    again([&] { block.applied_age_ticks = some<std::uint32_t>({0, 0x7FFFFFFF, 0xFFFFFFFF}); });
-    again([&] { block.applied_bitmap = some<std::uint64_t>({0, ~std::uint64_t{0}}); });
-    again([&] { block.playout_ticks = some<std::int32_t>({0, -1, 0x7FFFFFFF, -0x7FFFFFFF - 1}); });
-    again([&] { block.echo_sequence = some<std::uint32_t>({0, block.echo_sequence + 1, 0xFFFFFFFF}); });
-    again([&] { block.echo_sent_ns = some<std::int64_t>({kLeast, -1, 0, now_ns + kMs, kLargest}); });
-    again([&] { block.echo_received_ns = some<std::int64_t>({kLeast, -1, 0, kLargest}); });
-    again([&] { block.sent_ns = some<std::int64_t>({kLeast, -1, 0, kLargest}); });
+    again([&] { block.sequence = random_.some<std::uint32_t>({0, 1, block.sequence + 60, 0xFFFFFFFF}); });
+    again([&] { block.epoch = random_.some<std::uint32_t>({0, 0xFFFFFFFF}); });
+    again([&] { block.master_epoch = random_.some<std::uint32_t>({0, 0xFFFFFFFF}); });
+    again([&] { block.first_tick = random_.some<Tick>({0, block.first_tick + 900, ~Tick{0}}); });
+    again([&] {
+      block.sample_period_ns = random_.some<std::uint32_t>({0, 10'000, 100'000'000, 0xFFFFFFFF});
+    });
+    again([&] { block.ticks_per_sample = random_.some<std::uint16_t>({0, 2, 0xFFFF}); });
+    again([&] { block.contour_id = random_.some<std::uint32_t>({0, 1}); });
+    again([&] { block.beta = random_.some_number(); });
+    again([&] { block.anchor.position_m[static_cast<int>(random_() % 3)] = random_.some_number(); });
+    again([&] { block.anchor.velocity_m_per_s[static_cast<int>(random_() % 3)] = random_.some_number(); });
+    again([&] {
+      block.applied_tick = random_.some<Tick>({0, block.applied_tick + 1000, Tick{1} << 63U, ~Tick{0}});
+    });
+    again([&] { block.applied_age_ticks = random_.some<std::uint32_t>({0, 0x7FFFFFFF, 0xFFFFFFFF}); });
+    again([&] { block.applied_bitmap = random_.some<std::uint64_t>({0, ~std::uint64_t{0}}); });
+    again([&] { block.playout_ticks = random_.some<std::int32_t>({0, -1, 0x7FFFFFFF, -0x7FFFFFFF - 1}); });
+    again([&] {
+      block.echo_sequence = random_.some<std::uint32_t>({0, block.echo_sequence + 1, 0xFFFFFFFF});
+    });
+    again([&] { block.echo_sent_ns = random_.some<std::int64_t>({kLeast, -1, 0, now_ns + kMs, kLargest}); });
+    again([&] { block.echo_received_ns = random_.some<std::int64_t>({kLeast, -1, 0, kLargest}); });
+    again([&] { block.sent_ns = random_.some<std::int64_t>({kLeast, -1, 0, kLargest}); });
     again([&] { block.mode = static_cast<SlaveMode>(random_() % 4); });
-    again([&] { block.engage = some<std::uint32_t>({0, 1, block.engage + 1}); });
-    again([&] { block.stop = some<std::uint32_t>({0, 1}); });
-    again([&] { block.guards = some<std::uint32_t>({0, kButtonGuard, kAgeGuard}); });
-    again([&] { block.command_age_s = some_number(); });
+    again([&] { block.engage = random_.some<std::uint32_t>({0, 1, block.engage + 1}); });
+    again([&] { block.stop = random_.some<std::uint32_t>({0, 1}); });
+    again([&] { block.guards = random_.some<std::uint32_t>({0, kButtonGuard, kAgeGuard}); });
+    again([&] { block.command_age_s = random_.some_number(); });
     again([&] { block.payload.size = static_cast<std::uint16_t>(random_() % (Payload::kCapacity + 1)); });
     again([&] { block.force.size = static_cast<std::uint16_t>(random_() % (Payload::kCapacity + 1)); });
     block.guards &= ~kRealLaser;  // a real one ends the unattended master of this test
@@ -65,11 +58,11 @@ class HostileStates : public testing::TestWithParam<std::uint64_t> {
   EventMessage event() {
     EventMessage event;
     event.kind = static_cast<EventMessage::Kind>(random_() % 10);
-    event.value = random_() % 4 == 0 ? 0.3 : some_number();
+    event.value = random_() % 4 == 0 ? 0.3 : random_.some_number();
     return event;
   }
 
-  std::mt19937_64 random_{GetParam()};
+  HostileValues random_{GetParam()};
 };
 
 TEST_P(HostileStates, BreakNothingAndTheSlaveIsLedAgain) {

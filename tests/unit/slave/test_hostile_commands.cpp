@@ -1,59 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 // Blocks that no master sends, at random: whatever stands in them the slave keeps its numbers finite and
 // lights nothing outside, and when they are over it hears its master again.
-#include <limits>
-#include <random>
-
+#include "tests/unit/hostile_values.h"
 #include "tests/unit/slave/commanded_slave.h"
 
 namespace telekerf::slave {
 namespace {
 
+constexpr std::int64_t kLeast = HostileValues::kLeast;
+constexpr std::int64_t kLargest = HostileValues::kLargest;
+
 class HostileCommands : public SlaveNodeTest, public testing::WithParamInterface<std::uint64_t> {
  protected:
-  /// Any of these, or anything.
-  template <class T>
-  T some(std::initializer_list<T> values) {
-    const std::size_t n = random_() % (values.size() + 1);
-    return n < values.size() ? values.begin()[n] : static_cast<T>(random_());
-  }
-  double some_number() {
-    constexpr double kInfinite = std::numeric_limits<double>::infinity();
-    const double numbers[] = {0.0,
-                              -0.0,
-                              1e-300,
-                              1e-3,
-                              -1.0,
-                              1.0,
-                              1e9,
-                              -1e300,
-                              kInfinite,
-                              -kInfinite,
-                              std::numeric_limits<double>::quiet_NaN()};
-    return numbers[random_() % std::size(numbers)];
-  }
   /// A true block with some of it changed.
   CommandBlock changed(CommandBlock block) {
-    constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
-    constexpr auto kLargest = std::numeric_limits<std::int64_t>::max();
     const auto again = [&](auto change) {
-      if (random_() % 6 == 0) change();
+      if (random_.one_in(6)) change();
     };
-    again([&] { block.sequence = some<std::uint32_t>({0, 1, block.sequence + 60, 0x7FFFFFFF, 0xFFFFFFFF}); });
-    again([&] { block.epoch = some<std::uint32_t>({0, epoch_ + 1, 0xFFFFFFFF}); });
-    again([&] { block.first_tick = some<Tick>({0, block.first_tick + 900, Tick{1} << 62U, ~Tick{0}}); });
-    again([&] { block.sample_period_ns = some<std::uint32_t>({0, 1, 10'000, 100'000'000, 0xFFFFFFFF}); });
-    again([&] { block.ticks_per_sample = some<std::uint16_t>({0, 1, 2, 1000, 0xFFFF}); });
-    again([&] { block.contour_id = some<std::uint32_t>({0, 1, 2}); });
-    again([&] { block.beta = some_number(); });
+    again([&] {
+      block.sequence = random_.some<std::uint32_t>({0, 1, block.sequence + 60, 0x7FFFFFFF, 0xFFFFFFFF});
+    });
+    again([&] { block.epoch = random_.some<std::uint32_t>({0, epoch_ + 1, 0xFFFFFFFF}); });
+    again([&] {
+      block.first_tick = random_.some<Tick>({0, block.first_tick + 900, Tick{1} << 62U, ~Tick{0}});
+    });
+    again([&] {
+      block.sample_period_ns = random_.some<std::uint32_t>({0, 1, 10'000, 100'000'000, 0xFFFFFFFF});
+    });
+    again([&] { block.ticks_per_sample = random_.some<std::uint16_t>({0, 1, 2, 1000, 0xFFFF}); });
+    again([&] { block.contour_id = random_.some<std::uint32_t>({0, 1, 2}); });
+    again([&] { block.beta = random_.some_number(); });
     again([&] { block.engaged = !block.engaged; });
     again([&] { block.engaged_before = static_cast<std::uint8_t>(random_()); });
-    again([&] { block.anchor.position_m[static_cast<int>(random_() % 3)] = some_number(); });
-    again([&] { block.anchor.velocity_m_per_s[static_cast<int>(random_() % 3)] = some_number(); });
-    again([&] { block.sent_ns = some<std::int64_t>({kLeast, -1, 0, now_ns_, kLargest}); });
-    again([&] { block.engage = some<std::uint32_t>({0, engage_ + 1, 0x7FFFFFFF, 0xFFFFFFFF}); });
-    again([&] { block.echo_sequence = some<std::uint32_t>({0, echo_.sequence + 1, 0xFFFFFFFF}); });
-    again([&] { block.echo_sent_ns = some<std::int64_t>({kLeast, -1, 0, now_ns_ + 1, kLargest}); });
+    again([&] { block.anchor.position_m[static_cast<int>(random_() % 3)] = random_.some_number(); });
+    again([&] { block.anchor.velocity_m_per_s[static_cast<int>(random_() % 3)] = random_.some_number(); });
+    again([&] { block.sent_ns = random_.some<std::int64_t>({kLeast, -1, 0, now_ns_, kLargest}); });
+    again([&] { block.engage = random_.some<std::uint32_t>({0, engage_ + 1, 0x7FFFFFFF, 0xFFFFFFFF}); });
+    again([&] { block.echo_sequence = random_.some<std::uint32_t>({0, echo_.sequence + 1, 0xFFFFFFFF}); });
+    again([&] { block.echo_sent_ns = random_.some<std::int64_t>({kLeast, -1, 0, now_ns_ + 1, kLargest}); });
     again([&] { block.payload.size = static_cast<std::uint16_t>(random_() % (Payload::kCapacity + 1)); });
     for (std::uint64_t flips = random_() % 4; flips > 0 && block.payload.size > 0; --flips)
       block.payload.bytes[random_() % block.payload.size] ^= static_cast<std::uint8_t>(1U << random_() % 8);
@@ -76,7 +60,7 @@ class HostileCommands : public SlaveNodeTest, public testing::WithParamInterface
     ASSERT_FALSE(out_.laser_w > 0.0 && station_.machine().failed());
   }
 
-  std::mt19937_64 random_{GetParam()};
+  HostileValues random_{GetParam()};
   robot::RobotModel model_ = robot::load_robot(StationSettings{}.robot);
 };
 

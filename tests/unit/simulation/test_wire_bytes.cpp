@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the frames of a lap cost, in virtual time. That a captured frame costs just this is held by
+// tests/system/test_wire_frames.cpp.
+#include <gtest/gtest.h>
+
+#include "experiments/simulation/simulation.h"
+#include "experiments/simulation/virtual_link.h"
+
+namespace telekerf::simulation {
+namespace {
+
+/// Mean bytes of a frame.
+struct Frames {
+  const char* image;
+  double command, state;
+};
+
+class WireBytes : public testing::TestWithParam<Frames> {};
+
+TEST_P(WireBytes, AFrameOfEitherStreamAndBothTogether) {
+  SimulationSettings settings;
+  settings.network = netem::load_profile("thesis-constant");
+  settings.image = GetParam().image;
+  settings.master.record_s = settings.slave.record_s = 0.01;
+  const ContourMessage contour = find_contour(settings);
+  master::Station master(settings.master);
+  slave::Station slave(settings.slave);
+  const auto task = master.prepare(contour);
+  const auto corridor = slave.prepare(contour);
+  VirtualLink<CommandBlock> forward(settings.network.forward, 1, netem::Direction::kForward);
+  VirtualLink<StateBlock> backward(settings.network.backward, 1, netem::Direction::kBackward);
+  std::vector<Received<CommandBlock>> commands;
+  std::vector<Received<StateBlock>> states;
+  struct {
+    double frames = 0.0, bytes = 0.0;
+    double mean() const { return bytes / frames; }
+    void add(std::uint32_t more) { ++frames, bytes += more; }
+  } command_frames, state_frames;
+  constexpr std::int64_t kMs = 1'000'000, kSteps = 20'000;
+  std::int64_t lit = 0;
+  for (std::int64_t n = 0; n < kSteps; ++n) {
+    commands.clear();
+    states.clear();
+    forward.deliver(n * kMs, commands);
+    backward.deliver(n * kMs, states);
+    const auto made = master.step(n * kMs, task.get(), states, {});
+    if (made.command) command_frames.add(forward.push(n * kMs, *made.command));
+    const auto out = slave.step(n * kMs, corridor.get(), commands);
+    if (out.state) state_frames.add(backward.push(n * kMs, *out.state));
+    lit += out.laser_w > 0.0 ? 1 : 0;
+  }
+  const double both_per_s = (command_frames.bytes + state_frames.bytes) / (1e-9 * kMs * kSteps);
+  std::printf("%s: commands %.1f bytes a frame, states %.1f, both %.0f bytes/s\n", GetParam().image,
+              command_frames.mean(), state_frames.mean(), both_per_s);
+  EXPECT_GT(lit, kSteps / 2) << "a lap that cuts";
+  EXPECT_NEAR(command_frames.mean(), GetParam().command, 1.0);
+  EXPECT_NEAR(state_frames.mean(), GetParam().state, 1.0);
+  constexpr double kBusBytesPerS = 2400.0;  // as captured there, of two pairs of processes
+  EXPECT_LE(both_per_s + kBusBytesPerS, 25'000.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Pictures, WireBytes,
+                         testing::Values(Frames{"heart", 147.0, 196.0}, Frames{"gear", 147.0, 196.0},
+                                         Frames{"circle", 147.0, 196.0}));
+
+}  // namespace
+}  // namespace telekerf::simulation
