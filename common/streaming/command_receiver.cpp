@@ -70,7 +70,8 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
                   .sample_period_ns = header.sample_period_ns,
                   .copies = arrival.packet->head.redundancy,
                   .lookahead = header.law == Law::kLocal ? kHalfWindow : 0,
-                  .lost = arrival.missing > 0});
+                  .lost = arrival.missing > 0,
+                  .placed = header.law != Law::kRemoteAcceleration});
 }
 
 bool CommandReceiver::asleep(std::int64_t now_ns) const noexcept {

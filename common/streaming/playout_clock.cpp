@@ -38,6 +38,7 @@ void PlayoutClock::arrived(const BlockArrival& block) noexcept {
   last_arrival_ns_ = block.now_ns;
   period_ns_ = block.sample_period_ns;
   block_ = block.count;
+  placed_ = block.placed;
   const std::int64_t lag_ns = sender_lag_ns(block);
   const bool newest = transits_ == 0 || block.last > newest_;
   std::int64_t lost_ns = newest && transits_ > 0 ? std::max<std::int64_t>(0, lag_ns - sender_lag_ns_) : 0;
@@ -115,7 +116,9 @@ std::optional<double> PlayoutClock::advance(std::int64_t now_ns, std::int64_t co
   const auto too_far = [&](double samples, double most_s) {
     return std::abs(samples) * static_cast<double>(period_ns_) > 1e9 * most_s;
   };
-  const bool lost = stood_ ? too_far(wanted - (cursor_ + ahead_), settings_.max_lag_s)
+  const double behind = wanted - (cursor_ + ahead_);
+  if (placed_ && behind > 0.0 && too_far(behind, settings_.give_up_s)) stood_ = true;
+  const bool lost = stood_ ? too_far(behind, settings_.max_lag_s)
                            : too_far(wanted - cursor_, settings_.give_up_s) ||
                                  too_far(std::min(ahead_, 0.0), settings_.give_up_s);
   if (!synchronized_ || lost) {

@@ -17,7 +17,7 @@ struct PlayoutSettings {
       0.2;  ///< of the usual pace, while more delay is taken up; the pace itself does not jump
   double max_hurry = 0.005;  ///< and while delay is given back; as above where there is a hurry
   double give_up_s = 0.25;   ///< a correction longer than this is no slow one: the clock begins anew
-  double max_lag_s = 0.75;   ///< the same of what is behind because it stood, which is caught up in a hurry
+  double max_lag_s = 0.75;  ///< but where samples have a place, of what is behind: up to this it is caught up
 };
 
 /// A block that came.
@@ -27,9 +27,10 @@ struct BlockArrival {
   std::int64_t last = 0;     ///< index of its last sample
   int count = 0;             ///< samples in it
   std::int64_t sample_period_ns = 0;
-  int copies = 0;     ///< earlier blocks that its sender repeats: waited for where losses are seen
-  int lookahead = 0;  ///< samples after the one that is applied which are needed as well
-  bool lost = false;  ///< blocks before it are missing
+  int copies = 0;      ///< earlier blocks that its sender repeats: waited for where losses are seen
+  int lookahead = 0;   ///< samples after the one that is applied which are needed as well
+  bool lost = false;   ///< blocks before it are missing
+  bool placed = true;  ///< samples say where the tool is to be: time may go faster for a while, but not jump
 };
 
 /// Maps the slave's clock to the stream sample to apply. The map is the lower envelope of (arrival - sending)
@@ -99,6 +100,7 @@ class PlayoutClock {
   bool synchronized_ = false;
   bool went_on_ = false;
   bool hurry_ = false;
+  bool placed_ = true;
   bool stood_ = false;             ///< and has not caught up yet
   std::int64_t overslept_ns_ = 0;  ///< that nothing has been done for yet
   double cursor_ = 0.0;            ///< as if corrections took no time

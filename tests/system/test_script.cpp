@@ -7,6 +7,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/system/machine_noise.h"
 #include "tests/system/robot_process.h"
 
 namespace telekerf::integration {
@@ -59,7 +60,7 @@ TEST_F(Script, CutsAPictureThatLiesWhereTheUserStands) {
     EXPECT_TRUE(fs::exists(here_ / "aus gabe/1" / file)) << file;
   const auto report = nlohmann::json::parse(text_of("aus gabe/1/report.json"));
   EXPECT_EQ(report.at("netem").get<std::string>(), "mein netz");
-  EXPECT_LE(report.at("tracking").at("rms_um").get<double>(), 15.0) << demo.out;
+  EXPECT_LE(report.at("tracking").at("rms_um").get<double>(), slack_of(report) * 15.0) << demo.out;
   EXPECT_GE(report.at("cut").at("coverage").get<double>(), 0.1) << "3 s of hand motion";
   EXPECT_EQ(report.at("cut").at("energy_outside_corridor_j").get<double>(), 0.0);
   for (const auto& entry : fs::directory_iterator(here_ / "aus gabe/1"))
@@ -67,8 +68,8 @@ TEST_F(Script, CutsAPictureThatLiesWhereTheUserStands) {
 }
 
 TEST_F(Script, APlantOfItsOwnKeepsTheBookOfTheLight) {
-  const Ended demo =
-      run("demo --image circle --plant process --out plant --duration-s 2 --netem lan --domain " + own_domain());
+  const Ended demo = run(
+      "demo --image circle --plant process --out plant --duration-s 2 --netem lan --domain " + own_domain());
   EXPECT_EQ(demo.code, 0) << demo.out << demo.err;
   EXPECT_NE(demo.out.find("plant: "), std::string::npos) << demo.out;
   const auto book = nlohmann::json::parse(text_of("plant/plant.json"));

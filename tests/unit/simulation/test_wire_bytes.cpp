@@ -60,8 +60,8 @@ TEST_P(WireBytes, AFrameOfEitherStreamAndBothTogether) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pictures, WireBytes,
-                         testing::Values(Frames{"heart", 147.0, 196.0}, Frames{"gear", 147.0, 196.0},
-                                         Frames{"circle", 147.0, 196.0}));
+                         testing::Values(Frames{"heart", 147.3, 194.1}, Frames{"gear", 148.7, 204.8},
+                                         Frames{"circle", 147.5, 194.6}));
 
 }  // namespace
 }  // namespace telekerf::simulation

@@ -125,10 +125,13 @@ TEST(PlayoutClock, TheLagFallsWhenTheDelayFalls) {
 }
 
 /// Blocks of 16 samples at 1 kHz that were under way for so many ms.
-void arrive(PlayoutClock& clock, std::initializer_list<double> transits_ms, bool lost = false) {
+void arrive(PlayoutClock& clock, std::initializer_list<double> transits_ms, bool lost = false,
+            bool placed = true) {
   std::int64_t last = 15;
   for (const double transit_ms : transits_ms) {
-    clock.arrived(block(last * kMs + static_cast<std::int64_t>(transit_ms * kMs), last, lost));
+    BlockArrival arrival = block(last * kMs + static_cast<std::int64_t>(transit_ms * kMs), last, lost);
+    arrival.placed = placed;
+    clock.arrived(arrival);
     last += 16;
   }
 }
@@ -284,12 +287,15 @@ TEST_F(Corrected, WhatIsTooLateGoesByATwoHundredthFasterAndTheLastThreeAreKept) 
   EXPECT_DOUBLE_EQ(played, 979.0 + 1000.0 + 3.0);
 }
 
-TEST_F(Corrected, BeyondAQuarterOfASecondItBeginsAnew) {
+TEST_F(Corrected, BareAccelerationsBeginAnewBeyondAQuarterOfASecond) {
+  constexpr bool kPlaced = false;
+  clock_.reset();
+  arrive(clock_, {5.0}, false, kPlaced);
   EXPECT_DOUBLE_EQ(begin(), 978.0);
   EXPECT_DOUBLE_EQ(advance(1250.0, 0.0), 978.0) << "250 behind: as ever";
   EXPECT_EQ(clock_.resyncs(), 0u);
   clock_.reset();
-  arrive(clock_, {5.0});
+  arrive(clock_, {5.0}, false, kPlaced);
   EXPECT_DOUBLE_EQ(begin(), 978.0);
   EXPECT_DOUBLE_EQ(advance(1250.1, 0.0), 1228.0) << "and 250.1 behind it has given up";
   EXPECT_EQ(clock_.resyncs(), 1u);
@@ -298,10 +304,28 @@ TEST_F(Corrected, BeyondAQuarterOfASecondItBeginsAnew) {
   EXPECT_LT(advance(1000.0, 1.0), 1229.0) << "250 too far";
   EXPECT_EQ(clock_.resyncs(), 1u);
   clock_.reset();
-  arrive(clock_, {5.0});
+  arrive(clock_, {5.0}, false, kPlaced);
   EXPECT_DOUBLE_EQ(advance(1250.1, 0.0), 1228.0);
   EXPECT_DOUBLE_EQ(advance(999.0, 1.0), 977.0);
   EXPECT_EQ(clock_.resyncs(), 2u);
+}
+
+TEST_F(Corrected, PlacesThatAreFurtherBehindAreCaughtUpWithInAHurry) {
+  EXPECT_DOUBLE_EQ(begin(), 978.0);
+  double played = advance(1251.0, 1.0);
+  double fastest = 0.0;
+  int steps = 0;
+  for (; played < 1251.0 + steps - 26.0 && steps < 3000; ++steps) {
+    const double next = advance(1252.0 + steps, 1.0);
+    ASSERT_GE(next, played);
+    fastest = std::max(fastest, next - played);
+    played = next;
+  }
+  EXPECT_NEAR(fastest, 1.2, 1e-9);
+  EXPECT_NEAR(steps, 1250, 30) << "250 by a fifth";
+  EXPECT_EQ(clock_.resyncs(), 0u);
+  (void)advance(1252.0 + steps + 752.0, 1.0);
+  EXPECT_EQ(clock_.resyncs(), 1u) << "more than 750 behind";
 }
 
 TEST_F(Corrected, WhatStoodSetsOffWithinFiftyMillisecondsAndCatchesUpInAHurry) {
