@@ -78,13 +78,12 @@ bool ReferenceSelector::follows(const streaming::Played& played, const Circumsta
       mode_ = SlaveMode::kHolding;
       return false;
     }
-    mode_ = SlaveMode::kFollowing;
-    if (sample->law == Law::kRemoteAcceleration) tripped_ = tripped_ || !within_limits(played.state);
-    if (tripped_) {
-      reason_ = HoldReason::kLimits;
-      mode_ = SlaveMode::kHolding;
-    }
-    return !tripped_;
+    const bool bare = sample->law == Law::kRemoteAcceleration;
+    if (bare) tripped_ = tripped_ || !within_limits(played.state);
+    const bool possible = !tripped_ && (bare || is_motion(played.state));
+    if (!possible) reason_ = HoldReason::kLimits;
+    mode_ = possible ? SlaveMode::kFollowing : SlaveMode::kHolding;
+    return possible;
   }
   if (sample != nullptr) {
     mode_ = SlaveMode::kWaiting;
@@ -133,8 +132,10 @@ KinematicState ReferenceSelector::follow(const streaming::Played& played) noexce
   }
   // From one anchor to the next, over a corrected clock, after a gap: go on from where the reference is.
   const bool new_anchor = sample.law == Law::kAnchored && source_block_ != sample.block;
-  if (new_source || source_block_ == 0 || new_anchor) transfer_to(played.state);
+  const bool jumps = (played.state.position_m - source_m_).norm() > 2.0 * max_m_per_s_ * dt_s_;
+  if (new_source || source_block_ == 0 || new_anchor || jumps) transfer_to(played.state);
   source_block_ = sample.block;
+  source_m_ = played.state.position_m;
   return played.state;
 }
 
@@ -181,6 +182,10 @@ bool ReferenceSelector::within_limits(const KinematicState& state) const noexcep
     rest_m += (kCoast_s + transfer_.way_to_rest_m(speed) / speed) * state.velocity_m_per_s;
   }
   return rest_m.head<2>().norm() < radius_m_ && std::abs(rest_m.z()) < half_height_m_ && speed < max_m_per_s_;
+}
+
+bool ReferenceSelector::is_motion(const KinematicState& state) const noexcept {
+  return state.velocity_m_per_s.norm() <= max_m_per_s_ && state.acceleration_m_per_s2.norm() <= max_m_per_s2_;
 }
 
 void ReferenceSelector::clamp_to_workspace(KinematicState& state) const noexcept {

@@ -72,6 +72,8 @@ class ReferenceSelector {
   void transfer_to(const KinematicState& source) noexcept;
   /// Slow enough, and to be stopped before the workspace ends.
   bool within_limits(const KinematicState& state) const noexcept;
+  /// No faster and no more abrupt than the robot can be.
+  bool is_motion(const KinematicState& state) const noexcept;
   void clamp_to_workspace(KinematicState& state) const noexcept;
 
   double radius_m_;
@@ -89,6 +91,7 @@ class ReferenceSelector {
   KinematicState reference_;
   KinematicState hold_;                  ///< source while not following
   Vec3 led_m_ = Vec3::Zero();            ///< reference when a sample was followed last
+  Vec3 source_m_ = Vec3::Zero();         ///< where a sample with a place led last
   bool stopping_ = false;                ///< hold_ is braked since an emergency stop
   KinematicState integral_;              ///< of bare accelerations
   std::uint32_t source_generation_ = 0;  ///< 0: holding

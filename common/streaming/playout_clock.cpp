@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace telekerf::streaming {
 namespace {
@@ -16,7 +15,7 @@ constexpr double kStart_s = 0.05;
 constexpr std::int64_t kOver_ns = 250'000'000;
 /// In which what was overslept is asked back.
 constexpr std::int64_t kAwake_ns = 500'000'000;
-/// A sender's clock that jumps by more is not believed.
+/// A stamp that tells of more is not believed.
 constexpr std::int64_t kMostLost_ns = 10'000'000'000;
 
 }  // namespace
@@ -60,8 +59,11 @@ std::int64_t PlayoutClock::sender_lag_ns(const BlockArrival& block) const noexce
   const bool possible = block.sent_ns >= 0 && block.sent_ns < std::int64_t{1} << 62;
   const std::int64_t made_ns = block.last * block.sample_period_ns;
   if (transits_ == 0) return (possible ? block.sent_ns : block.now_ns) - made_ns;
+  if (!possible) return sender_lag_ns_;
+  // Time is lost, never won: what came later has no smaller lag, but for the step's own lateness.
   const std::int64_t lag_ns = block.sent_ns - made_ns;
-  return possible && std::abs(lag_ns - sender_lag_ns_) < kMostLost_ns ? lag_ns : sender_lag_ns_;
+  const std::int64_t more_ns = block.last > newest_ ? lag_ns - sender_lag_ns_ : sender_lag_ns_ - lag_ns;
+  return more_ns > -2 * period_ns_ && more_ns < kMostLost_ns ? lag_ns : sender_lag_ns_;
 }
 
 void PlayoutClock::forget_what_is_over() noexcept {

@@ -43,6 +43,7 @@ class SlaveNodeTest : public testing::Test {
     CommandBlock block;
     block.sequence = ++number_;
     block.epoch = epoch_;
+    block.sent_ns = now_ns_;
     block.first_tick = tick_;
     const double period_s = ticks_per_sample_ * 1e-3;
     block.sample_period_ns = 1'000'000U * ticks_per_sample_;

@@ -73,8 +73,8 @@ TEST_P(HostileCommands, BreakNothingAndTheMasterIsHeardAgain) {
       if (n == 0 && b % 3 != 0) blocks.push_back(good);
       for (std::uint64_t more = random_() % 3; more > 0; --more) blocks.push_back(changed(good));
       hear(blocks);
-      // Wild places throw the tool about. Where it runs off the robot is given up, dark, and that is the end.
-      if (HasFatalFailure() || station_.machine().failed()) return;
+      if (HasFatalFailure()) return;
+      ASSERT_FALSE(station_.machine().failed()) << station_.machine().failure();
     }
   }
   // Whoever followed a forger hears its master again after a second of nothing acceptable, and needs one
@@ -85,10 +85,12 @@ TEST_P(HostileCommands, BreakNothingAndTheMasterIsHeardAgain) {
   laser_ticks_ = 0;
   follow(1.5);
   EXPECT_EQ(out_.mode, SlaveMode::kFollowing) << static_cast<int>(out_.reason);
-  EXPECT_GT(laser_ticks_, 200) << std::hex << out_.forbidden << " forbids";
+  // Nothing is lit that is not newer than all that was, be that forged and from the future.
+  const bool was_lit_later = out_.forbidden == laser::guard_bit("unlit");
+  EXPECT_TRUE(laser_ticks_ > 200 || was_lit_later) << std::hex << out_.forbidden << " forbids";
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, HostileCommands, testing::Range<std::uint64_t>(1, 13));
+INSTANTIATE_TEST_SUITE_P(Seeds, HostileCommands, testing::Range<std::uint64_t>(1, 41));
 
 }  // namespace
 }  // namespace telekerf::slave

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
+#include <tuple>
 
 #include "tests/unit/slave/selector_fixture.h"
 
@@ -100,7 +101,45 @@ TEST_F(Selector, ASampleThatGoesOnIsTheReferenceItself) {
   EXPECT_NEAR(out_.reference.acceleration_m_per_s2.x(), 2.0, 1e-9);
 }
 
-/// The source goes 1 mm aside: an offset takes it up where the sources are two, and nothing where they are
+/// As from two senders whose samples are told apart by nothing.
+TEST_F(Selector, NoRobotIsLedByAJumpWithinASource) {
+  for (const Law law : {Law::kLocal, Law::kAnchored}) {
+    selector_ = ReferenceSelector(model(), {}, kDt_s);
+    const streaming::StreamSample one = sample(law);
+    for (int n = 0; n < 3000; ++n) play(one, at(0.0));
+    play(one, at(2.1 * model().limits.velocity_m_per_s * kDt_s));
+    EXPECT_NEAR(out_.reference.position_m.x(), 0.0, 1e-6) << "taken up";
+    for (int n = 0; n < 3000; ++n) play(one, at(0.0));
+    ASSERT_LT(selector_.offset_m(), 1e-9);
+    const double farthest_m = 1.9 * model().limits.velocity_m_per_s * kDt_s;
+    play(one, at(farthest_m));
+    EXPECT_NEAR(out_.reference.position_m.x(), farthest_m, 1e-9) << "twice as fast as the robot is a jump";
+  }
+}
+
+TEST_F(Selector, WhatNoRobotCanDoIsNotFollowedAndWhatComesThenIs) {
+  const robot::RobotModel& robot = model();
+  for (const Law law : {Law::kLocal, Law::kAnchored}) {
+    selector_ = ReferenceSelector(model(), {}, kDt_s);
+    const streaming::StreamSample one = sample(law);
+    play(one, at(0.0));
+    const double speed = robot.limits.velocity_m_per_s, acceleration = robot.limits.acceleration_m_per_s2;
+    for (const auto& [v, a, followed] :
+         std::initializer_list<std::tuple<double, double, bool>>{{0.99 * speed, 0.0, true},
+                                                                 {-1.01 * speed, 0.0, false},
+                                                                 {0.0, -0.99 * acceleration, true},
+                                                                 {0.0, 1.01 * acceleration, false},
+                                                                 {1e13, 0.0, false},
+                                                                 {0.0, 0.0, true}}) {
+      play(one, at(0.0, v, a));
+      EXPECT_EQ(out_.following, followed) << v << " m/s, " << a << " m/s2";
+      EXPECT_EQ(selector_.reason(), followed ? HoldReason::kNone : HoldReason::kLimits);
+      EXPECT_LE(out_.reference.velocity_m_per_s.norm(), 1.1 * speed);
+    }
+  }
+}
+
+/// The source goes 0.1 mm aside: an offset takes it up where the sources are two, and nothing where they are
 /// one.
 TEST_F(Selector, AChangeOfSourceIsTakenUpByAnOffset) {
   struct Change {
@@ -132,9 +171,9 @@ TEST_F(Selector, AChangeOfSourceIsTakenUpByAnOffset) {
     for (int n = 0; n < 3000; ++n) play(next, at(0.0, 0.0));
     ASSERT_LT(selector_.offset_m(), 1e-9);
     each.change(next);
-    play(next, at(1e-3), each.discontinuity);
-    EXPECT_NEAR(selector_.offset_m(), each.taken_up ? 1e-3 : 0.0, 1e-8) << each.what;
-    EXPECT_NEAR(out_.reference.position_m.x(), each.taken_up ? 0.0 : 1e-3, 1e-8) << each.what;
+    play(next, at(1e-4), each.discontinuity);
+    EXPECT_NEAR(selector_.offset_m(), each.taken_up ? 1e-4 : 0.0, 1e-8) << each.what;
+    EXPECT_NEAR(out_.reference.position_m.x(), each.taken_up ? 0.0 : 1e-4, 1e-8) << each.what;
   }
   selector_ = ReferenceSelector(model(), {}, kDt_s);
   play(sample(Law::kLocal), at(0.0));

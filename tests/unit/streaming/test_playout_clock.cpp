@@ -3,29 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
-#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
 
-#include "common/streaming/playout_clock.h"
+#include "tests/unit/streaming/playout_blocks.h"
 
 namespace telekerf::streaming {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
-
-/// 16 samples at 1 kHz.
-BlockArrival block(std::int64_t now_ns, std::int64_t last, bool lost = false) {
-  return {.now_ns = now_ns,
-          .sent_ns = last * kMs,
-          .last = last,
-          .count = 16,
-          .sample_period_ns = kMs,
-          .copies = 1,
-          .lost = lost};
-}
 
 /// A stream of blocks of 16 samples at 1 kHz over a link with the given delay; returns the number of control
 /// steps at which the sample to apply had not arrived yet, after a warm-up of 3 s.
@@ -122,18 +107,6 @@ TEST(PlayoutClock, TheLagFallsWhenTheDelayFalls) {
   EXPECT_NEAR(link.fastest, 1.005, 1e-9);
   EXPECT_EQ(link.clock.corrections(), 47u);
   EXPECT_EQ(link.missing, 0);
-}
-
-/// Blocks of 16 samples at 1 kHz that were under way for so many ms.
-void arrive(PlayoutClock& clock, std::initializer_list<double> transits_ms, bool lost = false,
-            bool placed = true) {
-  std::int64_t last = 15;
-  for (const double transit_ms : transits_ms) {
-    BlockArrival arrival = block(last * kMs + static_cast<std::int64_t>(transit_ms * kMs), last, lost);
-    arrival.placed = placed;
-    clock.arrived(arrival);
-    last += 16;
-  }
 }
 
 /// A network that was a second late for a while: what it queued is no jitter to be waited for.
@@ -390,28 +363,6 @@ TEST_F(Corrected, ForgetsTheLinkWhenItIsResetAndAtAnotherSamplePeriod) {
       EXPECT_EQ(first_cursor(), std::floor((3000.0 - 105.0) / 2.0) - 16.0);
     }
     EXPECT_EQ(clock_.resyncs(), 0u) << "it was not lost, it began anew";
-  }
-}
-
-/// What no clock says, and one that is set, count as nothing: the delay of the link is what it was.
-TEST(PlayoutClock, ASendersClockThatCannotBeTrueIsNotBelieved) {
-  constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
-  for (const std::int64_t wrong : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1}, kLargest,
-                                   std::int64_t{1} << 62, 16'000 * kMs, 12'000 * kMs}) {
-    PlayoutClock clock{PlayoutSettings{}};
-    arrive(clock, {5.0, 5.0, 5.0});
-    BlockArrival arrival = block(63 * kMs + 5 * kMs, 63);
-    arrival.sent_ns = wrong;
-    clock.arrived(arrival);
-    EXPECT_EQ(clock.depth_samples(), 17) << wrong;
-    EXPECT_EQ(clock.advance(1000 * kMs, kMs), 1000.0 - 5.0 - 17.0) << wrong;
-  }
-  for (const std::int64_t wrong : {std::numeric_limits<std::int64_t>::min(), kLargest}) {
-    PlayoutClock clock{PlayoutSettings{}};
-    BlockArrival arrival = block(20 * kMs, 15);
-    arrival.sent_ns = wrong;
-    clock.arrived(arrival);
-    EXPECT_EQ(clock.advance(1000 * kMs, kMs), 1000.0 - 5.0 - 17.0) << wrong;
   }
 }
 
