@@ -156,7 +156,7 @@ std::string picture_address(const fs::path& png, int width_px) {
   if (picture.cols > width_px)
     cv::resize(picture, picture, {width_px, picture.rows * width_px / picture.cols}, 0, 0, cv::INTER_AREA);
   std::vector<unsigned char> bytes;
-  cv::imencode(".webp", picture, bytes, {cv::IMWRITE_WEBP_QUALITY, 50});
+  cv::imencode(".webp", picture, bytes, {cv::IMWRITE_WEBP_QUALITY, 36});
   std::vector<unsigned char> text(4 * (bytes.size() / 3 + 1) + 1);  // and the zero that ends it
   const int length = EVP_EncodeBlock(text.data(), bytes.data(), static_cast<int>(bytes.size()));
   return "data:image/webp;base64," + std::string(text.begin(), text.begin() + length);

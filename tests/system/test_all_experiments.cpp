@@ -75,7 +75,7 @@ TEST(AllExperiments, ThePageNeedsNothingBesideItAndIsSmall) {
   const fs::path out = Program::scratch() / "all-page";
   run_all(out.string());
   const std::string page = text_of(out / "report.html");
-  EXPECT_LT(page.size(), 2u << 20);
+  EXPECT_LT(page.size(), 2'000'000u);
   for (const char* outside : {"src=\"http", "href=\"http", "<link", "url(http"})
     EXPECT_EQ(page.find(outside), page.npos) << outside;
   EXPECT_FALSE(std::regex_search(page.substr(0, 20000), std::regex("\\{\\{[a-z_]+\\}\\}")))

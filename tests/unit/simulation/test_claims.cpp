@@ -234,6 +234,12 @@ TEST(Readme, ItsMainTableIsTheManifests) {
   }
 }
 
+TEST(Page, TheOneThatIsShippedIsSmallAndOfAWholeRun) {
+  const fs::path page = fs::path(TELEKERF_SOURCE_DIR) / "docs/results/report.html";
+  EXPECT_GT(fs::file_size(page), 1'000'000u) << "telekerf-experiment all --source . writes it";
+  EXPECT_LT(fs::file_size(page), 2'000'000u);
+}
+
 TEST(Page, FiguresInProseBecomeTheClaimsToAsManyDecimals) {
   const Manifest manifest =
       load_manifest(file_with(kExperiment + claim("a", "bound = 1\n") + claim("b", "bound = 1\n")));
