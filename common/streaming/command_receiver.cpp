@@ -61,8 +61,9 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
   if (asleep(now_ns)) {  // of a queue, the newest alone counts
     clock_.reset();
     next_.reset();
+  } else {
+    keep_time(now_ns);
   }
-  keep_time(now_ns);
   clock_.arrived({.now_ns = received.received_ns,
                   .sent_ns = header.sent_ns,
                   .last = samples.last(),
@@ -79,7 +80,7 @@ bool CommandReceiver::asleep(std::int64_t now_ns) const noexcept {
 }
 
 void CommandReceiver::keep_time(std::int64_t now_ns) noexcept {
-  if (!played_ns_ || asleep(now_ns)) return;
+  if (!played_ns_) return;
   const std::int64_t lost_ns = now_ns - *played_ns_ - settings_.control_period_ns;
   if (lost_ns < settings_.control_period_ns) return;
   clock_.overslept(lost_ns);

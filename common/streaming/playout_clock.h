@@ -101,7 +101,7 @@ class PlayoutClock {
   bool went_on_ = false;
   bool hurry_ = false;
   bool placed_ = true;
-  bool stood_ = false;             ///< and has not caught up yet
+  bool stood_ = false;             ///< or was far behind, and has not caught up yet
   std::int64_t overslept_ns_ = 0;  ///< that nothing has been done for yet
   double cursor_ = 0.0;            ///< as if corrections took no time
   double ahead_ = 0.0;             ///< samples by which what is played is still ahead of that

@@ -145,6 +145,21 @@ TEST_F(CommandReceiverTest, WhatItsOwnLoopLosesIsCaughtUpWith) {
   EXPECT_NEAR(*played_.cursor - static_cast<double>(sender_.next_tick()), before, 4.0);
 }
 
+/// Nothing comes in the step in which it wakes.
+TEST_F(CommandReceiverTest, AfterASleepWithoutAQueueItIsCaughtUpWithTooWithinASecondOrTwo) {
+  run(100);
+  const double before = *played_.cursor - static_cast<double>(sender_.next_tick());
+  for (int b = 0; b < 12; ++b) {  // 192 ms are slept through, and what was sent then has come before
+    receiver_.receive({next(), now_ns_}, 4, now_ns_ - b * kBlock * kMs);
+    now_ns_ += kBlock * kMs;
+  }
+  played_ = receiver_.play(now_ns_++, kTool);
+  EXPECT_LT(*played_.cursor - static_cast<double>(sender_.next_tick()), before - 150.0);
+  run(150);
+  EXPECT_NEAR(*played_.cursor - static_cast<double>(sender_.next_tick()), before, 5.0);
+  EXPECT_EQ(receiver_.clock().resyncs(), 0u);
+}
+
 TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeStandsOnceAndThenThereIsAlwaysSomethingToPlay) {
   run(20);
   for (int n = 0; n < 60; ++n, now_ns_ += kMs) played_ = receiver_.play(now_ns_, kTool);
