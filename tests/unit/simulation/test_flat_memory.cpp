@@ -8,13 +8,11 @@
 #include <cstdlib>
 #include <string>
 
-#include "experiments/simulation/simulation.h"
-#include "experiments/simulation/virtual_link.h"
+#include "tests/unit/simulation/two_stations.h"
 
 namespace telekerf::simulation {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr double kMiB = 1024.0 * 1024.0;
 
 double heap_bytes() {
@@ -37,29 +35,13 @@ TEST(Memory, IsFlatHoweverLongBothSitesWork) {
                                                              .loss = 0.02};
   settings.network.backward = settings.network.forward;
   settings.master.record_s = settings.slave.record_s = 1.0;
-  const ContourMessage contour = find_contour(settings);
-  master::Station master(settings.master);
-  slave::Station slave(settings.slave);
-  const auto task = master.prepare(contour);
-  const auto corridor = slave.prepare(contour);
-  VirtualLink<CommandBlock> forward(settings.network.forward, 1, netem::Direction::kForward);
-  VirtualLink<StateBlock> backward(settings.network.backward, 1, netem::Direction::kBackward);
-  std::vector<Received<CommandBlock>> commands;
-  std::vector<Received<StateBlock>> states;
+  TwoStations both(settings);
   const double whole_s = wanted_s();
   const auto steps = static_cast<std::int64_t>(whole_s * 1e3);
   double before = 0.0, least = 1e18, most = 0.0;
   int lit = 0;
   for (std::int64_t n = 0; n < steps; ++n) {
-    commands.clear();
-    states.clear();
-    forward.deliver(n * kMs, commands);
-    backward.deliver(n * kMs, states);
-    const auto made = master.step(n * kMs, task.get(), states, {});
-    if (made.command) forward.push(n * kMs, *made.command, 100);
-    const auto out = slave.step(n * kMs, corridor.get(), commands);
-    if (out.state) backward.push(n * kMs, *out.state, 100);
-    lit += out.laser_w > 0.0 ? 1 : 0;
+    lit += both.step(n).lit ? 1 : 0;
     if (n == steps / 4) before = heap_bytes();
     if (n < steps / 4 || n % 1000 != 0) continue;
     least = std::min(least, heap_bytes());

@@ -3,8 +3,7 @@
 // tests/system/test_wire_frames.cpp.
 #include <gtest/gtest.h>
 
-#include "experiments/simulation/simulation.h"
-#include "experiments/simulation/virtual_link.h"
+#include "tests/unit/simulation/two_stations.h"
 
 namespace telekerf::simulation {
 namespace {
@@ -22,34 +21,21 @@ TEST_P(WireBytes, AFrameOfEitherStreamAndBothTogether) {
   settings.network = netem::load_profile("thesis-constant");
   settings.image = GetParam().image;
   settings.master.record_s = settings.slave.record_s = 0.01;
-  const ContourMessage contour = find_contour(settings);
-  master::Station master(settings.master);
-  slave::Station slave(settings.slave);
-  const auto task = master.prepare(contour);
-  const auto corridor = slave.prepare(contour);
-  VirtualLink<CommandBlock> forward(settings.network.forward, 1, netem::Direction::kForward);
-  VirtualLink<StateBlock> backward(settings.network.backward, 1, netem::Direction::kBackward);
-  std::vector<Received<CommandBlock>> commands;
-  std::vector<Received<StateBlock>> states;
+  TwoStations both(settings);
   struct {
     double frames = 0.0, bytes = 0.0;
     double mean() const { return bytes / frames; }
-    void add(std::uint32_t more) { ++frames, bytes += more; }
+    void add(std::uint32_t frame) { frames += frame > 0 ? 1.0 : 0.0, bytes += frame; }
   } command_frames, state_frames;
-  constexpr std::int64_t kMs = 1'000'000, kSteps = 20'000;
+  constexpr std::int64_t kSteps = 20'000;
   std::int64_t lit = 0;
   for (std::int64_t n = 0; n < kSteps; ++n) {
-    commands.clear();
-    states.clear();
-    forward.deliver(n * kMs, commands);
-    backward.deliver(n * kMs, states);
-    const auto made = master.step(n * kMs, task.get(), states, {});
-    if (made.command) command_frames.add(forward.push(n * kMs, *made.command));
-    const auto out = slave.step(n * kMs, corridor.get(), commands);
-    if (out.state) state_frames.add(backward.push(n * kMs, *out.state));
-    lit += out.laser_w > 0.0 ? 1 : 0;
+    const TwoStations::Step step = both.step(n);
+    command_frames.add(step.command_bytes);
+    state_frames.add(step.state_bytes);
+    lit += step.lit ? 1 : 0;
   }
-  const double both_per_s = (command_frames.bytes + state_frames.bytes) / (1e-9 * kMs * kSteps);
+  const double both_per_s = (command_frames.bytes + state_frames.bytes) / (1e-3 * kSteps);
   std::printf("%s: commands %.1f bytes a frame, states %.1f, both %.0f bytes/s\n", GetParam().image,
               command_frames.mean(), state_frames.mean(), both_per_s);
   EXPECT_GT(lit, kSteps / 2) << "a lap that cuts";
