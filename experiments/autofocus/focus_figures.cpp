@@ -153,8 +153,12 @@ Json json_of(const FocusFigures& figures, const FocusPlan& plan) {
         {"scale_error_max", figures.scale_error_max},
         {"calibration_residual", figures.calibration_residual}};
   }
-  for (const RefusedRow& row : figures.refused)
+  std::size_t locks = 0;
+  for (const RefusedRow& row : figures.refused) {
     json["no_focus"][row.name] = {{"starts", row.starts}, {"refused", row.refused}};
+    locks += row.starts - row.refused;
+  }
+  json["no_focus_locks"] = locks;
   if (const StrategyRow* thesis = row_named(figures, "thesis_law"))
     json["thesis_law"] = {{"success_rate", thesis->success_rate()}, {"false_locks", thesis->false_locks}};
   json["rows"] = Json::array();

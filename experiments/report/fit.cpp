@@ -61,7 +61,8 @@ void require_fit(const Manifest& manifest, const std::vector<Finished>& finished
     const std::string file = manifest.experiment(claim.experiment).result;
     if (node == nullptr)
       refuse(manifest, claim.key + "pointer", claim.pointer,
-             fmt::format("claim {}: nothing stands there in {}'s {}; look there for what it is called{}",
+             fmt::format("claim {}: nothing stands there, or more than one thing, in {}'s {}; look there for "
+                         "what it is called{}",
                          claim.id, claim.experiment, file, only_full));
     if (!node->is_number() && !node->is_boolean() && !node->is_null())
       refuse(manifest, claim.key + "pointer", claim.pointer,

@@ -43,9 +43,12 @@ const ordered_json* step_into(const ordered_json& json, const std::string& step)
   }
   if (!json.is_array()) return nullptr;
   if (step.find('=') != step.npos) {
-    const auto found = std::find_if(json.begin(), json.end(),
-                                    [&](const ordered_json& e) { return e.is_object() && fits(e, step); });
-    return found == json.end() ? nullptr : &*found;
+    const auto wanted = [&](const ordered_json& e) { return e.is_object() && fits(e, step); };
+    const auto found = std::find_if(json.begin(), json.end(), wanted);
+    // Of two that fit nobody knows which is meant.
+    if (found == json.end() || std::find_if(std::next(found), json.end(), wanted) != json.end())
+      return nullptr;
+    return &*found;
   }
   std::size_t place = 0;
   const auto read = std::from_chars(step.data(), step.data() + step.size(), place);
@@ -123,7 +126,7 @@ std::vector<Judged> judge(const Manifest& manifest, const ResultsByName& results
       row.value = claim.factor * *value;
       row.verdict = holds(claim, *row.value) ? Verdict::kHeld : Verdict::kNotHeld;
     } else {
-      row.why = "the run measured nothing there: " + claim.pointer;
+      row.why = "the run measured nothing there, or more than one thing: " + claim.pointer;
     }
     out.push_back(row);
   }

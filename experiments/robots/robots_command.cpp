@@ -132,6 +132,8 @@ int run(const Options& options) {
             {"seed", options.seed},
             {"duration_s", options.duration_s}};
   json["refused"] = refused;
+  json["runs_refused"] =
+      std::count_if(rows.begin(), rows.end(), [](const Row& row) { return !row.refusal.empty(); });
   json["runs_with_energy_outside"] = beyond;
   json["runs_without_a_cut"] = dark;
   json["energy_outside_corridor_j_max"] =

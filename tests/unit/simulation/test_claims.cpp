@@ -44,15 +44,18 @@ std::string claim(const std::string& id, const std::string& more) {
 }
 
 TEST(Select, GoesByKeysPlacesAndMembers) {
-  const auto json =
-      ordered_json::parse(R"({"a": {"b": [{"x": 1, "law": "one", "v": 5}, {"x": 2, "law": "two", "v": 7.5}]},
+  const auto json = ordered_json::parse(
+      R"({"a": {"b": [{"x": 1, "law": "one", "v": 5}, {"x": 2, "law": "two", "v": 7.5, "w": 1},
+      {"x": 2, "law": "three", "v": 8, "w": 1}]},
       "yes": true, "none": null, "word": "w"})");
   EXPECT_EQ(select(json, "/a/b/1/v"), 7.5);
   EXPECT_EQ(select(json, "/a/b/law=two/v"), 7.5);
   EXPECT_EQ(select(json, "/a/b/x=1&law=one/v"), 5.0);
+  EXPECT_EQ(select(json, "/a/b/x=2&law=three/v"), 8.0);
+  EXPECT_FALSE(select(json, "/a/b/x=2/v")) << "there are two of them";
   EXPECT_EQ(select(json, "/yes"), 1.0);
   for (const char* nothing :
-       {"/a/b/x=1&law=two/v", "/a/b/2/v", "/a/c", "/none", "/word", "/a/b/1v/v", "/yes/x"})
+       {"/a/b/x=1&law=two/v", "/a/b/3/v", "/a/c", "/none", "/word", "/a/b/1v/v", "/yes/x"})
     EXPECT_FALSE(select(json, nothing)) << nothing;
 }
 
@@ -162,7 +165,8 @@ TEST_F(Fit, PlacesInTheResult) {
   EXPECT_EQ(complaint(kExperiment + claim_at("/b/c")), "") << "nothing was measured there";
   EXPECT_EQ(complaint(kExperiment + claim_at("/b/c/further")), "");
   const std::string nowhere = complaint(kExperiment + claim_at("/b/e"));
-  EXPECT_NE(nowhere.find(".toml: claim.0.pointer = \"/b/e\": claim x: nothing stands there in lap's r.json"),
+  EXPECT_NE(nowhere.find(".toml: claim.0.pointer = \"/b/e\": claim x: nothing stands there, or more than one "
+                         "thing, in lap's r.json"),
             nowhere.npos)
       << nowhere;
   const std::string word = complaint(kExperiment + claim_at("/b/d"));
