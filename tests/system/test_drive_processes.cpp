@@ -58,7 +58,10 @@ class LaserAtWork {
     EXPECT_EQ(newest_.power_w, 0.0);
     EXPECT_EQ(newest_.pilot, 0u);
     const long missing = static_cast<long>(newest_.sequence) - told_;  // where a listener is not scheduled
-    EXPECT_LE(std::abs(lit_ - lit_of(recorded_w)), missing) << lit_;
+    const long recorded = lit_of(recorded_w);
+    EXPECT_LE(lit_, recorded);
+    // A step that comes so late that the laser has gone dark by itself is told dark.
+    EXPECT_GE(lit_, recorded - missing - recorded / 50) << recorded << " are recorded";
   }
   bool is_on() const { return on_; }
 
@@ -245,7 +248,8 @@ std::vector<std::string> machining(const RobotProcess& robot, const std::string&
 class Machining : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Machining, CutsAContourWithIt) {
-  const std::string out = (Program::scratch() / "machined").string();
+  const bool late = std::string(GetParam()) != "drive_delay_s = 0";
+  const std::string out = (Program::scratch() / (late ? "machined-late" : "machined")).string();
   const std::string file = keops_with(GetParam(), "machines.toml");
   RobotProcess robot(file);
   ASSERT_NE(robot.drive(), "") << robot.output();
@@ -258,7 +262,9 @@ TEST_P(Machining, CutsAContourWithIt) {
   EXPECT_TRUE(result["finished"].get<bool>());
   EXPECT_EQ(result["drive"]["tool"].get<std::string>(), "measured");
   EXPECT_TRUE(result["sensor"].is_null()) << "nobody told";
-  EXPECT_LE(result["contour_error_um"]["rms"].get<double>(), 1.0) << result.dump(2);
+  const auto timing = nlohmann::json::parse(std::ifstream(out + "/timing.json"));
+  const bool quiet = timing["rate_hz"].get<double>() >= 0.98 * 2400.0;  // as machine_noise.h has it
+  EXPECT_LE(result["contour_error_um"]["rms"].get<double>(), quiet ? 1.0 : 10.0) << result.dump(2);
   EXPECT_EQ(result["burn"]["energy_outside_corridor_j"].get<double>(), 0.0);
   robot.interrupt();
   EXPECT_EQ(robot.wait(seconds(10)), 0) << robot.output();
