@@ -8,6 +8,7 @@
 
 #include "common/control/joint_acceleration_control.h"
 #include "common/control/loop_design.h"
+#include "common/control/standstill.h"
 #include "common/control/tracking_law.h"
 #include "common/geometry/nearest.h"
 #include "common/protocol/messages.h"
@@ -115,7 +116,8 @@ class SlaveNode {
  private:
   KinematicState observe(const robot::JointReading& joints) noexcept;
   /// Joint accelerations by the tracking law.
-  Vec3 track(const Selected& selected, const KinematicState& tool) const noexcept;
+  Vec3 track(const Selected& selected, const KinematicState& tool,
+             const robot::JointReading& reading) noexcept;
   laser::InterlockInputs judged(const SlaveInputs& inputs, const Selected& selected,
                                 const KinematicState& tool, bool on_time) noexcept;
   /// No sample was lit that is not older.
@@ -128,6 +130,7 @@ class SlaveNode {
   control::LoopBandwidths bandwidths_;
   control::SampledGains law_;
   control::JointAccelerationControl joints_;
+  control::Standstill standstill_;
   double dt_s_;
   Tick tick_ = 0;
   bool located_ = false;  ///< the robot has told where it stands

@@ -3,7 +3,16 @@
 
 #include <Eigen/LU>
 
+#include "common/control/tracking_law.h"
+
 namespace telekerf::control {
+namespace {
+
+/// Of the robot's limit, until its forces are judged; where nothing is read then, it is held as its model
+/// says.
+constexpr double kGently = 0.5;
+
+}  // namespace
 
 JointAccelerationControl::JointAccelerationControl(const robot::RobotModel& nominal,
                                                    const JointAccelerationSettings& settings) noexcept
@@ -20,6 +29,8 @@ void JointAccelerationControl::reset(const Vec3& joints_m) noexcept {
   now_ = {joints_m, Vec3::Zero()};
   if (const auto state = kinematics_.state(joints_m, Vec3::Zero())) state_ = *state;
   diagonal_kg_ = robot::joint_inertia(model_, state_).diagonal().asDiagonal();
+  if (settings_.judged)
+    observer_.expect(robot::gravity_force(model_, kinematics_, state_), robot::joint_inertia(model_, state_));
 }
 
 bool JointAccelerationControl::observe(const robot::JointReading& reading) noexcept {
@@ -33,21 +44,31 @@ bool JointAccelerationControl::observe(const robot::JointReading& reading) noexc
   const auto state = kinematics_.state(now_.joints_m, now_.velocity_m_per_s);
   if (state) state_ = *state;
   posed_ = state.has_value();
+  modelled_n_ = modelled_n();
   if (posed_ && measured_ && settings_.judged) measured_ = explained();
   return posed_;
 }
 
+Vec3 JointAccelerationControl::modelled_n() const noexcept {
+  return robot::coriolis_force(model_, state_) + robot::gravity_force(model_, kinematics_, state_) +
+         friction_.seen_n();
+}
+
 bool JointAccelerationControl::explained() noexcept {
-  const Vec3 modelled_n = robot::coriolis_force(model_, state_) +
-                          robot::gravity_force(model_, kinematics_, state_) + friction_.seen_n();
   return plausibility_.explains(robot::joint_inertia(model_, state_).inverse() *
-                                (observer_.disturbance_n() - modelled_n));
+                                (observer_.disturbance_n() - modelled_n_));
 }
 
 Vec3 JointAccelerationControl::reaction_force_n() const noexcept {
-  const Vec3 modelled = robot::coriolis_force(model_, state_) +
-                        robot::gravity_force(model_, kinematics_, state_) + friction_.seen_n();
-  return state_.inverse_jacobian.transpose() * (modelled - observer_.disturbance_n());
+  return state_.inverse_jacobian.transpose() * (modelled_n_ - observer_.disturbance_n());
+}
+
+Vec3 JointAccelerationControl::within_limit_n(const Vec3& force_n, const Mat3& inertia_kg) const noexcept {
+  const Vec3 tool = state_.tool_acceleration(inertia_kg.inverse() * (force_n - modelled_n_));
+  const double share = plausibility_.judges() ? 1.0 : measured_ ? kGently : 0.0;
+  const double most = share * model_.limits.acceleration_m_per_s2;
+  if (!(tool.norm() > most)) return force_n;
+  return inertia_kg * state_.joint_acceleration(limited(tool, most)) + modelled_n_;
 }
 
 Vec3 JointAccelerationControl::currents(const Vec3& desired_joint_acceleration_m_per_s2,
@@ -57,6 +78,7 @@ Vec3 JointAccelerationControl::currents(const Vec3& desired_joint_acceleration_m
   const Vec3 unknown_n = observer_.disturbance_n() + friction_.missing_n();
   plausibility_.asked(desired_joint_acceleration_m_per_s2);
   Vec3 wanted_n = inertia_kg * desired_joint_acceleration_m_per_s2 + known_n + unknown_n;
+  if (settings_.judged) wanted_n = within_limit_n(wanted_n, inertia_kg);
   if (!wanted_n.allFinite()) wanted_n.setZero();
   const double limit_n = model_.motor.peak_force_n;
   const Vec3 force_n = wanted_n.cwiseMax(-limit_n).cwiseMin(limit_n);

@@ -31,7 +31,9 @@ struct JointAccelerationSettings {
   /// state() is where the joints are now, by the model, instead of where they were `loop_delay` samples ago
   /// when the drive read them. Off where the caller looks ahead by itself.
   bool present = false;
-  /// Readings that cannot be true are left out, see doubt(). For a robot that nobody pushes.
+  /// Readings that cannot be true are left out, see doubt(), and whatever they say, the motors' force is one
+  /// that accelerates the tool within the robot's limit, by its model; within a quarter of it until the
+  /// readings are judged. For a robot that nobody pushes.
   bool judged = false;
 };
 
@@ -40,7 +42,8 @@ class JointAccelerationControl {
   JointAccelerationControl(const robot::RobotModel& nominal,
                            const JointAccelerationSettings& settings) noexcept;
 
-  /// Starts over at rest at the measured joints; the disturbance starts from zero.
+  /// Starts over at rest at the measured joints; the disturbance starts from zero, where readings are judged
+  /// from the weight: a joint whose sensor sticks from the start must not fall unseen.
   void reset(const Vec3& joints_m) noexcept;
 
   /// First half of a step: the new measurement; an invalid reading, or one that cannot be true, is bridged by
@@ -80,6 +83,10 @@ class JointAccelerationControl {
 
  private:
   bool explained() noexcept;
+  /// The disturbance that the model knows of, as late as the observer sees it, N.
+  Vec3 modelled_n() const noexcept;
+  /// What of a force accelerates the tool no more than the robot's limit, by the model.
+  Vec3 within_limit_n(const Vec3& force_n, const Mat3& inertia_kg) const noexcept;
 
   robot::RobotModel model_;
   robot::DeltaKinematics kinematics_;
@@ -90,6 +97,7 @@ class JointAccelerationControl {
   DisturbanceObserver::Ahead now_{Vec3::Zero(), Vec3::Zero()};
   robot::DeltaState state_;
   Mat3 diagonal_kg_ = Mat3::Identity();
+  Vec3 modelled_n_ = Vec3::Zero();
   bool posed_ = false;
   bool measured_ = false;
   bool saturated_ = false;

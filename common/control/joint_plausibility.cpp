@@ -12,12 +12,17 @@ namespace {
 
 constexpr double kNoise = 15.0;         ///< rms of a reading
 constexpr double kFriction = 3.0;       ///< it turns from one side to the other, and the robot may have more
+constexpr double kHolding = 2.6;        ///< from one side to the other, of a robot that has 30 % more
+constexpr double kOthers = 0.15;        ///< of what is asked of the other joints
 constexpr double kLimit = 0.05;         ///< of the largest acceleration, for what the model leaves out
 constexpr double kWrongForce = 0.9;     ///< 1.3 / 0.7 - 1: of what the currents are to do
 constexpr double kWrongInertia = 0.45;  ///< of what is asked of the joints
+constexpr double kSpeeds = 3.0;         ///< of the largest: what moves before it is judged moves no faster
 constexpr double kFade = 0.5;           ///< a step, until the observer has a change of the currents
 constexpr double kSlow_s = 0.3;         ///< of the disturbance's mean: weight, payload
-constexpr double kSettling_s = 0.1;
+constexpr double kSettling_s = 0.1;     ///< at most
+constexpr double kSettled_s = 0.02;     ///< once readings are where they are to be; and at least
+constexpr double kSettled = 5.0;        ///< time constants of the observer
 constexpr int kDoubts = 2;  ///< readings in a row; a force is filtered already, and grows within milliseconds
 
 /// Smallest inertia of a joint in the middle of the workspace.
@@ -41,7 +46,9 @@ double untimely_s(std::int64_t time_ns, std::int64_t before_ns, double due_s) no
   return std::abs(static_cast<double>(time_ns - before_ns) * 1e-9 - due_s);
 }
 
-int settling_steps(double period_s) noexcept { return static_cast<int>(std::ceil(kSettling_s / period_s)); }
+int steps_of(double time_s, double period_s) noexcept {
+  return static_cast<int>(std::ceil(time_s / period_s));
+}
 
 }  // namespace
 
@@ -53,17 +60,22 @@ JointPlausibility::JointPlausibility(const robot::RobotModel& nominal,
       forget_(std::exp(-0.5 * observer.bandwidth_rad_per_s * period_s_)) {
   const double mass_kg = inertia_kg(nominal);
   const double friction_n = std::max(nominal.friction.breakaway_n, nominal.friction.coulomb_n);
+  holding_m_per_s2_ = kHolding * friction_n / mass_kg;
   usual_m_per_s2_ = kFriction * friction_n / mass_kg + kLimit * nominal.limits.acceleration_m_per_s2;
   const double gamma =
       observer_gains(observer.bandwidth_rad_per_s, observer.velocity_bandwidth_rad_per_s, period_s_).gamma;
   noise_m_per_s2_ = noise_m_ * gamma / (period_s_ * period_s_);
+  settled_ = steps_of(std::max(kSettled_s, kSettled / observer.bandwidth_rad_per_s), period_s_);
+  fastest_m_per_s_ = kSpeeds * nominal.limits.velocity_m_per_s;
   peak_m_per_s2_ = nominal.motor.peak_force_n / mass_kg;
   reset();
 }
 
 void JointPlausibility::reset() noexcept {
-  settling_ = settling_steps(period_s_);
-  steps_ = doubted_ = 0;
+  settling_ = steps_of(kSettling_s, period_s_);
+  steps_ = doubted_ = expected_ = 0;
+  judged_forces_ = false;
+  still_.fill(false);
 }
 
 Vec3 JointPlausibility::gate_m(const robot::JointReading& reading,
@@ -82,37 +94,58 @@ bool JointPlausibility::accepts(const robot::JointReading& reading,
   unsettled_m_per_s2_ = (forced_m_per_s2 - forced_m_per_s2_).cwiseAbs().cwiseMax(kFade * unsettled_m_per_s2_);
   forced_m_per_s2_ = forced_m_per_s2;
   ++steps_;
-  if (settling_ > 0) --settling_;
   if (!reading.valid) return false;
+  if (settling_ > 0) --settling_;
   const Vec3 innovation_m = reading.joints_m - predicted.joints_m();
-  const int joint = beyond(innovation_m, gate_m(reading, predicted.joint_velocity_m_per_s()));
-  if (joint >= 0 && settling_ == 0) {
+  const Vec3 gate = gate_m(reading, predicted.joint_velocity_m_per_s());
+  const int joint = beyond(innovation_m, gate);
+  const double any_motion_m = fastest_m_per_s_ * static_cast<double>(steps_) * period_s_;
+  if (joint >= 0 && (!unsure() || beyond(innovation_m, gate + Vec3::Constant(any_motion_m)) >= 0)) {
     note(robot::Doubt::Kind::kReading, joint, innovation_m[joint]);
     return false;
   }
+  expected_ = joint >= 0 ? 0 : std::min(expected_ + 1, kExpected);
+  if (!unsure()) settling_ = std::min(settling_, settled_);
   // What it makes of the observer is no force.
-  if (untimely_s(reading.time_ns, time_ns_, steps_ * period_s_) > 0.5 * period_s_)
-    settling_ = settling_steps(period_s_);
+  if (untimely_s(reading.time_ns, time_ns_, steps_ * period_s_) > 0.5 * period_s_) {
+    settling_ = steps_of(kSettling_s, period_s_);
+    expected_ = 0;
+  }
   steps_ = 0;
   time_ns_ = reading.time_ns;
+  for (int i = 0; i < 3; ++i) still_[static_cast<std::size_t>(i)] = reading.joints_m[i] == read_m_[i];
+  read_m_ = reading.joints_m;
   return true;
 }
 
+Vec3 JointPlausibility::holding_m_per_s2() const noexcept {
+  return Vec3::Constant(noise_m_per_s2_ + holding_m_per_s2_ + kOthers * asked_m_per_s2_.maxCoeff()) +
+         kWrongInertia * asked_m_per_s2_;
+}
+
 bool JointPlausibility::explains(const Vec3& disturbance_m_per_s2) noexcept {
+  for (int i = 0; i < 3; ++i) {
+    if (!still_[static_cast<std::size_t>(i)] || !judged_forces_) moved_m_per_s2_[i] = disturbance_m_per_s2[i];
+  }
   if (settling_ > 0) {
     doubted_ = 0;
     slow_m_per_s2_ = disturbance_m_per_s2;
     return true;
   }
+  judged_forces_ = true;
   const Vec3 change = disturbance_m_per_s2 - slow_m_per_s2_;
+  const Vec3 held = disturbance_m_per_s2 - moved_m_per_s2_;
   const Vec3 bound = Vec3::Constant(noise_m_per_s2_ + usual_m_per_s2_) + kWrongInertia * asked_m_per_s2_;
-  const int joint = beyond(change, bound);
-  if (joint < 0) {
+  const int pushed = beyond(change, bound), holding = beyond(held, holding_m_per_s2());
+  if (pushed < 0 && holding < 0) {
     slow_m_per_s2_ += slow_share_ * change;
     doubted_ = 0;
     return true;
   }
-  note(robot::Doubt::Kind::kForce, joint, change[joint]);
+  if (pushed >= 0)
+    note(robot::Doubt::Kind::kForce, pushed, change[pushed]);
+  else
+    note(robot::Doubt::Kind::kForce, holding, held[holding]);
   return false;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Can a reading be true? Of a robot that nobody pushes, the joints are where their currents have moved them:
 // what the disturbance observer's model does not explain has bounds. A sensor that slips leaves them at once,
-// one that sticks within milliseconds, because the controller then pushes a joint that seems not to move.
+// one that sticks within milliseconds, because the controller then pushes a joint that seems not to move. One
+// that sticks at rest is told by the force that grows on the joint, as soon as no friction would hold it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "common/control/disturbance_observer.h"
@@ -21,7 +23,8 @@ class JointPlausibility {
  public:
   JointPlausibility(const robot::RobotModel& nominal, const DisturbanceObserver::Gains& observer) noexcept;
 
-  /// At rest at the measured joints; nothing is judged before the observer has settled.
+  /// At rest at the measured joints. Readings are judged as soon as some in a row are where the observer
+  /// expects them, forces when it has settled.
   void reset() noexcept;
   /// Every step, between the observer's prediction and its correction: may it be corrected? False where
   /// nothing was read, or where the joints cannot be.
@@ -32,27 +35,43 @@ class JointPlausibility {
   /// What is asked of the joints in this step, m/s^2.
   void asked(const Vec3& acceleration_m_per_s2) noexcept;
 
+  /// Forces have been judged since the start; until then a robot that stood still is to be moved gently.
+  bool judges() const noexcept { return judged_forces_; }
+
   /// After two readings in a row or one force that cannot be, for good; kNone: the robot does what it is
   /// told.
   const robot::Doubt& doubt() const noexcept { return doubt_; }
 
  private:
+  /// Nothing speaks for a reading yet, or, after one that the device took at another time, not again.
+  bool unsure() const noexcept { return settling_ > 0 && expected_ < kExpected; }
+  /// Bound on what a joint that stands still may be held against, m/s^2: friction, either way.
+  Vec3 holding_m_per_s2() const noexcept;
   void note(robot::Doubt::Kind kind, int joint, double value) noexcept;
   Vec3 gate_m(const robot::JointReading& reading, const Vec3& velocity_m_per_s) const noexcept;
 
   double period_s_;
   double noise_m_;
-  double usual_m_per_s2_;                   ///< changes of the disturbance that the model does not know of
-  double noise_m_per_s2_;                   ///< of the estimate
-  double peak_m_per_s2_;                    ///< by the motors' peak force
-  double slow_share_, forget_;              ///< a step
-  int settling_ = 0;                        ///< steps until it judges
-  int steps_ = 0;                           ///< since the last reading that was accepted
-  std::int64_t time_ns_ = 0;                ///< of that one, by the device
-  Vec3 forced_m_per_s2_ = Vec3::Zero();     ///< by the currents, a step before
+  double usual_m_per_s2_;                ///< changes of the disturbance that the model does not know of
+  double noise_m_per_s2_;                ///< of the estimate
+  double fastest_m_per_s_;               ///< that a joint may be found moving at
+  double peak_m_per_s2_;                 ///< by the motors' peak force
+  double slow_share_, forget_;           ///< a step
+  static constexpr int kExpected = 5;    ///< readings in a row
+  int expected_ = 0;                     ///< readings in a row that are where they are to be, so many at most
+  int settled_ = 0;                      ///< readings that the observer takes for it
+  int settling_ = 0;                     ///< readings until forces are judged, and readings in any case
+  int steps_ = 0;                        ///< since the last reading that was accepted
+  std::int64_t time_ns_ = 0;             ///< of that one, by the device
+  Vec3 forced_m_per_s2_ = Vec3::Zero();  ///< by the currents, a step before
   Vec3 unsettled_m_per_s2_ = Vec3::Zero();  ///< changes of that, fading
   Vec3 asked_m_per_s2_ = Vec3::Zero();      ///< fading
   Vec3 slow_m_per_s2_ = Vec3::Zero();       ///< the disturbance's slow mean
+  double holding_m_per_s2_;                 ///< friction holds a joint against forces so far apart
+  bool judged_forces_ = false;              ///< since the start
+  Vec3 read_m_ = Vec3::Zero();              ///< last reading that was accepted
+  std::array<bool, 3> still_{};             ///< and the one before it was the same
+  Vec3 moved_m_per_s2_ = Vec3::Zero();      ///< the disturbance when a joint was last seen to move
   int doubted_ = 0;                         ///< steps in a row
   robot::Doubt doubt_;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gains of an observer of position, velocity and a constant acceleration beside what is known, in closed form.
+// Gains of an observer of position, velocity and a constant acceleration beside what is known, in closed
+// form.
 #pragma once
 
 #include <cmath>

@@ -14,8 +14,11 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <system_error>
 
+#include "common/reporting/picture_file.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 
@@ -96,6 +99,27 @@ std::string drawing_of(const Line& line, std::size_t panel, std::size_t place) {
                      line.label.empty() ? std::string("notitle") : "title " + quoted(line.label));
 }
 
+void add_picture(std::string& script, const Panel& panel) {
+  script += "unset key\nunset grid\nunset logscale\n";
+  std::string place;
+  if (panel.x_range && panel.y_range) {
+    const auto &x = *panel.x_range, &y = *panel.y_range;
+    const cv::Size size = cv::imread(panel.picture.string()).size();
+    script += "set size noratio\n" + range_of("x", panel.x_range, false, true) +
+              range_of("y", panel.y_range, false, true);
+    // A pixel stands around its place.
+    const double dx = (x[1] - x[0]) / std::max(1, size.width), dy = (y[1] - y[0]) / std::max(1, size.height);
+    place =
+        fmt::format(" origin=({:.9g},{:.9g}) dx={:.9g} dy={:.9g}", x[0] + 0.5 * dx, y[0] + 0.5 * dy, dx, dy);
+  } else {
+    script += "unset tics\nunset border\nset size ratio -1\n";
+    script += "set xrange [*:*] noextend\nset yrange [*:*] noextend\n";
+  }
+  script +=
+      "plot " + quoted(panel.picture.string()) + " binary filetype=png" + place + " with rgbimage notitle\n";
+  script += "set tics\nset border\nset grid lc rgb '#e4e4e4' lt 1\n";
+}
+
 void add_panel(std::string& script, const Figure& figure, std::size_t index) {
   const Panel& panel = figure.panels[index];
   const double height = height_px(figure);
@@ -107,16 +131,13 @@ void add_panel(std::string& script, const Figure& figure, std::size_t index) {
   script +=
       "set xlabel " + quoted(panel.x_label) + " offset 0,0.7\nset ylabel " + quoted(panel.y_label) + "\n";
   if (!panel.picture.empty()) {
-    script += "unset key\nunset tics\nunset border\nunset grid\nunset logscale\nset size ratio -1\n";
-    script += "set xrange [*:*] noextend\nset yrange [*:*] noextend\n";
-    script += "plot " + quoted(panel.picture.string()) + " binary filetype=png with rgbimage notitle\n";
-    script += "set tics\nset border\nset grid lc rgb '#e4e4e4' lt 1\n";
+    add_picture(script, panel);
     return;
   }
   const auto labels = std::count_if(panel.lines.begin(), panel.lines.end(),
                                     [](const Line& line) { return !line.label.empty(); });
-  script +=
-      labels > kRowsBelow ? "set key outside right top vertical\n" : "set key below center horizontal\n";
+  script += labels > kRowsBelow ? "set key outside right top vertical\n"
+                                : "set key below center horizontal height 0.8\n";
   script += panel.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
   script += "unset logscale\n";
   if (panel.log_x) script += "set logscale x\n";
@@ -208,6 +229,37 @@ void run_gnuplot(const std::string& script, const std::filesystem::path& file) {
       words_of_it.empty() ? std::string("said nothing") : "said: " + words_of_it));
 }
 
+/// gnuplot leaves pixels out where a picture has more of them than its panel: those are made smaller before,
+/// by their mean. The files are gone with this.
+class SmallPictures {
+ public:
+  SmallPictures(Figure& figure, const std::filesystem::path& png) {
+    constexpr double kShare = 0.75;  // of a panel is not margin
+    for (Panel& panel : figure.panels) {
+      if (panel.picture.empty()) continue;
+      const cv::Mat picture = cv::imread(panel.picture.string());
+      const double times = std::max(picture.cols / (kShare * figure.panel_width_px),
+                                    picture.rows / (kShare * figure.panel_height_px));
+      if (times <= 1.0) continue;  // as a picture that is not there: gnuplot says so
+      cv::Mat small;
+      cv::resize(picture, small, {}, 1.0 / times, 1.0 / times, cv::INTER_AREA);
+      files_.push_back(
+          std::filesystem::path(png).replace_extension(fmt::format("panel-{}.png", files_.size())));
+      write_picture(files_.back(), small);
+      panel.picture = files_.back();
+    }
+  }
+  ~SmallPictures() {
+    std::error_code was_none;
+    for (const auto& file : files_) std::filesystem::remove(file, was_none);
+  }
+  SmallPictures(const SmallPictures&) = delete;
+  SmallPictures& operator=(const SmallPictures&) = delete;
+
+ private:
+  std::vector<std::filesystem::path> files_;
+};
+
 /// A field of CSV.
 std::string field(const std::string& words) {
   std::string out = "\"";
@@ -236,7 +288,9 @@ std::string figure_csv(const Figure& figure) {
   for (const Panel& panel : figure.panels) {
     for (std::size_t n = 0; n < panel.lines.size(); ++n) {
       const Line& line = panel.lines[n];
-      const std::string name = line.label.empty() ? fmt::format("line {}", n + 1) : line.label;
+      const std::string name = !line.label.empty()       ? line.label
+                               : panel.lines.size() == 1 ? panel.y_label
+                                                         : fmt::format("{}, {}", panel.y_label, n + 1);
       const std::string head =
           field(panel.title) + "," + field(panel.x_label) + "," + field(panel.y_label) + "," + field(name);
       for (std::size_t i = 0; i < std::min(line.x.size(), line.y.size()); ++i)
@@ -252,6 +306,7 @@ void draw_figure(const Figure& figure, const std::filesystem::path& png) {
   const auto beside = [&](const char* extension) {
     return std::filesystem::path(png).replace_extension(extension);
   };
+  const SmallPictures small(drawn, png);
   const std::string script = gnuplot_script(drawn);
   for (const auto& [terminal, file] :
        {std::pair{"pngcairo font 'sans,9'", png}, std::pair{"svg dynamic font 'sans,12'", beside(".svg")}}) {

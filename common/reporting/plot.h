@@ -29,7 +29,8 @@ struct Panel {
   bool log_x = false;
   bool log_y = false;
   bool equal_axes = false;             ///< one unit is as long in x as in y (paths in the plane)
-  std::filesystem::path picture = {};  ///< a PNG instead of lines, without axes
+  /// A PNG instead of lines; with x_range and y_range its edges are there, without them it has no axes.
+  std::filesystem::path picture = {};
 };
 
 struct Figure {

@@ -9,6 +9,7 @@
 
 #include "common/control/kinematic_state.h"
 #include "common/protocol/messages.h"
+#include "common/streaming/lost_time.h"
 #include "common/streaming/packet_samples.h"
 
 namespace telekerf::streaming {
@@ -28,7 +29,7 @@ struct StreamSample {
   Vec3 acceleration_m_per_s2 = Vec3::Zero();  ///< held from this sample to the next; not of a local stream
   std::uint32_t engage = 0;                   ///< number of the engagement that leads it
   std::uint32_t echo_sequence = 0;  ///< state block that the master had when it began the sample's block
-  std::int64_t echo_sent_ns = 0;    ///< its stamp; of a copy: no later than that
+  std::int64_t echo_sent_ns = 0;    ///< its stamp; of a copy: no later than that, or there is no echo
   bool concealed = false;           ///< between known samples, but not itself known: never with the laser on
 };
 
@@ -52,6 +53,7 @@ class JitterBuffer {
     StreamSample sample;
   };
   std::array<Slot, kSize> slots_{};
+  LostTime lost_;
 };
 
 }  // namespace telekerf::streaming

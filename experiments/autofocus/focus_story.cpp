@@ -174,7 +174,6 @@ void draw_story(FocusStory story, std::uint64_t seed, const std::string& number,
 }
 
 void draw_surface(const SharpnessSurface& surface, const std::filesystem::path& folder) {
-  // 7.12 seen from above: focus to the right, magnification upwards.
   cv::Mat values(static_cast<int>(surface.magnification_m.size()), static_cast<int>(surface.focus_m.size()),
                  CV_32F);
   Panel along_focus{.title = "B: focus, at several magnifications",
@@ -192,7 +191,7 @@ void draw_surface(const SharpnessSurface& surface, const std::filesystem::path& 
     ridge.y.push_back(1e3 * surface.focus_m[top]);
     heights.x.push_back(1e3 * surface.magnification_m[i]);
     heights.y.push_back(row[top]);
-    Line line;
+    Line line{.label = fmt::format("{:.1f} mm", 1e3 * surface.magnification_m[i])};
     for (std::size_t j = 0; j < row.size(); ++j) {
       values.at<float>(values.rows - 1 - static_cast<int>(i), static_cast<int>(j)) =
           static_cast<float>(row[j]);
@@ -203,7 +202,7 @@ void draw_surface(const SharpnessSurface& surface, const std::filesystem::path& 
   }
   for (std::size_t j = 0; j < surface.focus_m.size();
        j += std::max<std::size_t>(1, surface.focus_m.size() / 7)) {
-    Line line;
+    Line line{.label = fmt::format("{:.1f} mm", 1e3 * surface.focus_m[j])};
     for (std::size_t i = 0; i < surface.magnification_m.size(); ++i) {
       line.x.push_back(1e3 * surface.magnification_m[i]);
       line.y.push_back(surface.sharpness[i][j]);
@@ -214,7 +213,20 @@ void draw_surface(const SharpnessSurface& surface, const std::filesystem::path& 
   cv::normalize(values, eight, 0, 255, cv::NORM_MINMAX, CV_8U);
   cv::resize(eight, eight, {640, 480}, 0, 0, cv::INTER_CUBIC);
   cv::applyColorMap(eight, eight, cv::COLORMAP_VIRIDIS);
-  reporting::write_picture(folder / "figure-7.12.png", eight);
+  const std::filesystem::path colours = folder / "figure-7.12-colours.png";
+  reporting::write_picture(colours, eight);
+  const auto ends_mm = [](const std::vector<double>& axis_m) {
+    return std::array{1e3 * axis_m.front(), 1e3 * axis_m.back()};
+  };
+  reporting::draw_figure({.title = "7.12 sharpness (eq. 155) from above: the brighter, the sharper",
+                          .panels = {{.x_label = "focus axis [mm]",
+                                      .y_label = "magnification axis [mm]",
+                                      .x_range = ends_mm(surface.focus_m),
+                                      .y_range = ends_mm(surface.magnification_m),
+                                      .picture = colours}},
+                          .panel_width_px = 640,
+                          .panel_height_px = 480},
+                         folder / "figure-7.12.png");
   reporting::draw_figure({.title = "7.13 sharpness (eq. 155) along each axis",
                           .panels = {along_zoom, along_focus},
                           .columns = 2},

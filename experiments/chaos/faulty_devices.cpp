@@ -11,7 +11,7 @@ namespace {
 
 class FaultyRobot final : public robot::Robot {
  public:
-  FaultyRobot(std::unique_ptr<robot::SimulatedRobot> robot, const SensorFault& fault)
+  FaultyRobot(std::unique_ptr<robot::SimulatedRobot> robot, SensorFault& fault)
       : robot_(std::move(robot)), fault_(fault) {}
 
   robot::JointReading read() noexcept override {
@@ -21,8 +21,8 @@ class FaultyRobot final : public robot::Robot {
       return reading;
     }
     reading.joints_m += fault_.slip_m;
-    if (fault_.stuck) reading.joints_m[0] = stuck_m_;
-    stuck_m_ = reading.joints_m[0];
+    if (fault_.stuck) reading.joints_m[0] = fault_.held_m;
+    fault_.held_m = reading.joints_m[0];
     return reading;
   }
   void write(const Vec3& currents_a) noexcept override { robot_->write(currents_a); }
@@ -30,8 +30,7 @@ class FaultyRobot final : public robot::Robot {
 
  private:
   std::unique_ptr<robot::SimulatedRobot> robot_;
-  const SensorFault& fault_;
-  double stuck_m_ = 0.0;
+  SensorFault& fault_;
 };
 
 class FaultyLaser final : public laser::Laser {
@@ -64,7 +63,7 @@ class ScriptedButton final : public master::OperatorInput {
 }  // namespace
 
 robot::Drive faulty_drive(const robot::RobotModel& truth, std::uint64_t seed, const Vec3& tool_in_base_m,
-                          const SensorFault& fault) {
+                          SensorFault& fault) {
   std::unique_ptr<robot::SimulatedRobot> plant;
   try {
     plant = std::make_unique<robot::SimulatedRobot>(truth, seed, tool_in_base_m);

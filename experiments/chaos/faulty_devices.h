@@ -17,6 +17,8 @@ namespace telekerf::experiments {
 struct SensorFault {
   bool dropout = false;
   bool stuck = false;
+  double held_m =
+      0.0;  ///< what the first joint's sensor said last; it says so on, whoever asks, while it sticks
   Vec3 slip_m = Vec3::Zero();
 };
 
@@ -35,7 +37,7 @@ inline constexpr int kSilentLaserSteps = 3;
 /// A simulated robot, `truth`, at rest with its tool at `tool_in_base_m`, or in the middle of its workspace
 /// where that pose cannot be taken.
 robot::Drive faulty_drive(const robot::RobotModel& truth, std::uint64_t seed, const Vec3& tool_in_base_m,
-                          const SensorFault& fault);
+                          SensorFault& fault);
 std::unique_ptr<laser::Laser> faulty_laser(LaserState& state);
 std::unique_ptr<master::OperatorInput> scripted_button(const bool& pressed);
 

@@ -14,7 +14,7 @@ using reporting::Figure;
 using reporting::Line;
 using reporting::Panel;
 
-/// Of the figure's axis; what runs away is drawn at its upper end.
+/// Of the figure's axis.
 constexpr double kLeast_um = 0.1;
 constexpr double kMost_um = 1e5;
 
@@ -22,7 +22,10 @@ constexpr double kMost_um = 1e5;
 
 void draw_rtt(const std::vector<Run>& runs, const std::filesystem::path& png) {
   Figure figure;
-  figure.title = "SDCT, jitter 10 % of the round trip, loss 0.01, each rival at its best tuning";
+  figure.title =
+      "SDCT, jitter 10 % of the round trip, loss 0.01, each rival at its best tuning; a line ends where it "
+      "is "
+      "unstable";
   for (const auto& [title, what] :
        {std::pair{"slave to master (um rms)", &DelayResult::tracking_rmse_um},
         std::pair{"slave to its prediction (um rms)", &DelayResult::prediction_rmse_um}}) {
@@ -33,13 +36,10 @@ void draw_rtt(const std::vector<Run>& runs, const std::filesystem::path& png) {
       Line line{.label = law_of(rival) + " + " + word_of(rival.estimator), .colour = colour++ % 8};
       if (colour > 8) line.style = Line::Style::kDashed;
       for (const double rtt_ms : kRttMs) {
-        line.x.push_back(rtt_ms);
         const Run* run = find_run(runs, rival, rtt_ms, rtt_ms > 0.0 ? 0.1 : 0.0, 0.01);
-        if (run == nullptr) {
-          line.x.pop_back();
-          continue;
-        }
-        line.y.push_back(run->result.stable ? std::clamp(run->result.*what, kLeast_um, kMost_um) : kMost_um);
+        if (run == nullptr) continue;
+        line.x.push_back(rtt_ms);
+        line.y.push_back(run->result.stable ? run->result.*what : NAN);
       }
       panel.lines.push_back(line);
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "common/reporting/run_report.h"
@@ -44,6 +45,21 @@ std::vector<double> lit_depths(const RemoteMark& mark) {
   return out;
 }
 
+/// And all others that the beam has touched at all.
+std::vector<double> marked_depths(const RemoteMark& mark) {
+  std::vector<double> out;
+  std::copy_if(mark.depth_m.begin(), mark.depth_m.end(), std::back_inserter(out),
+               [](double depth_m) { return depth_m > 0.0; });
+  return out;
+}
+
+/// Rms of depth / `depth_m` - 1.
+double depth_error(const std::vector<double>& depths, double depth_m) {
+  double squares = 0.0;
+  for (const double depth : depths) squares += (depth / depth_m - 1.0) * (depth / depth_m - 1.0);
+  return depths.empty() ? NAN : std::sqrt(squares / static_cast<double>(depths.size()));
+}
+
 }  // namespace
 
 double depth_speed_m2_per_s(const workpiece::Material& material, double laser_w) {
@@ -58,13 +74,6 @@ double depth_speed_m2_per_s(const workpiece::Material& material, double laser_w)
       peak * w * std::sqrt(0.5 * std::numbers::pi) * std::erf(std::numbers::sqrt2 * reach / w) -
       2.0 * reach * material.threshold_j_per_m2;
   return laser_w / pulse_j * above / material.heat_of_removal_j_per_m3;
-}
-
-double depth_error(const RemoteMark& mark, double depth_m) {
-  const std::vector<double> depths = lit_depths(mark);
-  double squares = 0.0;
-  for (const double depth : depths) squares += (depth / depth_m - 1.0) * (depth / depth_m - 1.0);
-  return depths.empty() ? NAN : std::sqrt(squares / static_cast<double>(depths.size()));
 }
 
 FeltCutRun run_felt_cut(const FeltCutTrial& trial, bool felt, std::uint64_t seed, double heat_factor) {
@@ -91,7 +100,11 @@ FeltCutRun run_felt_cut(const FeltCutTrial& trial, bool felt, std::uint64_t seed
                  .given_j = {}};
   const std::vector<double> depths = lit_depths(run.mark);
   for (const double depth : depths) run.mean_depth_m += depth / static_cast<double>(depths.size());
-  run.depth_error = depth_error(run.mark, 1e-3 * trial.depth_mm);
+  run.depth_error = depth_error(depths, 1e-3 * trial.depth_mm);
+  const std::vector<double> marked = marked_depths(run.mark);
+  run.marked_error = depth_error(marked, 1e-3 * trial.depth_mm);
+  run.lit_places = depths.size();
+  run.marked_places = marked.size();
   meter(record, run);
   run.wished_rms_n = metric(record, "felt_wished_rms_n");
   run.felt_rms_n = metric(record, "felt_rms_n");

@@ -26,7 +26,9 @@ struct FeltCutRun {
   std::vector<RemoteSample> motion;
   RemoteMark mark;
   std::vector<double> time_s, given_j;  ///< to the hand at the tool: minus the work of the true force on it
-  double depth_error = 0.0;             ///< rms of depth / wished depth - 1 where the beam was
+  double depth_error = 0.0;   ///< rms of depth / wished depth - 1 at places lit, and lit on either side
+  double marked_error = 0.0;  ///< and at all that are marked at all: the ends of stretches, too
+  std::size_t lit_places = 0, marked_places = 0;
   double mean_depth_m = 0.0;
   double most_given_j = 0.0;  ///< largest of given_j
   double wished_rms_n = 0.0, felt_rms_n = 0.0;
@@ -42,8 +44,5 @@ double depth_speed_m2_per_s(const workpiece::Material& material, double laser_w)
 
 /// `heat_factor`: the true material needs that much more to be removed than the master's copy knows.
 FeltCutRun run_felt_cut(const FeltCutTrial& trial, bool felt, std::uint64_t seed, double heat_factor = 1.0);
-
-/// Rms of depth / `depth_m` - 1 over the places that were lit on either side, too.
-double depth_error(const RemoteMark& mark, double depth_m);
 
 }  // namespace telekerf::experiments

@@ -55,6 +55,9 @@ ordered_json port_json(const std::vector<PortResult>& results, const Options& op
 
 ordered_json run_json(const FeltCutRun& run) {
   ordered_json out{{"depth_error_percent", 100.0 * run.depth_error},
+                   {"marked_depth_error_percent", 100.0 * run.marked_error},
+                   {"lit_places", run.lit_places},
+                   {"marked_places", run.marked_places},
                    {"mean_depth_mm", 1e3 * run.mean_depth_m},
                    {"given_to_the_hand_mj_max", 1e3 * run.most_given_j},
                    {"tracking_rms_um", run.tracking_rms_um},
@@ -71,6 +74,7 @@ ordered_json run_json(const FeltCutRun& run) {
 struct Pair {
   FeltCutRun blind, felt;
   double ratio() const { return felt.depth_error / blind.depth_error; }
+  double marked_ratio() const { return felt.marked_error / blind.marked_error; }
 };
 
 std::vector<Pair> pairs(const Options& options, double depth_mm) {
@@ -86,7 +90,7 @@ std::vector<Pair> pairs(const Options& options, double depth_mm) {
 
 ordered_json cut_json(const std::vector<Pair>& hands, const Options& options, double depth_mm) {
   ordered_json rows = ordered_json::array();
-  std::vector<double> ratios;
+  std::vector<double> ratios, marked_ratios;
   double tank_mj = 0.0, hand_mj = 0.0, outside_j = 0.0, felt = 0.0, held_back = 0.0, tracking = 0.0;
   for (std::size_t i = 0; i < hands.size(); ++i) {
     const Pair& pair = hands[i];
@@ -95,6 +99,7 @@ ordered_json cut_json(const std::vector<Pair>& hands, const Options& options, do
                     {"felt", run_json(pair.felt)},
                     {"ratio", pair.ratio()}});
     ratios.push_back(pair.ratio());
+    marked_ratios.push_back(pair.marked_ratio());
     tank_mj = std::max(tank_mj, 1e3 * pair.felt.port_most_given_j);
     hand_mj = std::max(hand_mj, 1e3 * (pair.felt.most_given_j - pair.blind.most_given_j));
     outside_j = std::max(outside_j, pair.felt.energy_outside_j);
@@ -103,12 +108,15 @@ ordered_json cut_json(const std::vector<Pair>& hands, const Options& options, do
     held_back = std::max(held_back, pair.felt.held_back_share);
   }
   std::sort(ratios.begin(), ratios.end());
+  std::sort(marked_ratios.begin(), marked_ratios.end());
   return {{"image", options.trial.image},
           {"netem", options.trial.netem},
           {"depth_mm", depth_mm},
           {"copy_mm2_per_s", 1e6 * depth_speed_m2_per_s(workpiece::kWood, options.trial.laser_w)},
           {"error_ratio_median", ratios[ratios.size() / 2]},
           {"error_ratio_worst", ratios.back()},
+          {"marked_error_ratio_median", marked_ratios[marked_ratios.size() / 2]},
+          {"marked_error_ratio_worst", marked_ratios.back()},
           {"felt_share", felt},
           {"held_back_share_max", held_back},
           {"port_beyond_drag_mj_max", tank_mj},

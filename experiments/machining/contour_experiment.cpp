@@ -99,7 +99,9 @@ ordered_json one_picture(const ContourExperiment::Subject& subject, const Option
   result["burn"] = machining::burn({&run.pass, 1}, *options.material.value_or(subject.material), out);
   write_contour_trace(run, out / "trace.csv");
 
-  std::vector<NamedRun> runs{{std::string(machining::kControllers.word(options.controller)), &run}};
+  std::vector<NamedRun> runs{
+      {std::string(machining::kControllers.word(machining::chosen(options.controller, contour.closed))),
+       &run}};
   ContourRun baseline;
   if (experiment.closed && options.controller != machining::ControllerKind::kIndependent) {
     ContourRunSettings other = settings;

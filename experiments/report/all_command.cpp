@@ -38,7 +38,8 @@ struct Options {
   std::string out = "out/all";
 };
 
-ordered_json claims_of(const fs::path& folder) {
+/// What another run left: its claims, seed and form.
+ordered_json run_in(const fs::path& folder) {
   std::ifstream in(folder / "claims.json");
   if (!in)
     throw input_error("--against " + folder.string() +
@@ -50,7 +51,19 @@ ordered_json claims_of(const fs::path& folder) {
   if (!json.is_object() || !json.contains("claims") || !json["claims"].is_array() ||
       !std::all_of(json["claims"].begin(), json["claims"].end(), is_claim))
     throw input_error("--against " + folder.string() + ": its claims.json is none of this program's");
-  return json["claims"];
+  return json;
+}
+
+/// "seed 1 -> 2, quick -> full", from the other run to this one; empty: the same.
+std::string other_conditions(const ordered_json& before, const Options& now) {
+  std::string out;
+  const auto differs = [&](const std::string& what) { out += (out.empty() ? "" : ", ") + what; };
+  const ordered_json seed = before.value("seed", ordered_json());
+  if (seed != now.seed) differs(fmt::format("seed {} -> {}", seed.dump(), now.seed));
+  const bool quick = before.value("quick", ordered_json()) == true;
+  const auto form = [](bool is_quick) { return is_quick ? "quick" : "full"; };
+  if (quick != now.quick) differs(fmt::format("{} -> {} form", form(quick), form(now.quick)));
+  return out;
 }
 
 void refuse_unknown(const Options& options, const Manifest& manifest) {
@@ -84,6 +97,18 @@ std::vector<std::string> changes_of_what_ran(const Manifest& manifest, const std
   return differences(judged, of_these);
 }
 
+/// "5 of 7 claims held; 147 are of experiments that were not asked for".
+std::string count_text(const std::vector<Judged>& judged, const std::vector<Finished>& finished) {
+  int held = 0, of = 0;
+  for (const Judged& row : judged) {
+    of += was_run(finished, row.claim.experiment) ? 1 : 0;
+    held += row.verdict == Verdict::kHeld ? 1 : 0;
+  }
+  const int others = static_cast<int>(judged.size()) - of;
+  return fmt::format("{} of {} claims held", held, of) +
+         (others > 0 ? fmt::format("; {} are of experiments that were not asked for", others) : "");
+}
+
 /// Of an interrupted run; returns its exit code, as ./telekerf's.
 int say_what_is_kept(const Manifest& manifest, const StorePlan& plan, const std::vector<Finished>& finished) {
   const auto of =
@@ -107,7 +132,7 @@ int run(const Options& options) {
   refuse_unknown(options, manifest);
   if (!options.source.empty()) require_pages(options.source);
   ordered_json before;
-  if (!options.against.empty()) before = claims_of(options.against);
+  if (!options.against.empty()) before = run_in(options.against);
   const fs::path out = options.out;
   const StorePlan plan{.out = out,
                        .seed = options.seed,
@@ -120,9 +145,10 @@ int run(const Options& options) {
   const ResultsByName results = read_results(manifest, finished);
   require_fit(manifest, finished, results, options.quick);
   const std::vector<Judged> judged = judge(manifest, results, options.quick);
-  const std::vector<std::string> changes = options.against.empty()
-                                               ? std::vector<std::string>()
-                                               : changes_of_what_ran(manifest, finished, judged, before);
+  const std::vector<std::string> changes =
+      options.against.empty() ? std::vector<std::string>()
+                              : changes_of_what_ran(manifest, finished, judged, before["claims"]);
+  const std::string otherwise = options.against.empty() ? "" : other_conditions(before, options);
   write_json(out / "claims.json", ordered_json{{"version", kVersion},
                                                {"commit", plan.commit},
                                                {"seed", options.seed},
@@ -136,6 +162,7 @@ int run(const Options& options) {
                   .commit = plan.commit,
                   .differences = changes,
                   .against = fs::path(options.against).lexically_normal().filename().string(),
+                  .other_conditions = otherwise,
                   .made = made_line(finished)};
   write_atomically(out / "report.html", report_page(page));
   bool good = all_held(judged), whole = true;
@@ -157,10 +184,13 @@ int run(const Options& options) {
                  row.value
                      ? fmt::format(": {} {}, {}", value_text(row), row.claim.unit, bound_text(row.claim))
                      : ": " + row.why);
+  if (!otherwise.empty())
+    fmt::print("against {}: made otherwise ({}): what differs need not be the code's doing\n",
+               options.against, otherwise);
   for (const std::string& line : changes) fmt::print("changed: {}\n", line);
-  const auto held = std::count_if(judged.begin(), judged.end(),
-                                  [](const Judged& r) { return r.verdict == Verdict::kHeld; });
-  fmt::print("{} of {} claims held: {}\n", held, judged.size(), (out / "report.html").string());
+  if (!options.against.empty() && changes.empty())
+    fmt::print("against {}: no claim has another figure or verdict\n", options.against);
+  fmt::print("{}: {}\n", count_text(judged, finished), (out / "report.html").string());
   return !whole ? 2 : good ? 0 : 1;
 }
 
@@ -175,7 +205,8 @@ void add_parameters(Options& o, Settings& s) {
   s.add("against", o.against, kFolder,
         "--out of another run: says which claims have another figure, and by how much");
   s.add("source", o.source, kFolder,
-        "top folder of the source: README.md and docs/results there get their tables, figures and report.html anew");
+        "top folder of the source: README.md and docs/results there get their tables, figures and "
+        "report.html anew");
   s.add("out", o.out, kFolder,
         "folder for report.html, claims.json and the results, by commit, experiment and seed");
 }

@@ -72,6 +72,8 @@ Claim claim_at(const ConfigFile& file, const std::string& at) {
   out.tolerance = file.number_or(at + "tolerance", out.tolerance, {.min = 0});
   if (out.tolerance > 0.0 && out.relation != Relation::kWithin)
     file.refuse(at + "tolerance", "is of relation = \"within\" alone; leave it out");
+  if (out.relation == Relation::kWithin && !file.has(at + "tolerance"))
+    file.refuse(at + "tolerance", "is what relation = \"within\" wants: state it, 0 for the bound alone");
   out.reason = file.text_or(at + "reason", "");
   out.quick = file.boolean_or(at + "quick", out.quick);
   out.negative = file.boolean_or(at + "negative", out.negative);

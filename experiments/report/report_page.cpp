@@ -105,6 +105,9 @@ std::string summary(const ReportPage& page) {
 std::string difference_list(const ReportPage& page) {
   if (page.against.empty()) return "";
   std::string out = "<h3>Against " + html_text(page.against) + "</h3>";
+  if (!page.other_conditions.empty())
+    out += "<p><b>Made otherwise</b> (" + html_text(page.other_conditions) +
+           "): what differs need not be the code's doing.</p>";
   if (page.differences.empty()) return out + "<p>No claim has another figure or verdict.</p>";
   out += "<ul>";
   for (const std::string& line : page.differences) out += "<li>" + html_text(line) + "</li>";
@@ -112,9 +115,10 @@ std::string difference_list(const ReportPage& page) {
 }
 
 std::string experiment_part(const ManifestExperiment& experiment, const ReportPage& page) {
-  std::string out = fmt::format("<h2 id=\"x-{}\">{}: {}</h2>\n<p><code>{}</code></p>\n", experiment.name,
-                                html_text(experiment.reference), html_text(experiment.title),
-                                html_text(command_line(experiment, page.seed, page.quick)));
+  const std::string chapter = experiment.reference == "-" ? "" : experiment.reference + ": ";
+  std::string out =
+      fmt::format("<h2 id=\"x-{}\">{}{}</h2>\n<p><code>{}</code></p>\n", experiment.name, html_text(chapter),
+                  html_text(experiment.title), html_text(command_line(experiment, page.seed, page.quick)));
   const auto one = std::find_if(page.finished.begin(), page.finished.end(),
                                 [&](const Finished& f) { return f.name == experiment.name; });
   if (one == page.finished.end()) return out + "<p>It was not run.</p>\n";
@@ -138,8 +142,9 @@ std::string report_page(const ReportPage& page) {
   std::string text = text_of(find_resource("report", "page", ".html"), "");
   std::string contents, experiments;
   for (const ManifestExperiment& experiment : page.manifest.experiments) {
-    contents += fmt::format("<li><a href=\"#x-{}\">{}</a> ({})</li>", experiment.name,
-                            html_text(experiment.title), html_text(experiment.reference));
+    contents +=
+        fmt::format("<li><a href=\"#x-{}\">{}</a>{}</li>", experiment.name, html_text(experiment.title),
+                    experiment.reference == "-" ? "" : " (" + html_text(experiment.reference) + ")");
     experiments += experiment_part(experiment, page);
   }
   const std::string quick = page.quick ? " --quick" : "";
@@ -179,10 +184,12 @@ std::string made_line(const std::vector<Finished>& finished) {
     }
   std::string took;
   for (const Finished& one : finished) {
-    if (!one.resumed) took += fmt::format("{}{} {:.1f} s", took.empty() ? " By the clock: " : ", ", one.name, one.seconds);
+    if (!one.resumed)
+      took += fmt::format("{}{} {:.1f} s", took.empty() ? " By the clock: " : ", ", one.name, one.seconds);
   }
-  return fmt::format("Made {:%Y-%m-%d %H:%M} UTC on {} ({}, {} processors).{}{}", fmt::gmtime(std::time(nullptr)),
-                     host.data(), processor, sysconf(_SC_NPROCESSORS_ONLN), took, took.empty() ? "" : ".");
+  return fmt::format("Made {:%Y-%m-%d %H:%M} UTC on {} ({}, {} processors).{}{}",
+                     fmt::gmtime(std::time(nullptr)), host.data(), processor, sysconf(_SC_NPROCESSORS_ONLN),
+                     took, took.empty() ? "" : ".");
 }
 
 }  // namespace telekerf::experiments

@@ -21,6 +21,7 @@ struct ReportPage {
   std::string commit;
   std::vector<std::string> differences;  ///< from the run it is held against; empty with `against`: none
   std::string against;                   ///< name of that run; empty: none was named
+  std::string other_conditions;          ///< seed or form that it had otherwise; empty: the same
   std::string made;  ///< the one line that depends on when and where; empty: there is none
 };
 

@@ -87,7 +87,8 @@ void draw(const robot::Sensor& spec, const Options& options, const std::filesyst
     with.y.push_back(i == 0 ? 0.0 : 1e6 * (b_m - at_m));
   }
   decoded.x = without.x = with.x = truth.x;
-  reporting::draw_figure({.title = fmt::format("pitch {:g} mm, {} bits", 1e3 * spec.pitch_m, spec.adc_bits),
+  reporting::draw_figure({.title = fmt::format("pitch {:g} mm, {} bits; the sensor of seed {}",
+                                               1e3 * spec.pitch_m, spec.adc_bits, options.seed),
                           .panels = {{.title = "(147)-(149) voltages",
                                       .x_label = "position [mm]",
                                       .y_label = "share of the amplitude",

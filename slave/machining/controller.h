@@ -30,19 +30,24 @@ inline constexpr EnumRow<ControllerKind> kControllerRows[] = {
 };
 inline constexpr EnumTable<ControllerKind> kControllers(kControllerRows);
 
+/// What "auto" is on such a contour; any other kind is itself.
+inline ControllerKind chosen(ControllerKind kind, bool closed) noexcept {
+  if (kind != ControllerKind::kAuto) return kind;
+  return closed ? ControllerKind::kContouring : ControllerKind::kPreview;
+}
+
 /// The controller of a kind with gains and preview that match the loop.
 inline Controller make_controller(ControllerKind kind, bool closed, const PathFollowerSettings& s) noexcept {
-  switch (kind) {
+  switch (chosen(kind, closed)) {
     case ControllerKind::kIndependent:
       return IndependentControl::tuned(s);
-    case ControllerKind::kPreview:
-      return PreviewControl::tuned(s);
     case ControllerKind::kContouring:
       return ContouringControl::tuned(s);
+    case ControllerKind::kPreview:
     case ControllerKind::kAuto:
       break;
   }
-  return closed ? Controller(ContouringControl::tuned(s)) : Controller(PreviewControl::tuned(s));
+  return PreviewControl::tuned(s);
 }
 
 /// Desired joint acceleration, m/s^2. Real-time: noexcept, no allocation. Not finite only if the reference is

@@ -4,6 +4,8 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -38,9 +40,17 @@ int inspect(std::vector<std::string> words, std::string* said = nullptr) {
   return code;
 }
 
+/// More by the environment: TELEKERF_KILLS=1000.
+int kills() {
+  const char* asked = std::getenv("TELEKERF_KILLS");
+  return asked == nullptr ? 5 : std::atoi(asked);
+}
+
 TEST(RecordingProcesses, AKilledSlaveLosesLessThanATenthOfASecond) {
   std::mt19937 random(22);
-  for (int trial = 0; trial < 5; ++trial) {
+  double longest_s = 0.0, sum_s = 0.0;
+  const int trials = kills();
+  for (int trial = 0; trial < trials; ++trial) {
     const fs::path folder = Program::scratch() / ("killed-" + std::to_string(trial));
     const fs::path file = folder / "slave.h5";
     Program slave("telekerf-slave", cell({"--record", folder.string()}));
@@ -64,10 +74,15 @@ TEST(RecordingProcesses, AKilledSlaveLosesLessThanATenthOfASecond) {
     const auto rows = rows_of(*reader.data("slave"), slave_columns());
     ASSERT_FALSE(rows.empty());
     for (std::size_t n = 0; n < rows.size(); ++n) ASSERT_EQ(rows[n].tick, n);
-    EXPECT_LE(killed_s - rows.back().t_s, 0.1);
+    const double lost_s = killed_s - rows.back().t_s;
+    EXPECT_LE(lost_s, 0.1) << "kill " << trial;
+    longest_s = std::max(longest_s, lost_s);
+    sum_s += lost_s;
     EXPECT_EQ(fs::exists(folder / "flight-slave-killed.h5"), trial % 2 == 0);
     EXPECT_EQ(inspect({"recover", file.string()}, &said), 0) << "and again is nothing to do: " << said;
+    if (!HasFailure()) fs::remove_all(folder);
   }
+  std::printf("%d kills: lost %.4f s in the mean, %.4f s at the most\n", trials, sum_s / trials, longest_s);
 }
 
 TEST(RecordingProcesses, VisionAndConsoleRecordWhatTheyPublishedAndHeard) {
@@ -99,8 +114,9 @@ TEST(RecordingProcesses, VisionAndConsoleRecordWhatTheyPublishedAndHeard) {
   const RunReader console(folder / "console.h5");
   EXPECT_EQ(console.state(), RunState::kClosed);
   const auto events = console.events();
-  EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const RunEvent& e) { return e.text.find("http://") != e.text.npos; }))
-      << "what it said is in its record";
+  EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const RunEvent& e) {
+    return e.text.find("http://") != e.text.npos;
+  })) << "what it said is in its record";
 }
 
 TEST(RecordingProcesses, TheReportOfTwoSitesIsThatOfTheirText) {
@@ -138,16 +154,16 @@ TEST(RecordingProcesses, TheReportOfTwoSitesIsThatOfTheirText) {
   EXPECT_GT(master.data("telemetry")->rows(), 100U);
   EXPECT_EQ(master.contours().size(), 1U);
   const auto events = master.events();
-  EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const RunEvent& event) {
-    return event.text == "engaged: the slave follows";
-  }));
+  EXPECT_TRUE(std::any_of(events.begin(), events.end(),
+                          [](const RunEvent& event) { return event.text == "engaged: the slave follows"; }));
 }
 
 TEST(RecordingProcesses, EveryRunIsRecordedBelowOutUnlessAFolderIsNamed) {
   const fs::path here = Program::scratch() / "unnamed";
   fs::create_directories(here);
-  Program slave("/bin/sh", {"-c", "cd " + here.string() + " && exec " TELEKERF_BIN_DIR "/telekerf-slave --domain " +
-                                      own_domain() + " --cell record"});
+  Program slave("/bin/sh",
+                {"-c", "cd " + here.string() + " && exec " TELEKERF_BIN_DIR "/telekerf-slave --domain " +
+                           own_domain() + " --cell record"});
   ASSERT_TRUE(slave.says("ready", seconds(20))) << slave.output();
   EXPECT_TRUE(slave.says("slave: recorded in out/", seconds(1))) << slave.output();
   slave.interrupt();

@@ -63,6 +63,31 @@ TEST(Chaos, WhereSensorsLieNothingMovesOrBurnsWhereItMayNot) {
   EXPECT_TRUE(report.passed) << report.json["missed"].dump();
 }
 
+/// Shrunk: light on copies of a master that had slept, a sensor that slipped before the slave was sure of its
+/// robot, ones that
+/// stuck while the tool set off, or began with nonsense.
+TEST(Chaos, WhatMissedABarOnceMeetsThemAll) {
+  struct Miss {
+    std::uint64_t seed;
+    double duration_s;
+    std::vector<FaultKind> kinds;
+  };
+  for (const Miss& miss : {Miss{815, 10.2, {FaultKind::kLoss, FaultKind::kMasterAsleep}},
+                           Miss{453, 5.0, {FaultKind::kSlaveRestart, FaultKind::kSensorSlip}},
+                           Miss{685, 12.2, {FaultKind::kSensorDropout, FaultKind::kSensorStuck}},
+                           Miss{351,
+                                13.5,
+                                {FaultKind::kCorrupt, FaultKind::kDelay, FaultKind::kOutage,
+                                 FaultKind::kSensorDropout, FaultKind::kSensorStuck}}}) {
+    ChaosCampaign c = campaign(1, miss.duration_s);
+    c.seed = miss.seed;
+    c.each.mode = ChaosMode::kSafety;
+    c.kinds = miss.kinds;
+    const ChaosReport report = run_campaign(c, kQuiet);
+    EXPECT_TRUE(report.passed) << miss.seed << ": " << report.json["missed"].dump();
+  }
+}
+
 TEST(Chaos, ADelayThatHasGoneIsGivenBackSoThatOneEngageSuffices) {
   for (const std::uint64_t seed : {114u, 777u}) {
     ChaosCampaign c = campaign(1, 20.0);

@@ -2,14 +2,17 @@
 // A good robot is believed, whatever it is within 30 % off its file; a sensor that slips or sticks is not.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
 
 #include "common/control/joint_acceleration_control.h"
 #include "common/control/loop_design.h"
+#include "common/control/standstill.h"
 #include "common/control/tracking_law.h"
 #include "common/robot/drivers/simulated_robot.h"
+#include "common/robot/sensor_noise.h"
 
 namespace telekerf::control {
 namespace {
@@ -29,7 +32,8 @@ class Watched {
         plant_(robot::mismatched(model_, mismatch, seed), seed, model_.workspace.centre_m),
         bandwidths_(design_loop(loop_conditions(model_, 1000.0))),
         law_(sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1e-3)),
-        control_(model_, judged()) {
+        control_(model_, judged()),
+        standstill_(robot::reading_noise_m(model_.sensor), 1e-3) {
     control_.reset(plant_.read().joints_m);
   }
   /// False: a doubt.
@@ -44,9 +48,14 @@ class Watched {
       const auto& pose = control_.state();
       const KinematicState tool{.position_m = pose.tool_m - model_.workspace.centre_m,
                                 .velocity_m_per_s = pose.tool_velocity_m_per_s};
-      plant_.write(control_.currents(pose.joint_acceleration(
-          limited(tracking_acceleration(wanted, tool, law_), model_.limits.acceleration_m_per_s2))));
+      const Vec3 asked = pose.joint_acceleration(
+          limited(tracking_acceleration(wanted, tool, law_), model_.limits.acceleration_m_per_s2));
+      const Vec3 error_m = pose.inverse_jacobian * (wanted.position_m - tool.position_m);
+      plant_.write(control_.currents(standstill_.step(wanted, error_m, reading, asked)));
+      const Vec3 before_m_per_s = plant_.true_tool_velocity_m_per_s();
       plant_.advance(1e-3);
+      hardest_m_per_s2_ =
+          std::max(hardest_m_per_s2_, 1e3 * (plant_.true_tool_velocity_m_per_s() - before_m_per_s).norm());
       off_m_ = (plant_.true_tool_in_base_m() - model_.workspace.centre_m - wanted.position_m).norm();
     }
     return true;
@@ -54,7 +63,10 @@ class Watched {
   const robot::Doubt& doubt() const { return control_.doubt(); }
   double time_s() const { return time_s_; }
   double doubted_s() const { return doubted_s_.value_or(1e9); }  ///< the first reading that was not believed
-  double off_m() const { return off_m_; }                        ///< the true tool from where it is to be
+  void stand_still() { speed_rad_per_s_ = 0.0; }
+  /// Largest acceleration of the true tool, of the robot's limit.
+  double hardest() const { return hardest_m_per_s2_ / model_.limits.acceleration_m_per_s2; }
+  double off_m() const { return off_m_; }  ///< the true tool from where it is to be
 
  private:
   JointAccelerationSettings judged() const {
@@ -63,7 +75,7 @@ class Watched {
     return settings;
   }
   KinematicState circle() const {
-    const double r = 5e-3 * std::min(1.0, time_s_), w = 4.0, phi = w * time_s_;
+    const double w = speed_rad_per_s_, r = w > 0.0 ? 5e-3 * std::min(1.0, time_s_) : 0.0, phi = w * time_s_;
     return {.position_m = r * Vec3(std::cos(phi), std::sin(phi), 0.0),
             .velocity_m_per_s = r * w * Vec3(-std::sin(phi), std::cos(phi), 0.0),
             .acceleration_m_per_s2 = -r * w * w * Vec3(std::cos(phi), std::sin(phi), 0.0)};
@@ -74,8 +86,11 @@ class Watched {
   LoopBandwidths bandwidths_;
   SampledGains law_;
   JointAccelerationControl control_;
+  Standstill standstill_;
   double time_s_ = 0.0;
   double off_m_ = 0.0;
+  double hardest_m_per_s2_ = 0.0;
+  double speed_rad_per_s_ = 4.0;
   std::optional<double> doubted_s_;
 };
 
@@ -102,6 +117,73 @@ TEST(JointPlausibility, ASlipIsNotBelievedForAStepAndStopsTheRobotInTheNext) {
       EXPECT_NEAR(robot.doubted_s(), 2.0, 1e-6);
       EXPECT_NEAR(robot.time_s(), 2.001, 1e-6);
       EXPECT_LT(robot.off_m(), 20e-6) << "nothing follows what is not believed";
+    }
+  }
+}
+
+TEST(JointPlausibility, ASlipIsNoticedAsSoonAsAFewReadingsWereWhereTheyAreToBe) {
+  for (const double slip_m : {60e-6, -0.3e-3, 0.6e-3}) {
+    Watched robot("slave-keops", 0.1, 5);
+    EXPECT_FALSE(
+        robot.run(0.1, {0.012, [&](robot::JointReading& reading) { reading.joints_m[0] += slip_m; }}));
+    EXPECT_EQ(robot.doubt().kind, Kind::kReading);
+    EXPECT_NEAR(robot.time_s(), 0.013, 1e-6) << slip_m;
+  }
+}
+
+TEST(JointPlausibility, WhatNoJointCanHaveMovedIsNoticedFromTheFirstStepOn) {
+  for (const double at_s : {0.001, 0.002, 0.004}) {
+    Watched robot("slave-keops", 0.1, 5);
+    EXPECT_FALSE(robot.run(0.1, {at_s, [&](robot::JointReading& reading) { reading.joints_m[2] += 3e-3; }}));
+    EXPECT_EQ(robot.doubt().kind, Kind::kReading);
+    EXPECT_NEAR(robot.time_s(), at_s + 0.001, 1e-6);
+    EXPECT_LT(robot.hardest(), 1.0);
+  }
+}
+
+TEST(JointPlausibility, WhateverASensorSaysTheRobotIsNotAcceleratedBeyondItsLimit) {
+  for (const double at_s : {0.001, 0.002, 0.003, 0.005, 0.008, 0.02, 2.0}) {
+    for (const double slip_m : {30e-6, -0.2e-3, 0.6e-3}) {
+      Watched slips("slave-keops", 0.1, 5);
+      (void)slips.run(at_s + 0.05, {at_s, [&](robot::JointReading& r) { r.joints_m[1] -= slip_m; }});
+      EXPECT_LT(slips.hardest(), 1.1) << at_s << " " << slip_m;
+    }
+    Watched sticks("slave-keops", 0.1, 5);
+    std::optional<double> stuck_m;
+    (void)sticks.run(at_s + 0.1, {at_s, [&](robot::JointReading& r) {
+                                    if (!stuck_m) stuck_m = r.joints_m[0];
+                                    r.joints_m[0] = *stuck_m;
+                                  }});
+    EXPECT_LT(sticks.hardest(), 1.1) << at_s;
+  }
+}
+
+/// Nobody can tell it from a joint that rests; but nothing is wound up that would push it away.
+TEST(JointPlausibility, WhereASensorSticksAtRestTheToolCreepsAtTheMost) {
+  double farthest_m = 0.0;
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    for (const int joint : {0, 1, 2}) {
+      Watched robot("slave-keops", 0.1, seed);
+      robot.stand_still();
+      std::optional<double> stuck_m;
+      (void)robot.run(1.4, {0.4, [&](robot::JointReading& reading) {
+                              if (!stuck_m) stuck_m = reading.joints_m[joint];
+                              reading.joints_m[joint] = *stuck_m;
+                            }});
+      farthest_m = std::max(farthest_m, robot.off_m());
+      EXPECT_LT(robot.hardest(), 0.5) << joint << " " << seed;
+    }
+  }
+  EXPECT_LT(farthest_m, 0.5e-3) << "in a second";
+}
+
+TEST(JointPlausibility, ARobotThatStandsStillIsBelieved) {
+  for (const char* name : {"slave-keops", "master-horizontal", "vertical", "asymmetric"}) {
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+      Watched robot(name, 0.3, seed);
+      robot.stand_still();
+      EXPECT_TRUE(robot.run(10.0)) << name << " " << seed << " " << robot.doubt().value;
+      EXPECT_EQ(robot.doubted_s(), 1e9) << name << " " << seed;
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -182,6 +183,40 @@ TEST(Plot, APanelMayShowAPicture) {
   EXPECT_EQ(drawn.at<cv::Vec3b>(drawn.rows / 2, drawn.cols / 2), cv::Vec3b(20, 30, 250));
 }
 
+TEST(Plot, OfAPictureThatIsLargerThanItsPanelNoLineIsLeftOut) {
+  constexpr int kLines = 20, kApart = 97;
+  cv::Mat fine(2000, 2000, CV_8UC3, cv::Scalar(255, 255, 255));
+  for (int n = 1; n <= kLines; ++n)
+    cv::line(fine, {n * kApart, 0}, {n * kApart, 1999}, cv::Scalar(0, 0, 0), 3);
+  const auto picture = file_named("fine.png"), png = file_named("fine-in-a-panel.png");
+  cv::imwrite(picture.string(), fine);
+  draw_figure({.panels = {{.picture = picture}}}, png);
+  cv::Mat grey;
+  cv::cvtColor(cv::imread(png.string()), grey, cv::COLOR_BGR2GRAY);
+  const cv::Mat row = grey.row(grey.rows / 2);
+  int dark = 0;
+  for (int x = 1; x < row.cols; ++x) dark += row.at<uchar>(x) < 250 && row.at<uchar>(x - 1) >= 250 ? 1 : 0;
+  EXPECT_EQ(dark, kLines);
+  EXPECT_FALSE(fs::exists(file_named("fine-in-a-panel.panel-0.png"))) << "what was made for it is gone";
+}
+
+TEST(Plot, APictureMayHaveAxes) {
+  const auto picture = file_named("halves.png");
+  cv::Mat halves(50, 100, CV_8UC3, cv::Scalar(20, 30, 250));
+  halves.rowRange(25, 50).setTo(cv::Scalar(250, 30, 20));
+  cv::imwrite(picture.string(), halves);
+  const Figure figure{
+      .panels = {{.x_range = std::array{8.0, 22.0}, .y_range = std::array{0.0, 40.0}, .picture = picture}}};
+  const std::string script = gnuplot_script(figure);
+  EXPECT_NE(script.find("set xrange [8:22]\nset yrange [0:40]\n"), script.npos);
+  EXPECT_NE(script.find("origin=(8.07,0.4) dx=0.14 dy=0.8 with rgbimage"), script.npos) << script;
+  const auto png = file_named("halves-in-a-panel.png");
+  draw_figure(figure, png);
+  const cv::Mat drawn = cv::imread(png.string());
+  EXPECT_EQ(drawn.at<cv::Vec3b>(drawn.rows / 4, drawn.cols / 2), cv::Vec3b(20, 30, 250)) << "its upper half";
+  EXPECT_EQ(drawn.at<cv::Vec3b>(drawn.rows * 3 / 4, drawn.cols / 2), cv::Vec3b(250, 30, 20));
+}
+
 TEST(Plot, TheSameFigureLeavesTheSameBytes) {
   const Figure figure{.panels = {{.title = "a", .lines = {{.x = {0, 1}, .y = {0, 1}}}}}};
   draw_figure(figure, file_named("a.png"));
@@ -198,7 +233,9 @@ TEST(Plot, TheDataStandInTheCsv) {
             "panel,x_axis,y_axis,line,x,y\n"
             "\"speed, \"\"true\"\"\",\"time [s]\",\"[mm/s]\",\"tool\",0.5,-2\n"
             "\"speed, \"\"true\"\"\",\"time [s]\",\"[mm/s]\",\"tool\",1,1e-07\n"
-            "\"speed, \"\"true\"\"\",\"time [s]\",\"[mm/s]\",\"line 2\",0,3\n");
+            "\"speed, \"\"true\"\"\",\"time [s]\",\"[mm/s]\",\"[mm/s], 2\",0,3\n");
+  figure.panels[0].lines = {{.x = {0}, .y = {3}}};
+  EXPECT_NE(figure_csv(figure).find("\"[mm/s]\",\"[mm/s]\",0,3\n"), std::string::npos) << "the only one";
 }
 
 /// What is said where the folder is where programs are looked for first.

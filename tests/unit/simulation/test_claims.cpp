@@ -53,9 +53,8 @@ TEST(Select, GoesByKeysPlacesAndMembers) {
   EXPECT_EQ(select(json, "/a/b/x=1&law=one/v"), 5.0);
   EXPECT_EQ(select(json, "/a/b/x=2&law=three/v"), 8.0);
   EXPECT_FALSE(select(json, "/a/b/x=2/v")) << "there are two of them";
-  EXPECT_EQ(select(json, "/yes"), 1.0);
   for (const char* nothing :
-       {"/a/b/x=1&law=two/v", "/a/b/3/v", "/a/c", "/none", "/word", "/a/b/1v/v", "/yes/x"})
+       {"/a/b/x=1&law=two/v", "/a/b/3/v", "/a/c", "/none", "/word", "/a/b/1v/v", "/yes", "/yes/x"})
     EXPECT_FALSE(select(json, nothing)) << nothing;
 }
 
@@ -125,6 +124,10 @@ TEST(Manifest, WhatMakesAFigureMeaninglessIsRefused) {
   };
   EXPECT_EQ(complaint("bound = 1\nfactor = 0.5\n"), "");
   EXPECT_NE(complaint("bound = 1\nfactor = 0\n").find("claim.1.factor = 0: must not be 0"),
+            std::string::npos);
+  EXPECT_EQ(complaint("bound = 1\nrelation = \"within\"\ntolerance = 0\n"), "");
+  EXPECT_NE(complaint("bound = 1\nrelation = \"within\"\n")
+                .find("claim.1.tolerance: is what relation = \"within\" wants"),
             std::string::npos);
   EXPECT_NE(complaint("bound = 1\ntolerance = 0.1\n").find("claim.1.tolerance = 0.1: is of relation"),
             std::string::npos);
