@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "common/robot/sensor_noise.h"
-
 namespace telekerf::slave {
 namespace {
 
@@ -44,7 +42,7 @@ SlaveNode::SlaveNode(const robot::RobotModel& model, const SlaveSettings& settin
                                        settings.bandwidth_rad_s, settings.observer_rad_s)),
       law_(control::sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1.0 / settings.control_hz)),
       joints_(model, joints_of(model, bandwidths_, settings)),
-      standstill_(robot::reading_noise_m(model.sensor), 1.0 / settings.control_hz),
+      standstill_(model.sensor, 1.0 / settings.control_hz),
       dt_s_(1.0 / settings.control_hz),
       commands_({.playout = settings.playout,
                  .timeout_s = settings.command_timeout_s,
@@ -77,7 +75,7 @@ KinematicState SlaveNode::observe(const robot::JointReading& joints) noexcept {
 }
 
 Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool,
-                      const robot::JointReading& reading) noexcept {
+                      const robot::JointReading& read) noexcept {
   // A pose without kinematics (it cannot be reached by following): the joints are braked where they are.
   if (!joints_.posed()) return joints_.braking_m_per_s2(bandwidths_.law_rad_per_s);
   const Vec3 wanted = selected.bare ? selected.acceleration_m_per_s2
@@ -85,7 +83,7 @@ Vec3 SlaveNode::track(const Selected& selected, const KinematicState& tool,
   const Vec3 asked =
       joints_.state().joint_acceleration(control::limited(wanted, model_.limits.acceleration_m_per_s2));
   const Vec3 error_m = joints_.state().inverse_jacobian * (selected.reference.position_m - tool.position_m);
-  return selected.bare ? asked : standstill_.step(selected.reference, error_m, reading, asked);
+  return selected.bare ? asked : standstill_.step(selected.reference, error_m, read, asked);
 }
 
 laser::InterlockInputs SlaveNode::judged(const SlaveInputs& inputs, const Selected& selected,

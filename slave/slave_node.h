@@ -116,8 +116,7 @@ class SlaveNode {
  private:
   KinematicState observe(const robot::JointReading& joints) noexcept;
   /// Joint accelerations by the tracking law.
-  Vec3 track(const Selected& selected, const KinematicState& tool,
-             const robot::JointReading& reading) noexcept;
+  Vec3 track(const Selected& selected, const KinematicState& tool, const robot::JointReading& read) noexcept;
   laser::InterlockInputs judged(const SlaveInputs& inputs, const Selected& selected,
                                 const KinematicState& tool, bool on_time) noexcept;
   /// No sample was lit that is not older.

@@ -10,15 +10,16 @@
 
 #include "common/control/kinematic_state.h"
 #include "common/robot/robot.h"
+#include "common/robot/sensor_noise.h"
 
 namespace telekerf::control {
 
 /// Of one robot. No allocation, lock or throw.
 class Standstill {
  public:
-  /// `reading_noise_m`: rms of one joint's reading.
-  Standstill(double reading_noise_m, double period_s) noexcept
-      : near_m_(kNear * reading_noise_m), steps_(static_cast<int>(std::ceil(kAfter_s / period_s))) {}
+  Standstill(const robot::Sensor& sensor, double period_s) noexcept
+      : near_m_(kNear * robot::reading_noise_m(sensor)),
+        steps_(static_cast<int>(std::ceil(kAfter_s / period_s))) {}
 
   /// Every step: what is asked of the joints, m/s^2, without that of those that stand where they are to be. A
   /// joint does where the reference rests, and its reading has been the same for a while.

@@ -12,7 +12,6 @@
 #include "common/control/standstill.h"
 #include "common/control/tracking_law.h"
 #include "common/robot/drivers/simulated_robot.h"
-#include "common/robot/sensor_noise.h"
 
 namespace telekerf::control {
 namespace {
@@ -33,7 +32,7 @@ class Watched {
         bandwidths_(design_loop(loop_conditions(model_, 1000.0))),
         law_(sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1e-3)),
         control_(model_, judged()),
-        standstill_(robot::reading_noise_m(model_.sensor), 1e-3) {
+        standstill_(model_.sensor, 1e-3) {
     control_.reset(plant_.read().joints_m);
   }
   /// False: a doubt.

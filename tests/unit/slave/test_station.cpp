@@ -191,8 +191,10 @@ TEST_F(StationOfADrive, BeforeTheLoopsFirstReadingBeamAndCurrentsAreOffAndAStopI
 TEST_F(StationOfADrive, ReleasedItHasNeitherBeamNorCurrent) {
   robot_->readings = 100;
   for (int n = 0; n < 10; ++n) (void)step();
-  robot_->joints_m.x() += 10e-6;
-  for (int n = 0; n < 10; ++n) (void)step();
+  for (int n = 0; n < 10; ++n) {
+    robot_->joints_m.x() += 1e-6;  // pushed, no slip of its sensor
+    (void)step();
+  }
   ASSERT_GT(robot_->currents_a_.norm(), 1e-3) << "back to where it was";
   const std::size_t told = told_w_.size();
   EXPECT_EQ(told, 1u + 20u) << "at its beginning and each step";
