@@ -107,6 +107,7 @@ const ordered_json* node_at(const ordered_json& json, const std::string& pointer
 std::optional<double> select(const ordered_json& json, const std::string& pointer) {
   const ordered_json* at = node_at(json, pointer);
   if (at == nullptr) return std::nullopt;
+  if (at->is_boolean()) return at->get<bool>() ? 1.0 : 0.0;
   if (!at->is_number()) return std::nullopt;
   const double value = at->get<double>();
   return std::isfinite(value) ? std::optional(value) : std::nullopt;

@@ -53,8 +53,9 @@ TEST(Select, GoesByKeysPlacesAndMembers) {
   EXPECT_EQ(select(json, "/a/b/x=1&law=one/v"), 5.0);
   EXPECT_EQ(select(json, "/a/b/x=2&law=three/v"), 8.0);
   EXPECT_FALSE(select(json, "/a/b/x=2/v")) << "there are two of them";
+  EXPECT_EQ(select(json, "/yes"), 1.0);
   for (const char* nothing :
-       {"/a/b/x=1&law=two/v", "/a/b/3/v", "/a/c", "/none", "/word", "/a/b/1v/v", "/yes", "/yes/x"})
+       {"/a/b/x=1&law=two/v", "/a/b/3/v", "/a/c", "/none", "/word", "/a/b/1v/v", "/yes/x"})
     EXPECT_FALSE(select(json, nothing)) << nothing;
 }
 
