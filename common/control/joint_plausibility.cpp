@@ -105,7 +105,7 @@ bool JointPlausibility::accepts(const robot::JointReading& reading,
     return false;
   }
   expected_ = joint >= 0 ? 0 : std::min(expected_ + 1, kExpected);
-  if (!unsure()) settling_ = std::min(settling_, settled_);
+  if (!unsure() && !judged_forces_) settling_ = std::min(settling_, settled_);  // a late reading takes longer
   // What it makes of the observer is no force.
   if (untimely_s(reading.time_ns, time_ns_, steps_ * period_s_) > 0.5 * period_s_) {
     settling_ = steps_of(kSettling_s, period_s_);
