@@ -46,14 +46,6 @@ void DisturbanceObserver::reset(const Vec3& joints_m) noexcept {
   accelerations_.fill(Vec3::Zero());
 }
 
-void DisturbanceObserver::expect(const Vec3& disturbance_n, const Mat3& nominal_inertia_kg) noexcept {
-  nominal_inertia_kg_ = nominal_inertia_kg;
-  disturbance_n_ = disturbance_n;
-  w_ = -(nominal_inertia_kg.inverse() * disturbance_n);
-  // As if it had been held until now.
-  accelerations_.fill(-w_);
-}
-
 void DisturbanceObserver::applied(const Vec3& force_n, const Mat3& nominal_inertia_kg) noexcept {
   nominal_inertia_kg_ = nominal_inertia_kg;
   for (std::size_t i = accelerations_.size() - 1; i > 0; --i) accelerations_[i] = accelerations_[i - 1];

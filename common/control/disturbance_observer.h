@@ -60,8 +60,6 @@ class DisturbanceObserver {
 
   /// At rest at `joints_m`; the disturbance starts from zero.
   void reset(const Vec3& joints_m) noexcept;
-  /// And from there on: what is known of it, N, and the nominal inertia.
-  void expect(const Vec3& disturbance_n, const Mat3& nominal_inertia_kg) noexcept;
 
   /// First half of a sample: predicts over the last period with the force of applied().
   void predict() noexcept;

@@ -29,8 +29,6 @@ void JointAccelerationControl::reset(const Vec3& joints_m) noexcept {
   now_ = {joints_m, Vec3::Zero()};
   if (const auto state = kinematics_.state(joints_m, Vec3::Zero())) state_ = *state;
   diagonal_kg_ = robot::joint_inertia(model_, state_).diagonal().asDiagonal();
-  if (settings_.judged)
-    observer_.expect(robot::gravity_force(model_, kinematics_, state_), robot::joint_inertia(model_, state_));
 }
 
 bool JointAccelerationControl::observe(const robot::JointReading& reading) noexcept {

@@ -42,8 +42,7 @@ class JointAccelerationControl {
   JointAccelerationControl(const robot::RobotModel& nominal,
                            const JointAccelerationSettings& settings) noexcept;
 
-  /// Starts over at rest at the measured joints; the disturbance starts from zero, where readings are judged
-  /// from the weight: a joint whose sensor sticks from the start must not fall unseen.
+  /// Starts over at rest at the measured joints; the disturbance starts from zero.
   void reset(const Vec3& joints_m) noexcept;
 
   /// First half of a step: the new measurement; an invalid reading, or one that cannot be true, is bridged by

@@ -104,12 +104,12 @@ bool JointPlausibility::accepts(const robot::JointReading& reading,
     note(robot::Doubt::Kind::kReading, joint, innovation_m[joint]);
     return false;
   }
-  expected_ = joint >= 0 ? 0 : std::min(expected_ + 1, kExpected);
-  if (!unsure() && !judged_forces_) settling_ = std::min(settling_, settled_);  // a late reading takes longer
+  expected_ = joint >= 0 ? std::min(expected_, 0) : std::min(expected_ + 1, kExpected);
+  if (!unsure()) settling_ = std::min(settling_, settled_);
   // What it makes of the observer is no force.
   if (untimely_s(reading.time_ns, time_ns_, steps_ * period_s_) > 0.5 * period_s_) {
     settling_ = steps_of(kSettling_s, period_s_);
-    expected_ = 0;
+    expected_ = -settling_;  // whose readings come out of time is not judged sooner
   }
   steps_ = 0;
   time_ns_ = reading.time_ns;
