@@ -64,8 +64,7 @@ TEST(Chaos, WhereSensorsLieNothingMovesOrBurnsWhereItMayNot) {
 }
 
 /// Shrunk: light on copies of a master that had slept, a sensor that slipped before the slave was sure of its
-/// robot, one that
-/// stuck while the tool set off.
+/// robot, one that stuck while the tool set off.
 TEST(Chaos, WhatMissedABarOnceMeetsThemAll) {
   struct Miss {
     std::uint64_t seed;
