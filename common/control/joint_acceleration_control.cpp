@@ -6,14 +6,6 @@
 #include "common/control/tracking_law.h"
 
 namespace telekerf::control {
-namespace {
-
-/// Of the robot's limit, until its forces are judged; where nothing is read then, it is held as its model
-/// says.
-constexpr double kGently = 0.5;
-
-}  // namespace
-
 JointAccelerationControl::JointAccelerationControl(const robot::RobotModel& nominal,
                                                    const JointAccelerationSettings& settings) noexcept
     : model_(nominal),
@@ -53,8 +45,9 @@ Vec3 JointAccelerationControl::modelled_n() const noexcept {
 }
 
 bool JointAccelerationControl::explained() noexcept {
-  return plausibility_.explains(robot::joint_inertia(model_, state_).inverse() *
-                                (observer_.disturbance_n() - modelled_n_));
+  const Mat3 mobility = robot::joint_inertia(model_, state_).inverse();
+  return plausibility_.explains(mobility * (observer_.disturbance_n() - modelled_n_),
+                                mobility * robot::gravity_force(model_, kinematics_, state_));
 }
 
 Vec3 JointAccelerationControl::reaction_force_n() const noexcept {
@@ -63,8 +56,7 @@ Vec3 JointAccelerationControl::reaction_force_n() const noexcept {
 
 Vec3 JointAccelerationControl::within_limit_n(const Vec3& force_n, const Mat3& inertia_kg) const noexcept {
   const Vec3 tool = state_.tool_acceleration(inertia_kg.inverse() * (force_n - modelled_n_));
-  const double share = plausibility_.judges() ? 1.0 : measured_ ? kGently : 0.0;
-  const double most = share * model_.limits.acceleration_m_per_s2;
+  const double most = model_.limits.acceleration_m_per_s2;
   if (!(tool.norm() > most)) return force_n;
   return inertia_kg * state_.joint_acceleration(limited(tool, most)) + modelled_n_;
 }

@@ -32,8 +32,7 @@ struct JointAccelerationSettings {
   /// when the drive read them. Off where the caller looks ahead by itself.
   bool present = false;
   /// Readings that cannot be true are left out, see doubt(), and whatever they say, the motors' force is one
-  /// that accelerates the tool within the robot's limit, by its model; within half of it until the
-  /// readings are judged. For a robot that nobody pushes.
+  /// that accelerates the tool within the robot's limit, by its model. For a robot that nobody pushes.
   bool judged = false;
 };
 

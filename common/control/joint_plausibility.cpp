@@ -2,7 +2,10 @@
 #include "common/control/joint_plausibility.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "common/robot/dynamics.h"
 #include "common/robot/sensor_noise.h"
@@ -10,11 +13,12 @@
 namespace telekerf::control {
 namespace {
 
+using Kind = robot::Doubt::Kind;
+
 constexpr double kNoise = 15.0;         ///< rms of a reading
 constexpr double kFriction = 3.0;       ///< it turns from one side to the other, and the robot may have more
-constexpr double kHolding = 2.6;        ///< from one side to the other, of a robot that has 30 % more
-constexpr double kOthers = 0.15;        ///< of what is asked of the other joints
 constexpr double kLimit = 0.05;         ///< of the largest acceleration, for what the model leaves out
+constexpr double kOthers = 0.5;         ///< of the weight that the joints seem to have beside their file's
 constexpr double kWrongForce = 0.9;     ///< 1.3 / 0.7 - 1: of what the currents are to do
 constexpr double kWrongInertia = 0.45;  ///< of what is asked of the joints
 constexpr double kSpeeds = 3.0;         ///< of the largest: what moves before it is judged moves no faster
@@ -40,6 +44,21 @@ int beyond(const Vec3& value, const Vec3& bound) noexcept {
   return value.cwiseAbs().cwiseQuotient(bound).maxCoeff(&joint) > 1.0 ? joint : -1;
 }
 
+/// How many times more weight than their model's the joints have (payload: more than 0; without weight: -1),
+/// by the middle one of those whose weight is beyond `least`; nullopt: fewer than two are.
+std::optional<double> more_weight(const Vec3& beside_m_per_s2, const Vec3& weight_m_per_s2,
+                                  double least_m_per_s2) noexcept {
+  std::array<double, 3> more;
+  more.fill(std::numeric_limits<double>::infinity());
+  std::size_t n = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(weight_m_per_s2[i]) > least_m_per_s2) more[n++] = beside_m_per_s2[i] / weight_m_per_s2[i];
+  }
+  std::sort(more.begin(), more.end());
+  if (n < 2) return std::nullopt;
+  return n == 2 ? 0.5 * (more[0] + more[1]) : more[1];
+}
+
 /// How much earlier or later than it was due the device has measured, by its own clock.
 double untimely_s(std::int64_t time_ns, std::int64_t before_ns, double due_s) noexcept {
   if (time_ns == 0 || before_ns == 0) return 0.0;
@@ -60,7 +79,6 @@ JointPlausibility::JointPlausibility(const robot::RobotModel& nominal,
       forget_(std::exp(-0.5 * observer.bandwidth_rad_per_s * period_s_)) {
   const double mass_kg = inertia_kg(nominal);
   const double friction_n = std::max(nominal.friction.breakaway_n, nominal.friction.coulomb_n);
-  holding_m_per_s2_ = kHolding * friction_n / mass_kg;
   usual_m_per_s2_ = kFriction * friction_n / mass_kg + kLimit * nominal.limits.acceleration_m_per_s2;
   const double gamma =
       observer_gains(observer.bandwidth_rad_per_s, observer.velocity_bandwidth_rad_per_s, period_s_).gamma;
@@ -74,8 +92,6 @@ JointPlausibility::JointPlausibility(const robot::RobotModel& nominal,
 void JointPlausibility::reset() noexcept {
   settling_ = steps_of(kSettling_s, period_s_);
   steps_ = doubted_ = expected_ = 0;
-  judged_forces_ = false;
-  still_.fill(false);
 }
 
 Vec3 JointPlausibility::gate_m(const robot::JointReading& reading,
@@ -100,10 +116,8 @@ bool JointPlausibility::accepts(const robot::JointReading& reading,
   const Vec3 gate = gate_m(reading, predicted.joint_velocity_m_per_s());
   const int joint = beyond(innovation_m, gate);
   const double any_motion_m = fastest_m_per_s_ * static_cast<double>(steps_) * period_s_;
-  if (joint >= 0 && (!unsure() || beyond(innovation_m, gate + Vec3::Constant(any_motion_m)) >= 0)) {
-    note(robot::Doubt::Kind::kReading, joint, innovation_m[joint]);
-    return false;
-  }
+  if (joint >= 0 && (!unsure() || beyond(innovation_m, gate + Vec3::Constant(any_motion_m)) >= 0))
+    return note(Kind::kReading, joint, innovation_m[joint]);
   expected_ = joint >= 0 ? std::min(expected_, 0) : std::min(expected_ + 1, kExpected);
   if (!unsure()) settling_ = std::min(settling_, settled_);
   // What it makes of the observer is no force.
@@ -113,45 +127,32 @@ bool JointPlausibility::accepts(const robot::JointReading& reading,
   }
   steps_ = 0;
   time_ns_ = reading.time_ns;
-  for (int i = 0; i < 3; ++i) still_[static_cast<std::size_t>(i)] = reading.joints_m[i] == read_m_[i];
-  read_m_ = reading.joints_m;
   return true;
 }
 
-Vec3 JointPlausibility::holding_m_per_s2() const noexcept {
-  return Vec3::Constant(noise_m_per_s2_ + holding_m_per_s2_ + kOthers * asked_m_per_s2_.maxCoeff()) +
-         kWrongInertia * asked_m_per_s2_;
-}
-
-bool JointPlausibility::explains(const Vec3& disturbance_m_per_s2) noexcept {
-  for (int i = 0; i < 3; ++i) {
-    if (!still_[static_cast<std::size_t>(i)] || !judged_forces_) moved_m_per_s2_[i] = disturbance_m_per_s2[i];
-  }
+bool JointPlausibility::explains(const Vec3& disturbance_m_per_s2, const Vec3& weight_m_per_s2) noexcept {
   if (settling_ > 0) {
     doubted_ = 0;
     slow_m_per_s2_ = disturbance_m_per_s2;
     return true;
   }
-  judged_forces_ = true;
   const Vec3 change = disturbance_m_per_s2 - slow_m_per_s2_;
-  const Vec3 held = disturbance_m_per_s2 - moved_m_per_s2_;
   const Vec3 bound = Vec3::Constant(noise_m_per_s2_ + usual_m_per_s2_) + kWrongInertia * asked_m_per_s2_;
-  const int pushed = beyond(change, bound), holding = beyond(held, holding_m_per_s2());
-  if (pushed < 0 && holding < 0) {
-    slow_m_per_s2_ += slow_share_ * change;
-    doubted_ = 0;
-    return true;
+  if (const int joint = beyond(change, bound); joint >= 0) return note(Kind::kForce, joint, change[joint]);
+  if (const auto more = more_weight(slow_m_per_s2_, weight_m_per_s2, usual_m_per_s2_)) {
+    const Vec3 payload = *more * weight_m_per_s2, alone = slow_m_per_s2_ - payload;
+    const int joint = beyond(alone, bound + kOthers * payload.cwiseAbs());
+    if (joint >= 0) return note(Kind::kForce, joint, alone[joint]);
   }
-  if (pushed >= 0)
-    note(robot::Doubt::Kind::kForce, pushed, change[pushed]);
-  else
-    note(robot::Doubt::Kind::kForce, holding, held[holding]);
-  return false;
+  slow_m_per_s2_ += slow_share_ * change;
+  doubted_ = 0;
+  return true;
 }
 
-void JointPlausibility::note(robot::Doubt::Kind kind, int joint, double value) noexcept {
-  const bool sure = ++doubted_ >= kDoubts || kind == robot::Doubt::Kind::kForce;
+bool JointPlausibility::note(Kind kind, int joint, double value) noexcept {
+  const bool sure = ++doubted_ >= kDoubts || kind == Kind::kForce;
   if (sure && !doubt_) doubt_ = {kind, joint, value};
+  return false;
 }
 
 void JointPlausibility::asked(const Vec3& acceleration_m_per_s2) noexcept {

@@ -2,10 +2,9 @@
 // Can a reading be true? Of a robot that nobody pushes, the joints are where their currents have moved them:
 // what the disturbance observer's model does not explain has bounds. A sensor that slips leaves them at once,
 // one that sticks within milliseconds, because the controller then pushes a joint that seems not to move. One
-// that sticks at rest is told by the force that grows on the joint, as soon as no friction would hold it.
+// that sticks from the start on seems to have no weight, while the other joints have theirs.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "common/control/disturbance_observer.h"
@@ -29,14 +28,12 @@ class JointPlausibility {
   /// Every step, between the observer's prediction and its correction: may it be corrected? False where
   /// nothing was read, or where the joints cannot be.
   bool accepts(const robot::JointReading& reading, const DisturbanceObserver& predicted) noexcept;
-  /// After the correction: the acceleration that the observer estimates beside the model, m/s^2. False: it
-  /// has changed by more than can be.
-  bool explains(const Vec3& disturbance_m_per_s2) noexcept;
+  /// After the correction: the acceleration that the observer estimates beside the model, and the weight that
+  /// the model has in it, both against the joints' motion, m/s^2. False: it has changed by more than can be,
+  /// or a joint has not the weight that the others have.
+  bool explains(const Vec3& disturbance_m_per_s2, const Vec3& weight_m_per_s2) noexcept;
   /// What is asked of the joints in this step, m/s^2.
   void asked(const Vec3& acceleration_m_per_s2) noexcept;
-
-  /// Forces have been judged since the start; until then a robot that stood still is to be moved gently.
-  bool judges() const noexcept { return judged_forces_; }
 
   /// After two readings in a row or one force that cannot be, for good; kNone: the robot does what it is
   /// told.
@@ -45,9 +42,8 @@ class JointPlausibility {
  private:
   /// Nothing speaks for a reading yet, or, after one that the device took at another time, not again.
   bool unsure() const noexcept { return settling_ > 0 && expected_ < kExpected; }
-  /// Bound on what a joint that stands still may be held against, m/s^2: friction, either way.
-  Vec3 holding_m_per_s2() const noexcept;
-  void note(robot::Doubt::Kind kind, int joint, double value) noexcept;
+  /// False, for the caller to return.
+  bool note(robot::Doubt::Kind kind, int joint, double value) noexcept;
   Vec3 gate_m(const robot::JointReading& reading, const Vec3& velocity_m_per_s) const noexcept;
 
   double period_s_;
@@ -67,11 +63,6 @@ class JointPlausibility {
   Vec3 unsettled_m_per_s2_ = Vec3::Zero();  ///< changes of that, fading
   Vec3 asked_m_per_s2_ = Vec3::Zero();      ///< fading
   Vec3 slow_m_per_s2_ = Vec3::Zero();       ///< the disturbance's slow mean
-  double holding_m_per_s2_;                 ///< friction holds a joint against forces so far apart
-  bool judged_forces_ = false;              ///< since the start
-  Vec3 read_m_ = Vec3::Zero();              ///< last reading that was accepted
-  std::array<bool, 3> still_{};             ///< and the one before it was the same
-  Vec3 moved_m_per_s2_ = Vec3::Zero();      ///< the disturbance when a joint was last seen to move
   int doubted_ = 0;                         ///< steps in a row
   robot::Doubt doubt_;
 };

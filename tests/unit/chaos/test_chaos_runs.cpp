@@ -73,6 +73,7 @@ TEST(Chaos, WhatMissedABarOnceMeetsThemAll) {
   };
   for (const Miss& miss : {Miss{815, 10.2, {FaultKind::kLoss, FaultKind::kMasterAsleep}},
                            Miss{453, 5.0, {FaultKind::kSlaveRestart, FaultKind::kSensorSlip}},
+                           Miss{685, 12.2, {FaultKind::kSensorDropout, FaultKind::kSensorStuck}},
                            Miss{351,
                                 13.5,
                                 {FaultKind::kCorrupt, FaultKind::kDelay, FaultKind::kOutage,

@@ -26,9 +26,9 @@ struct Lie {
 /// A robot on a circle of 5 mm at 20 mm/s, with its own bandwidths.
 class Watched {
  public:
-  Watched(const std::string& name, double mismatch, std::uint64_t seed)
+  Watched(const std::string& name, double mismatch, std::uint64_t seed, bool weightless = false)
       : model_(robot::load_robot(name)),
-        plant_(robot::mismatched(model_, mismatch, seed), seed, model_.workspace.centre_m),
+        plant_(truth(robot::mismatched(model_, mismatch, seed), weightless), seed, model_.workspace.centre_m),
         bandwidths_(design_loop(loop_conditions(model_, 1000.0))),
         law_(sampled_gains(bandwidths_.law_rad_per_s, 1.0, 1e-3)),
         control_(model_, judged()),
@@ -68,6 +68,10 @@ class Watched {
   double off_m() const { return off_m_; }  ///< the true tool from where it is to be
 
  private:
+  static robot::RobotModel truth(robot::RobotModel real, bool weightless) {
+    if (weightless) real.gravity_m_per_s2.setZero();
+    return real;
+  }
   JointAccelerationSettings judged() const {
     JointAccelerationSettings settings = joints_of(model_, bandwidths_, 1000.0);
     settings.judged = true;
@@ -174,6 +178,31 @@ TEST(JointPlausibility, WhereASensorSticksAtRestTheToolCreepsAtTheMost) {
     }
   }
   EXPECT_LT(farthest_m, 0.5e-3) << "in a second";
+}
+
+TEST(JointPlausibility, AJointThatSeemsToHaveNoWeightAtTheStartIsNoticed) {
+  for (const char* name : {"slave-keops", "vertical"}) {
+    for (const int joint : {0, 1, 2}) {
+      Watched robot(name, 0.1, 5);
+      robot.stand_still();
+      std::optional<double> stuck_m;
+      EXPECT_FALSE(robot.run(0.2, {0.0, [&](robot::JointReading& reading) {
+                                     if (!stuck_m) stuck_m = reading.joints_m[joint];
+                                     reading.joints_m[joint] = *stuck_m;
+                                   }}));
+      EXPECT_EQ(robot.doubt().kind, Kind::kForce) << name << " " << joint;
+      EXPECT_EQ(robot.doubt().joint, joint) << name;
+      EXPECT_LT(robot.time_s(), 0.03) << name << " " << joint;
+    }
+  }
+}
+
+TEST(JointPlausibility, ARobotWithoutWeightIsBelieved) {
+  for (const char* name : {"slave-keops", "master-horizontal", "vertical", "asymmetric"}) {
+    Watched robot(name, 0.3, 2, true);
+    EXPECT_TRUE(robot.run(3.0)) << name << " " << robot.doubt().value;
+    EXPECT_EQ(robot.doubted_s(), 1e9) << name;
+  }
 }
 
 TEST(JointPlausibility, ARobotThatStandsStillIsBelieved) {
