@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <sstream>
+#include <utility>
 
 #include "common/recording/run_folder.h"
 #include "common/recording/run_reader.h"
@@ -64,6 +66,27 @@ void read_operator(const RunReader& master, double period_s, RecordedRun& run) {
   }
 }
 
+std::vector<BlockRow> blocks_of(const RunReader& site) {
+  const auto data = site.data("blocks");
+  return data ? rows_of(*data, block_columns()) : std::vector<BlockRow>{};
+}
+
+/// Each block fares as the recorded one did; with nothing recorded: a network without delay.
+netem::Profile recorded_network(const RecordedRun& run, const simulation::SimulationSettings& lap) {
+  netem::Profile network = netem::simple_profile(0.0, 0.0, 0.0);
+  const auto replayed = [](const std::vector<RecordedBlock>& blocks, double start_s, double control_hz) {
+    netem::DirectionProfile direction;
+    netem::Recording recording = trace_of(blocks, start_s, 1.0 / control_hz);
+    if (recording.empty()) return direction;
+    direction.recording = std::make_shared<const netem::Recording>(std::move(recording));
+    direction.trace_end = netem::TraceEnd::kRepeat;
+    return direction;
+  };
+  network.forward = replayed(run.commands, std::max(0.0, -run.slave_starts_s), lap.master.node.control_hz);
+  network.backward = replayed(run.states, std::max(0.0, run.slave_starts_s), lap.slave.node.control_hz);
+  return network;
+}
+
 fs::path required(const char* role, std::span<const fs::path> folders) {
   const auto file = recording_of(role, folders);
   if (!file)
@@ -112,7 +135,11 @@ RecordedRun read_recorded(std::span<const fs::path> folders) {
                  lap_settings(slave.identity().settings, "slave_", known);
   const std::uint64_t tick = run.record.master.front().tick;
   run.contour_from_tick = in_force.front().tick - std::min(in_force.front().tick, tick);
-  run.slave_starts_s = run.record.slave.front().t_s - clock_offset_s(master) - run.record.master.front().t_s;
+  const double later_s = clock_offset_s(master);
+  run.slave_starts_s = run.record.slave.front().t_s - later_s - run.record.master.front().t_s;
+  const std::vector<BlockRow> of_master = blocks_of(master), of_slave = blocks_of(slave);
+  run.commands = recorded_blocks(of_master, of_slave, tick, later_s);
+  run.states = recorded_blocks(of_slave, of_master, run.record.slave.front().tick, -later_s);
   const double rows = static_cast<double>(run.record.master.size() - 1);
   const double rate_hz = master.identity().figures.contains("rate_hz") ? master.identity().figures.at("rate_hz") : 1000.0;
   read_operator(master, rows > 0 ? (run.record.master.back().t_s - run.record.master.front().t_s) / rows : 1.0 / rate_hz, run);
@@ -135,9 +162,12 @@ RunRecord replay(const RecordedRun& run, const std::string& given) {
   const std::string own = options.netem;
   if (!wanted.has("netem")) options.netem = "ideal";  // the recorded one follows
   simulation::SimulationSettings lap = options.prepared();
-  if (!wanted.has("netem") && !run.network.empty())
-    lap.network = netem::parse_profile(run.network, run.network_name, fs::path(own).parent_path().string());
-  if (!wanted.has("netem")) lap.network.name = run.network_name;
+  if (!wanted.has("netem")) {
+    const std::string folder = fs::path(own).parent_path().string();
+    lap.network = run.virtual_time ? netem::parse_profile(run.network, run.network_name, folder)
+                                   : recorded_network(run, lap);
+    lap.network.name = run.network_name;
+  }
   lap.hand = run.record.master;
   lap.events = run.events;
   lap.stops = run.stops;

@@ -12,6 +12,7 @@
 #include "common/recording/run_record.h"
 #include "common/runtime/settings.h"
 #include "experiments/lap_options.h"
+#include "experiments/replay/recorded_network.h"
 
 namespace telekerf::experiments {
 
@@ -20,8 +21,9 @@ struct RecordedRun {
   RunRecord record;
   bool virtual_time = false;
   std::string settings;  ///< of a run in virtual time; those of a real one's stations, as far as it has them
-  std::string network;   ///< the profile's file; empty: a real network, which is replayed as an ideal one
+  std::string network;   ///< of a run in virtual time: the profile's file
   std::string network_name;
+  std::vector<RecordedBlock> commands, states;  ///< of a real run: what became of each
   ContourMessage contour;
   std::vector<simulation::TimedEvent> events;
   std::vector<simulation::TimedStop> stops;

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "common/recording/rows.h"
@@ -126,8 +127,9 @@ TEST(RecordingProcesses, TheReportOfTwoSitesIsThatOfTheirText) {
   const std::string out = (folder / "out").string();
   {
     Program vision("telekerf-vision", cell({"--image", "heart"}));
-    Program slave("telekerf-slave", cell({"--record", there}));
-    Program master("telekerf-master", cell({"--record", here, "--engage", "--duration-s", "4"}));
+    Program slave("telekerf-slave", cell({"--record", there, "--netem", "lindbergh"}));
+    Program master("telekerf-master",
+                   cell({"--record", here, "--netem", "lindbergh", "--engage", "--duration-s", "4"}));
     ASSERT_EQ(master.wait(seconds(60)), 0) << master.output() << slave.output() << vision.output();
     slave.interrupt();
     EXPECT_EQ(slave.wait(seconds(20)), 0) << slave.output();
@@ -156,6 +158,14 @@ TEST(RecordingProcesses, TheReportOfTwoSitesIsThatOfTheirText) {
   const auto events = master.events();
   EXPECT_TRUE(std::any_of(events.begin(), events.end(),
                           [](const RunEvent& event) { return event.text == "engaged: the slave follows"; }));
+  // The network of the replay is that of the run, block by block.
+  Program replay("telekerf-experiment", {"replay", here, there, "--out", (folder / "replay").string()});
+  ASSERT_EQ(replay.wait(seconds(60)), 0) << replay.output();
+  const auto rtt_ms = [&](const std::string& json) {
+    return nlohmann::json::parse(json)["link"]["rtt_ms"]["p50"].get<double>();
+  };
+  EXPECT_GT(rtt_ms(report), 150.0);
+  EXPECT_NEAR(rtt_ms(text_of(folder / "replay" / "report.json")), rtt_ms(report), 0.05 * rtt_ms(report));
 }
 
 TEST(RecordingProcesses, EveryRunIsRecordedBelowOutUnlessAFolderIsNamed) {
