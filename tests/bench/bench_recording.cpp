@@ -2,7 +2,6 @@
 // What recording costs: a loop of 1 kHz that computes for a while and stores a row of 36 columns, with the
 // recorder beside it and without it, in turns within one run. Usage: bench_recording [ROUNDS [SECONDS]]
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,9 +14,13 @@
 
 #include "common/recording/recording.h"
 #include "common/runtime/clock.h"
+#include "tests/bench/measures.h"
 
 namespace telekerf {
 namespace {
+
+using bench::processor_s;
+using bench::quantile;
 
 constexpr std::size_t kColumns = 36;
 constexpr std::int64_t kPeriod_ns = 1'000'000, kWork_ns = 200'000;
@@ -27,18 +30,6 @@ struct Turn {
   std::vector<double> slack_us;  ///< of each step: what was left of its period
   std::uint64_t overruns = 0, dropped = 0, rows = 0;
 };
-
-double processor_s() {
-  rusage used{};
-  getrusage(RUSAGE_SELF, &used);
-  return static_cast<double>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
-}
-
-double quantile(std::vector<double> values, double fraction) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1))];
-}
 
 std::unique_ptr<Recording> recorder(const std::filesystem::path& folder) {
   SeriesSchema schema{.name = "master", .columns = {}, .every_tick = true};

@@ -4,7 +4,6 @@
 // answers from the middleware's thread. Usage: bench_security [STORE]   a folder made by telekerf-keys;
 // without: one is made for the run
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,11 +16,15 @@
 #include "common/bus/endpoints.h"
 #include "common/bus/security/keystore.h"
 #include "common/runtime/clock.h"
+#include "tests/bench/measures.h"
 
 namespace telekerf {
 namespace {
 
 using namespace std::chrono_literals;
+
+using bench::processor_s;
+using bench::quantile;
 
 constexpr int kRounds = 8, kTrips = 500;
 constexpr double kRate_s = 5.0;
@@ -101,19 +104,6 @@ class Pair {
   Reader<StateBlock> seen_;
   std::uint32_t sequence_ = 0;
 };
-
-double processor_s() {
-  rusage used{};
-  getrusage(RUSAGE_SELF, &used);
-  return static_cast<double>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
-}
-
-double quantile(std::vector<double> values, double fraction) {
-  if (values.empty()) return -1.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1))];
-}
 
 /// Share of one processor that both ends take together at 62.5 blocks a second each way.
 double share(Pair* pair) {
