@@ -73,7 +73,7 @@ bool MasterNode::receive(std::span<const Received<StateBlock>> states) noexcept 
 }
 
 bool MasterNode::slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept {
-  return states_.heard() && states_.silent_s(now_ns) < settings_.stale_s && guide != nullptr &&
+  return states_.heard() && !slave_gone(now_ns) && guide != nullptr &&
          states_.header().contour_id == guide->contour_id && states_.header().stop == 0 &&
          !(modes_.mode() == MasterMode::kEngaged && spent(engage_));
 }

@@ -74,6 +74,10 @@ class MasterNode {
   const streaming::LinkStatistics& link() const noexcept { return link_; }
   const streaming::StreamCounters& states() const noexcept { return states_.counters(); }
   Tick tick() const noexcept { return tick_; }
+  /// The slave was heard, and is not any more.
+  bool slave_gone(std::int64_t now_ns) const noexcept {
+    return states_.heard() && states_.silent_s(now_ns) >= settings_.stale_s;
+  }
   /// The newest that the slave has told; null: nothing yet.
   const StateHeader* slave() const noexcept { return states_.heard() ? &states_.header() : nullptr; }
   const Observed& observed() const noexcept { return stream_.observed(); }

@@ -12,7 +12,10 @@ OperatorRequests::Heard OperatorRequests::hear(std::span<const EventMessage> eve
       heard.refusal = "refused while stopped: neither engaged nor scaled before the stop is cleared";
       continue;
     }
-    if (event.kind == EventMessage::Kind::kEngage) engage_ = true;
+    if (event.kind == EventMessage::Kind::kEngage) {
+      engage_ = by_event_ = true;
+      waited_s_ = 0.0;
+    }
     if (event.kind == EventMessage::Kind::kDisengage) engage_ = false;
     if (!scale || event.value == wanted_beta_.load()) continue;
     if (!(event.value >= kSmallestBeta && event.value <= kLargestBeta)) {
@@ -25,6 +28,19 @@ OperatorRequests::Heard OperatorRequests::hear(std::span<const EventMessage> eve
     }
   }
   return heard;
+}
+
+const char* OperatorRequests::wait(const Waiting& now) noexcept {
+  constexpr double kPatience_s = 5.0;
+  if (!engage_ || !by_event_) return nullptr;
+  if (now.guiding) waited_s_ += now.passed_s;
+  const char* over = nullptr;
+  if (now.slave_gone) over = "not engaged: the slave is not heard any more; engage when it is there";
+  if (now.passed_s > now.most_s)
+    over = "not engaged: the master's process stood still meanwhile; engage anew";
+  if (waited_s_ > kPatience_s) over = "not engaged: the slave was not ready within 5 s; engage when it is";
+  engage_ = over == nullptr;
+  return over;
 }
 
 }  // namespace telekerf::master

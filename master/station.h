@@ -38,7 +38,7 @@ struct EventVerdict {
 };
 
 struct StationOutputs : MasterOutputs {
-  const char* let_go = nullptr;  ///< why the slave is, a literal
+  const char* let_go = nullptr;  ///< why the slave is, or will not be taken hold of, a literal
   static constexpr std::size_t kMostVerdicts = 16;
   std::array<EventVerdict, kMostVerdicts> verdicts;
   std::size_t verdict_count = 0;
@@ -99,6 +99,7 @@ class Station {
   std::vector<ContourBegin> contours_;  ///< in force, since when; room is taken at the start
   bool guided_ = false;
   bool engaged_ = false;
+  std::int64_t stepped_ns_ = 0;  ///< the step before
   std::optional<ConstraintMode> constraint_;
 };
 

@@ -27,8 +27,10 @@ void Arming::step(const streaming::Played& played, const Circumstances& now) noe
   const streaming::StreamSample* sample = played.sample;
   const bool good = sample != nullptr && played.age_s && *played.age_s <= settings_.follow_age_s;
   outage_s_ = good || !armed_ ? 0.0 : outage_s_ + dt_s_;
-  // A play-out that waits hides a silence, and a process that slept has made no steps.
-  if (outage_s_ > settings_.beam_age_s || (armed_ && now.silent_s > settings_.beam_age_s)) spend(leading_);
+  if (outage_s_ > settings_.beam_age_s) spend(leading_);
+  // A play-out that waits hides a silence, and a process that slept has made no steps. What comes first after
+  // it was begun before anybody could know that it is over.
+  if (now.silent_s > settings_.beam_age_s) spend(newest);
   if (!good) return;
   if (*played.age_s > settings_.beam_age_s) {
     button_armed_ = false;

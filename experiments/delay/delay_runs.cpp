@@ -14,9 +14,10 @@ namespace {
 using Said = std::function<void(std::size_t, std::size_t)>;
 
 constexpr std::array<double, 3> kLoss{0.0, 0.01, 0.05};
-/// Of the networks that rivals are tuned on.
+/// Jitter of the networks that rivals are tuned on, of the round trip.
 constexpr double kTunedShare = 0.1;
-constexpr double kTunedLoss = 0.01;
+/// And their losses: those of the tables.
+constexpr double tuned_loss(double rtt_ms) { return rtt_ms > 200.0 ? 0.05 : 0.01; }
 constexpr std::array kProfiles{
     "ideal", "lan",           "5g",     "4g",        "wifi",    "wifi-quiet",      "wifi-lossy", "leo",
     "geo",   "transatlantic", "sydney", "lindbergh", "hostile", "thesis-constant", "thesis-tcp"};
@@ -102,8 +103,9 @@ std::vector<Tuning> tune(const HandRecord& hand, const std::vector<double>& only
   std::atomic<std::size_t> done{0};
   for_each_parallel(all.size(), [&](std::size_t i) {
     Tuning& t = all[i];
-    const Run run = t.profile.empty() ? make_run(t.rival, t.rtt_ms, kTunedShare * t.rtt_ms, kTunedLoss, seed)
-                                      : make_run(t.rival, t.profile, seed);
+    const Run run = t.profile.empty()
+                        ? make_run(t.rival, t.rtt_ms, kTunedShare * t.rtt_ms, tuned_loss(t.rtt_ms), seed)
+                        : make_run(t.rival, t.profile, seed);
     t.tuned = best_tuning(hand, run.trial, rtt_s(run.trial.network));
     if (++done % 20 == 0) said(done, all.size());
   });
@@ -129,7 +131,7 @@ std::vector<Run> full_benchmark(const Length& length, std::uint64_t seed, const 
   std::vector<Run> runs;
   for (const Rival& rival : rivals()) {
     for (const double rtt_ms : length.only_rtt_ms)
-      runs.push_back(make_run(rival, rtt_ms, kTunedShare * rtt_ms, kTunedLoss, seed));
+      runs.push_back(make_run(rival, rtt_ms, kTunedShare * rtt_ms, tuned_loss(rtt_ms), seed));
     if (!all) continue;
     add_grid(rival, seed, runs);
     add_conditions(rival, seed, length.grid_s, runs);

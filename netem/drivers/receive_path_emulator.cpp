@@ -73,10 +73,13 @@ class ReceivePathEmulator::State {
                   kCapacity, monotonic_ns()) {}
 
   void set_profile(const Profile& profile) {
-    CompiledProfile fresh(
-        into(own_, profile));  // takes the old one home: both are built and freed outside the lock
-    const std::lock_guard lock(mutex_);
-    emulator_.switch_to(fresh, monotonic_ns());
+    // Takes the old one home: both are built and freed outside the lock.
+    CompiledProfile fresh(into(own_, profile));
+    {
+      const std::lock_guard lock(mutex_);
+      emulator_.switch_to(fresh, monotonic_ns());
+    }
+    wake_.notify_one();  // what waited may be due sooner
   }
 
   TransportCounters counters() const {

@@ -61,6 +61,7 @@ class OneWay {
   void switch_to(const DirectionProfile& profile) {
     CompiledProfile fresh(profile);
     emulator_.switch_to(fresh, now_ns());
+    let_out();  // what waited may be due sooner
   }
   const Counters& counters() const { return emulator_.counters(); }
   std::uint64_t refused() const { return refused_; }

@@ -125,6 +125,7 @@ class SidedProgram {
   SidedProgram& operator=(const SidedProgram&) = delete;
 
   void interrupt() { ::kill(pid_, SIGINT); }
+  void reload() { ::kill(pid_, SIGHUP); }
   /// Exit code, or -1 if it does not end in time.
   int wait(std::chrono::seconds timeout) {
     const auto end = std::chrono::steady_clock::now() + timeout;

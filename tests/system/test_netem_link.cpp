@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <thread>
 
 #include "netem/core/emulator.h"
 #include "netem/core/trace.h"
@@ -124,6 +125,17 @@ class NetemLink : public testing::Test {
     }
     FAIL() << "no answer over the link";
   }
+  /// The profile's file once more; until it says so.
+  bool reload(const std::string& said) {
+    const std::string before = link_->output();
+    link_->reload();
+    const auto end = Clock::now() + std::chrono::seconds(5);
+    while (Clock::now() < end) {
+      if (link_->output().find(said, before.size()) != std::string::npos) return true;
+      std::this_thread::sleep_for(milliseconds(10));
+    }
+    return false;
+  }
   /// Its exit code; prints its report.
   int stop_link() {
     link_->interrupt();
@@ -179,6 +191,35 @@ TEST_F(NetemLink, GivesEveryPacketTheFateOfVirtualTime) {
     EXPECT_EQ(seen[i].corrupted, fate.corrupted) << i;
   }
   std::filesystem::remove_all(folder);
+}
+
+TEST_F(NetemLink, WhatWaitsLeavesAtTheRateOfTheProfileThatTakesOver) {
+  const std::string file = testing::TempDir() + "netem-switch-" + std::to_string(::getpid()) + ".toml";
+  const auto write = [&](int kbit_per_s) {
+    std::ofstream(file) << "[both]\nrate_kbit_per_s = " << kbit_per_s << "\nqueue_bytes = 20000\n";
+  };
+  write(10'000);
+  start_link(file);
+  write(1);
+  ASSERT_TRUE(reload("switched"));
+  const int fd = udp_socket();
+  const sockaddr_in to = address(kOverLink);
+  const std::vector<char> packet(1000);  // 8 s at 1 kbit/s
+  for (int i = 0; i < 5; ++i)
+    (void)::sendto(fd, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof(to));
+  pollfd ready{fd, POLLIN, 0};
+  EXPECT_EQ(::poll(&ready, 1, 300), 0);
+  write(10'000);
+  const auto start = Clock::now();
+  ASSERT_TRUE(reload("switched"));
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_EQ(::poll(&ready, 1, 4000), 1) << i;
+    char answer[2048];
+    EXPECT_EQ(::recv(fd, answer, sizeof(answer), MSG_DONTWAIT), 1000) << i;
+  }
+  EXPECT_LT(ms_since(start), 4000.0) << "the first was to leave after 8 s";
+  ::close(fd);
+  EXPECT_EQ(stop_link(), 0);
 }
 
 TEST_F(NetemLink, AddsLittleToAVethPair) {

@@ -3,7 +3,9 @@
 // before it is due; how much later it comes is the machine's business.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "common/bus/send_event.h"
 #include "common/runtime/clock.h"
@@ -248,6 +250,31 @@ TEST(Emulation, TheNetworkChangesWhileItRuns) {
   EXPECT_LT(*std::min_element(before.begin(), before.end()), 50 * kMillisecond);
   slave.emulator->set_profile(constant(0.050, 0.0));
   for (const auto ns : one_way_ns(writer, reader, 5)) EXPECT_GE(ns, 50 * kMillisecond);
+}
+
+TEST(Emulation, WhatWaitsBeforeABottleneckLeavesAtTheRateOfTheNetworkThatTakesOver) {
+  netem::Profile slow = constant(0.0, 0.0);
+  slow.forward.stages[0].conditions.rate_bit_per_s = 200.0;  // a block takes several seconds
+  slow.forward.stages[0].conditions.queue_bytes = 100'000;
+  Bus master(settings("master"));
+  EmulatedBus slave(settings("slave", Site::kSlave), constant(0.0, 0.0));
+  Writer<CommandBlock> writer(master);
+  Reader<CommandBlock> reader(slave);
+  ASSERT_TRUE(matched(writer, reader));
+  ASSERT_EQ(one_way_ns(writer, reader, 1).size(), 1u);
+  slave.emulator->set_profile(slow);
+  for (std::uint32_t n = 0; n < 3; ++n) {
+    CommandBlock block;
+    block.sequence = n;
+    ASSERT_TRUE(writer.write(block));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_FALSE(reader.take().has_value());
+  const std::int64_t switched_ns = monotonic_ns();
+  slave.emulator->set_profile(constant(0.0, 0.0));
+  for (int n = 0; n < 3; ++n) ASSERT_TRUE(take_soon(reader).has_value()) << n;
+  EXPECT_LT(monotonic_ns() - switched_ns, 2000 * kMillisecond)
+      << "the first was to come after several seconds";
 }
 
 TEST(Emulation, AnEventSwitchesTheProcessesThatAreEmulated) {

@@ -65,6 +65,19 @@ double motion_m(const std::vector<SlaveRow>& rows, double from_s, double to_s) {
   return largest;
 }
 
+TEST(OperatorEvents, WhatWasAskedForLongBeforeTheSlaveCouldFollowComesToNothing) {
+  SimulationSettings settings;
+  settings.duration_s = 20.0;
+  settings.slave_starts_s = 12.0;
+  settings.master.engage = false;
+  for (const double asked_s : {4.0, 10.0}) {
+    settings.events = {at(asked_s, Kind::kEngage)};
+    const RunRecord record = simulate(settings);
+    const double led = share(record.master, 12.5, 20.0, kEngaged);
+    EXPECT_EQ(led, asked_s < 6.0 ? 0.0 : 1.0) << asked_s;
+  }
+}
+
 TEST(OperatorEvents, TheSlaveFollowsFromEngagingToDisengaging) {
   const RunRecord record = run({at(4.0, Kind::kEngage), at(8.0, Kind::kDisengage)}, 10.0);
   EXPECT_EQ(share(record.master, 0.0, 4.0, kEngaged), 0.0) << "nobody has asked for it";

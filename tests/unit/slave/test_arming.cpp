@@ -168,6 +168,22 @@ TEST_F(ArmingTest, ASilenceThatThePlayOutHidesIsAnOutage) {
   needs_both();
 }
 
+TEST_F(ArmingTest, ASilenceSpendsAlsoWhatHasNotLedYet) {
+  begin();
+  now_.newest_engage = 2;
+  now_.silent_s = 0.349;
+  arming_.step({}, now_);
+  EXPECT_EQ(arming_.spent(), 0u);
+  now_.newest_engage = 3;  // with the first block after it
+  now_.silent_s = 0.351;
+  arming_.step({}, now_);
+  now_.silent_s = 0.0;
+  EXPECT_EQ(arming_.spent(), 3u);
+  EXPECT_FALSE(lead(2, false));
+  EXPECT_FALSE(lead(3, false));
+  EXPECT_TRUE(lead(4, false));
+}
+
 TEST_F(ArmingTest, CommandsTooOldToFollowAreAnOutage) {
   begin();
   age_s_ = 2.6;

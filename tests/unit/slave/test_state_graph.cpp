@@ -71,7 +71,8 @@ struct Ghost {
     if (in.stopped || in.contour != contour) end(newest);
     contour = in.contour;
     unled = good || !engaged ? 0 : unled + 1;
-    if (unled * kStep_s > kGate.beam_age_s || (engaged && in.silent_s > kGate.beam_age_s)) end(0);
+    if (unled * kStep_s > kGate.beam_age_s) end(0);
+    if (in.silent_s > kGate.beam_age_s) end(newest);
     if (!good) return;
     if (*in.age_s > kGate.beam_age_s) {
       released = false;
