@@ -87,7 +87,8 @@ check_packages() { "$root/tests/packages/packages.bash" "$build-roots"; }
 check_chaos() {
   ninja -C "$build" telekerf-experiment test_flat_memory || return 1
   TELEKERF_FLAT_S=3600 "$build/bin/test_flat_memory" || return 1
-  "$build/bin/telekerf-experiment" chaos --runs 1000 --out "$build/check/chaos"
+  "$build/bin/telekerf-experiment" chaos --runs 1000 --out "$build/check/chaos" || return 1
+  "$build/bin/telekerf-experiment" chaos --runs 300 --mode safety --out "$build/check/chaos-safety"
 }
 check_tidy() { check_preset tidy "$build-tidy"; }
 

@@ -7,8 +7,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "common/runtime/say.h"
 #include "common/runtime/settings.h"
@@ -32,11 +30,6 @@ std::filesystem::path state_folder() {
   return home.empty() ? home : home / ".local" / "state";
 }
 
-std::string read(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 }  // namespace
 
 void StopFlags::add_parameters(Settings& settings) {
@@ -53,15 +46,18 @@ std::string StopFlags::path(const BusSettings& bus) const {
   if (stop_file == "off") return {};
   if (stop_file != "auto") return stop_file;
   const std::filesystem::path folder = state_folder();
-  if (folder.empty()) return {};
+  if (folder.empty())
+    throw environment_error(
+        "--stop-file auto: neither HOME nor XDG_STATE_HOME says where an emergency stop could be kept over a "
+        "restart; name a file, or say --stop-file off");
   std::string cell = bus.cell;
   std::replace(cell.begin(), cell.end(), '/', '_');
   return folder / "telekerf" / fmt::format("{}-{}-{}.stop", bus.domain, cell, bus.role);
 }
 
 StopLine::StopLine(Bus& bus, std::string path)
-    : path_(std::move(path)),
-      latch_(path_.empty() ? StopLatch() : StopLatch::from_text(read(path_))),
+    : file_(std::move(path)),
+      latch_(file_.found()),
       epoch_(bus.settings().epoch),
       answers_(epoch_),
       kept_(latch_.text()),
@@ -70,6 +66,10 @@ StopLine::StopLine(Bus& bus, std::string path)
   order_from_latch();
   thread_ = std::jthread([this](const std::stop_token& stop) {
     for (; !stop.stop_requested(); std::this_thread::sleep_for(kPeriod)) publish();
+  });
+  // A disk that takes its time delays no answer, and no further stop.
+  keeper_ = std::jthread([this](const std::stop_token& stop) {
+    for (; !stop.stop_requested(); std::this_thread::sleep_for(kPeriod)) keep();
   });
 }
 
@@ -111,7 +111,6 @@ void StopLine::publish() {
   if (said) stop_here();
   if (obeyed != 0) (void)latch_.quoted(obeyed);  // known already, unless only the stream has brought it
   order_from_latch();
-  if (latch_.text() != kept_) keep();
   for (const StopMessage& answer : answers_.take(latch_, obeyed)) (void)writer_.write(answer);
 }
 
@@ -129,22 +128,16 @@ void StopLine::stop_here() {
 }
 
 void StopLine::keep() {
-  kept_ = latch_.text();
-  if (path_.empty()) return;
-  std::error_code ignored;
-  std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
-  if (kept_.empty()) {
-    std::filesystem::remove(path_, ignored);
-    return;
+  std::string text;
+  {
+    const std::lock_guard lock(mutex_);
+    text = latch_.text();
   }
-  const std::string next = path_ + ".new";
-  std::ofstream file(next);
-  file << kept_;
-  file.close();
-  if (file) std::filesystem::rename(next, path_, ignored);  // otherwise what is there stays
-  if (!file || ignored)
-    write_line(stderr, fmt::format("an emergency stop cannot be kept over a restart: {}: {}", path_,
-                                   file ? ignored.message() : "it cannot be written"));
+  if (text == kept_) return;
+  kept_ = std::move(text);
+  if (const std::string obstacle = file_.keep(kept_); !obstacle.empty())
+    write_line(stderr, fmt::format("an emergency stop cannot be kept over a restart: {}: {}", file_.path(),
+                                   obstacle));
 }
 
 }  // namespace telekerf

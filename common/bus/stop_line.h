@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "common/bus/endpoints.h"
+#include "common/bus/stop_file.h"
 #include "common/protocol/stop_talk.h"
 
 namespace telekerf {
@@ -21,13 +22,13 @@ class Settings;
 struct StopFlags {
   std::string stop_file = "auto";
   void add_parameters(Settings& settings);
-  /// Empty: nowhere.
+  /// Empty: nowhere. Throws StartupError: nobody knows where.
   std::string path(const BusSettings& bus) const;
 };
 
 class StopLine {
  public:
-  /// `path`: of the file; empty: none.
+  /// `path`: of the file; empty: none. Throws StartupError as StopFile.
   StopLine(Bus& bus, std::string path);
 
   /// For the control loop, every step: wait-free.
@@ -49,19 +50,19 @@ class StopLine {
   /// What the loop reads from now on.
   void order_from_latch() noexcept;
 
-  std::string path_;
+  StopFile file_;
   mutable std::mutex mutex_;
   StopLatch latch_;
   std::uint32_t epoch_;
   StopReplies answers_;
-  std::string kept_;                      ///< what the file holds
+  std::string kept_;                      ///< what the file holds; the keeper's
   std::atomic<std::uint32_t> number_{0};  ///< of the order
   std::array<std::atomic<std::uint32_t>, std::tuple_size_v<decltype(StopOrder::cleared)>> cleared_{};
   std::atomic<std::uint32_t> obeyed_{0};
   std::atomic<bool> said_{false};
   Writer<StopMessage> writer_;
   Reader<StopMessage> reader_;
-  std::jthread thread_;  ///< last: starts when everything else is there, ends first
+  std::jthread thread_, keeper_;  ///< last: start when everything else is there, end first
 };
 
 }  // namespace telekerf

@@ -17,6 +17,7 @@ struct Options {
   ChaosCampaign campaign;
   std::string faults;
   bool no_shrink = false;
+  double beam_age_s = CheckerSettings{}.gate_s;
   std::string out = "out/chaos";
 };
 
@@ -25,6 +26,7 @@ int run(Options& options) {
   ChaosCampaign& campaign = options.campaign;
   if (!options.faults.empty()) campaign.kinds = parse_faults(options.faults);
   campaign.shrinks = !options.no_shrink;
+  campaign.each.set_gate(options.beam_age_s);
   const auto all = static_cast<std::size_t>(campaign.runs);
   const ChaosReport report = run_campaign(campaign, [all](std::size_t done) {
     if (done % 50 == 0) fmt::print(stderr, "{} of {}\n", done, all);
@@ -54,8 +56,8 @@ void add_parameters(Options& o, Settings& s) {
   s.add("mode", c.each.mode, kChaosModes, "what becomes of the faults");
   s.add("faults", o.faults, {.form = "none|FAULT,FAULT...", .complaint = complaint},
         "these in every run (docs/results/chaos.md lists them); empty: each seed draws its own");
-  s.add("beam_age_s", c.each.bars.gate_s, {.min = 0.05, .max = 2, .unit = "s"},
-        "oldest command that the beam may be on for");
+  s.add("beam_age_s", o.beam_age_s, {.min = 0.02, .max = 2, .unit = "s"},
+        "oldest command that the beam may be on for, at both sites as for who judges");
   s.add("no_shrink", o.no_shrink, "leaves the command line of a missed bar as long as it is");
   s.add("jobs", c.jobs, {.min = 0, .max = 256}, "runs at a time, 0: one a processor");
   s.add("out", o.out, kFolder, "folder for the results");

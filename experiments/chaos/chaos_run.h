@@ -35,6 +35,8 @@ struct ChaosSettings {
   CheckerSettings bars;
   master::StationSettings master;
   slave::StationSettings slave;
+  /// The same beam's gate at both sites and for the checker.
+  void set_gate(double gate_s) { bars.gate_s = master.beam_age_s = slave.node.interlock.beam_age_s = gate_s; }
 };
 
 struct ChaosOutcome {

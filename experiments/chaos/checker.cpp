@@ -130,11 +130,11 @@ void Checker::judge_motion(const Observation& now) {
 
 void Checker::book(const Observation& now, double seconds) {
   if (now.emitted_w <= 0.0) return;
-  const double energy_j = now.emitted_w * seconds;
-  if (now.stuck) {
-    findings_.energy_stuck_j += energy_j;
-    return;
-  }
+  // What a laser that fails gives beyond what it was told is booked apart.
+  const double own_w = now.stuck ? std::max(0.0, now.emitted_w - now.told_w) : 0.0;
+  findings_.energy_stuck_j += own_w * seconds;
+  const double energy_j = (now.emitted_w - own_w) * seconds;
+  if (energy_j <= 0.0) return;
   if (permitted_ns_ < 0 || static_cast<double>(now.now_ns - permitted_ns_) * 1e-9 > 2.01 * settings_.tick_s) {
     findings_.energy_unpermitted_j += energy_j;
     miss(Bar::kPermit, now.now_ns);

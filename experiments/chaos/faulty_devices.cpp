@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "experiments/chaos/faulty_devices.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/robot/drivers/simulated_robot.h"
@@ -42,13 +43,18 @@ class FaultyLaser final : public laser::Laser {
     state_.unheard = state_.deaf ? state_.unheard + 1 : 0;
     if (!state_.deaf) state_.emitted_w = power_w;
     if (state_.unheard >= kSilentLaserSteps) state_.emitted_w = 0.0;
-    if (state_.stuck) state_.emitted_w = kStuck_w;
+    disabled_ = told.enable > enable_ ? 0 : disabled_ + 1;
+    enable_ = std::max(enable_, told.enable);
+    if (state_.stuck) state_.emitted_w = disabled_ < kSilentLaserSteps ? kStuck_w : 0.0;
     return !state_.deaf;
   }
+  bool stray() noexcept override { return !state_.deaf && state_.emitted_w > 1.5 * state_.told_w; }
 
  private:
   static constexpr double kStuck_w = 10.0;
   LaserState& state_;
+  std::uint64_t enable_ = 0;
+  int disabled_ = kSilentLaserSteps;  ///< steps without a larger enable, which cuts the supply
 };
 
 class ScriptedButton final : public master::OperatorInput {

@@ -22,10 +22,11 @@ struct SensorFault {
   Vec3 slip_m = Vec3::Zero();
 };
 
-/// What the laser does wrong, and what it was told and gave at the last step.
+/// What the laser does wrong, and what it was told and gave at the last step. It measures its light; its
+/// supply goes by the enable counter.
 struct LaserState {
-  bool deaf = false;
-  bool stuck = false;
+  bool deaf = false;   ///< it gives what it was told last, until it is without word for too long
+  bool stuck = false;  ///< it gives light as long as it is supplied
   double told_w = 0.0;
   double emitted_w = 0.0;
   int unheard = 0;  ///< steps since it heard anything

@@ -64,9 +64,12 @@ std::string command_line(const ChaosSettings& settings) {
     if (!faults.empty()) faults += ',';
     faults += kFaults.word(kind);
   }
-  return fmt::format("telekerf-experiment chaos --runs 1 --seed {} --duration-s {:g} --mode {} --faults {}",
+  std::string gate;
+  if (settings.bars.gate_s != CheckerSettings{}.gate_s)
+    gate = fmt::format(" --beam-age-s {:g}", settings.bars.gate_s);
+  return fmt::format("telekerf-experiment chaos --runs 1 --seed {} --duration-s {:g} --mode {} --faults {}{}",
                      settings.seed, settings.duration_s, kChaosModes.word(settings.mode),
-                     faults.empty() ? "none" : faults);
+                     faults.empty() ? "none" : faults, gate);
 }
 
 std::vector<FaultKind> parse_faults(const std::string& words) {

@@ -87,6 +87,51 @@ TEST(Chaos, WhatMissedABarOnceMeetsThemAll) {
   }
 }
 
+TEST(Chaos, TheGateIsThatOfTheSlaveToo) {
+  ChaosCampaign c = campaign(1, 20.0);
+  c.seed = 60003;
+  double oldest_s = 0.0;
+  for (const double gate_s : {0.1, 0.35, 1.0}) {
+    c.each.set_gate(gate_s);
+    const ChaosReport report = run_campaign(c, kQuiet);
+    EXPECT_TRUE(report.passed) << gate_s << ": " << report.json["missed"].dump();
+    const double age_s = report.json["beam_age_s_max"].get<double>();
+    EXPECT_LE(age_s, gate_s + 1e-3);
+    EXPECT_GE(age_s, oldest_s);
+    oldest_s = age_s;
+  }
+  EXPECT_GT(oldest_s, 0.1);
+}
+
+TEST(Chaos, ALaserThatStaysOnLosesItsSupply) {
+  ChaosCampaign c = campaign(5, 20.0);
+  c.kinds = {FaultKind::kLaserStuck};
+  const ChaosReport report = run_campaign(c, kQuiet);
+  EXPECT_TRUE(report.passed) << report.json["missed"].dump();
+  const double own_j = report.json["energy_stuck_laser_j_max"].get<double>();
+  EXPECT_GT(own_j, 0.01);
+  EXPECT_LT(own_j, 0.7) << "10 W for up to 2 s a time";
+}
+
+/// As found by trials: an engagement from before or from within an outage led after it.
+TEST(Chaos, WhatWasEngagedInAnOutageLeadsNoMoreAfterIt) {
+  struct Relight {
+    std::uint64_t seed;
+    double duration_s;
+    std::vector<FaultKind> kinds;
+  };
+  for (const Relight& relight :
+       {Relight{52260, 2.5, {FaultKind::kSwizzle}},
+        Relight{60021, 18.0, {FaultKind::kOutageForward, FaultKind::kMasterClock, FaultKind::kSensorStuck}},
+        Relight{52002, 48.6, {FaultKind::kOutageBackward, FaultKind::kSwizzle, FaultKind::kMasterAsleep}}}) {
+    ChaosCampaign c = campaign(1, relight.duration_s);
+    c.seed = relight.seed;
+    c.each.mode = ChaosMode::kSafety;
+    c.kinds = relight.kinds;
+    EXPECT_EQ(run_campaign(c, kQuiet).json["relights"].get<int>(), 0) << relight.seed;
+  }
+}
+
 TEST(Chaos, ADelayThatHasGoneIsGivenBackSoThatOneEngageSuffices) {
   for (const std::uint64_t seed : {114u, 777u}) {
     ChaosCampaign c = campaign(1, 20.0);

@@ -46,6 +46,13 @@ TEST(Shrink, KeepsTheHealingWhereItIsTheMatter) {
   EXPECT_NE(command_line(smallest).find("--mode liveness --faults none"), std::string::npos);
 }
 
+TEST(Shrink, TheCommandLineNamesAGateThatIsNotTheUsualOne) {
+  ChaosSettings settings = failing();
+  EXPECT_EQ(command_line(settings).find("--beam-age-s"), std::string::npos);
+  settings.set_gate(0.1);
+  EXPECT_TRUE(command_line(settings).ends_with(" --beam-age-s 0.1"));
+}
+
 TEST(Shrink, LeavesWhatCannotBeSmaller) {
   const ChaosSettings whole = failing();
   const ChaosSettings same = shrink(whole, [](const ChaosSettings&) { return false; });
