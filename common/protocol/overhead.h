@@ -14,11 +14,6 @@ namespace telekerf {
 /// Around each sample: Ethernet 14 + 4 bytes, IPv4 20, UDP 8, RTPS head 20, DATA submessage 24,
 /// encapsulation 4.
 inline constexpr std::uint32_t kDatagramBytes = 94;
-/// Around a command's payload, as most blocks have it: those, length 4, checksum 4, form 1, numbers and times
-/// 6 and the anchor 12; the payload's own first bytes are left out.
-inline constexpr std::uint32_t kAroundPayloadBytes =
-    kDatagramBytes + 27 - static_cast<std::uint32_t>(kPayloadPrefixBytes);
-
 /// RTPS fills up a sample to whole words.
 inline constexpr std::uint32_t sample_bytes(std::size_t octets) noexcept {
   constexpr std::uint32_t kLength = 4;

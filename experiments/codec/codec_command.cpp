@@ -124,10 +124,9 @@ Json wire_row(const SeededTrace& seeded, const char* name, int block, int redund
   s = codec::with_codec(s, name);
   const auto figures = codec::measure(seeded.trace, s, {.loss = loss, .burst = burst, .seed = seed});
   const bool sample_by_sample = s.block == 1;
-  const double around = sample_by_sample ? kDatagramBytes : kAroundPayloadBytes;
-  const double payload =
-      sample_by_sample ? 12.0 : figures.packet_bytes;  // one packet of bare floats a sample
-  const double wire = figures.packets_per_s * (around + payload);
+  // One packet of bare floats a sample.
+  const double payload = sample_by_sample ? 12.0 : figures.packet_bytes;
+  const double wire = sample_by_sample ? figures.raw_wire_bytes_per_s : figures.wire_bytes_per_s;
   return {{"trace", seeded.trace.name},
           {"codec", name},
           {"block", s.block},

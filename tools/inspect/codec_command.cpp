@@ -7,7 +7,6 @@
 
 #include "common/codec/baselines/measure.h"
 #include "common/codec/codec_table.h"
-#include "common/protocol/overhead.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
 #include "tools/inspect/commands.h"
@@ -33,6 +32,9 @@ int run_codec(const CodecOptions& options) {
   codec::StreamSettings stream = options.stream;
   stream.keep = options.keep.value_or(stream.keep);
   stream.max_rms = options.max_rms.value_or(0.0);
+  if (options.keep && *options.keep > stream.block)
+    throw usage_error(fmt::format("--keep {}: a block of {} samples has no more coefficients", *options.keep,
+                                  stream.block));
   const auto settings = codec::with_codec(stream, options.codec).validated();
   codec::Trace decoded;
   const auto figures = codec::measure(trace, settings, options.link, &decoded);
@@ -55,7 +57,7 @@ int run_codec(const CodecOptions& options) {
   report["loss"] = options.link.loss;
   report["bits_per_sample"] = figures.bits_per_sample;
   report["packet_bytes"] = figures.packet_bytes;
-  report["overhead_bytes"] = static_cast<double>(kAroundPayloadBytes);
+  report["overhead_bytes"] = figures.frame_bytes - figures.packet_bytes;
   report["packets_per_s"] = figures.packets_per_s;
   report["wire_bytes_per_s"] = figures.wire_bytes_per_s;
   report["raw_wire_bytes_per_s"] = figures.raw_wire_bytes_per_s;
@@ -97,6 +99,8 @@ void add_codec_parameters(CodecOptions& o, Settings& s) {
   s.add("decoded", o.decoded, kFile, "CSV for what the receiver has in the end");
   codec::refuse_unread(s, {""});
   s.only_with({"threshold"}, "codec", {"deadband", "weber"});
+  s.not_with({"quantum"}, "codec", {"raw", "batched"});
+  s.only_with({"anchored"}, "codec", {"sdct"});
   s.not_with({"burst", "seed"}, "loss", {"0"});
 }
 

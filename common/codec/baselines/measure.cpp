@@ -60,6 +60,7 @@ class Run {
       ++figures.packets;
       figures.copies += encoder_.copies();
       figures.packet_bytes += static_cast<double>(*size);
+      figures.wire_bytes_per_s += frame_bytes(b, std::span(packet).first(*size), trend);
       figures.bits_per_sample += static_cast<double>(encoder_.newest_block_bits());
       if (lost[b]) {
         ++figures.lost;
@@ -89,6 +90,27 @@ class Run {
         samples_[n][a] = trace_.values[first_ + static_cast<std::size_t>(a)][b * block_ + n];
       }
     }
+  }
+  /// As the master sends it, with an echo of an equally long stream.
+  double frame_bytes(std::size_t b, std::span<const std::uint8_t> packet, const Trend& trend) {
+    const std::int64_t block_ns = std::int64_t{settings_.sample_period_ns} * settings_.block;
+    const auto stamp_ns = [&](std::size_t n) {
+      return static_cast<std::int64_t>(n) * block_ns / 1000 * 1000;  // senders stamp in whole microseconds
+    };
+    CommandBlock block;
+    block.sequence = static_cast<std::uint32_t>(b + 1);
+    block.epoch = block.contour_id = block.engage = 1;
+    block.first_tick = b * block_;
+    block.sample_period_ns = settings_.sample_period_ns;
+    block.engaged = true;
+    block.engaged_before = 0x7F;
+    block.anchor = {trend.value, trend.slope_per_sample * trace_.rate_hz};
+    block.sent_ns = stamp_ns(b + 1);
+    block.echo_sequence = static_cast<std::uint32_t>(b);
+    block.echo_sent_ns = stamp_ns(b);
+    block.payload.size = static_cast<std::uint16_t>(packet.size());
+    std::copy(packet.begin(), packet.end(), block.payload.bytes.begin());
+    return wire_(block);
   }
   Trend trend_at(std::size_t b) const {
     constexpr std::size_t kSpan = 4;
@@ -124,6 +146,7 @@ class Run {
   std::size_t block_ = 0;
   std::vector<Vec3> samples_;
   std::vector<State> state_;
+  WireCost<CommandBlock> wire_;
 };
 
 struct ErrorSums {
@@ -254,9 +277,10 @@ CodingResult measure(const Trace& trace, StreamSettings settings, const PacketLo
   const auto streams = std::ceil(columns / kGroup);
   const double seconds = static_cast<double>(figures.samples) / trace.rate_hz;
   const auto packets = static_cast<double>(figures.packets);
-  const double per_packet = events ? kDatagramBytes : kAroundPayloadBytes;
   figures.bits_per_sample /= static_cast<double>(figures.samples) * columns;
-  figures.wire_bytes_per_s = (figures.packet_bytes + packets * per_packet) / seconds;
+  if (events) figures.wire_bytes_per_s = figures.packet_bytes + packets * kDatagramBytes;
+  figures.frame_bytes = figures.wire_bytes_per_s / std::max(packets, 1.0);
+  figures.wire_bytes_per_s /= seconds;
   figures.packet_bytes /= std::max(packets, 1.0);
   figures.copies /= std::max(packets, 1.0);
   figures.packets_per_s = packets / seconds;

@@ -27,7 +27,8 @@ struct CodingResult {
   double packet_bytes = 0;            ///< mean payload: head, newest block and copies
   double copies = 0;                  ///< mean, of earlier blocks in a packet: those that fit
   double packets_per_s = 0;
-  double wire_bytes_per_s = 0;      ///< with everything around a payload (overhead.h)
+  double frame_bytes = 0;           ///< mean, of a packet with everything around it (overhead.h)
+  double wire_bytes_per_s = 0;      ///< of frames
   double raw_wire_bytes_per_s = 0;  ///< one packet of bare float32 a sample, with kDatagramBytes
   double rmse = 0;                  ///< over everything that was not refused, concealed samples included
   double max_error = 0;

@@ -43,10 +43,18 @@ TEST(Measure, ErrorsOfPositionAndVelocityAreThoseOfRounding) {
   EXPECT_DOUBLE_EQ(figures.recovery_latency_ms, 8.0 * 2.0 * 2.0);
   EXPECT_DOUBLE_EQ(figures.packets_per_s, 8.0 / (64.0 / 500.0));
   EXPECT_DOUBLE_EQ(figures.raw_wire_bytes_per_s, 500.0 * (kDatagramBytes + 4.0));
-  EXPECT_DOUBLE_EQ(figures.wire_bytes_per_s,
-                   figures.packets_per_s * (figures.packet_bytes + kAroundPayloadBytes));
+  EXPECT_DOUBLE_EQ(figures.wire_bytes_per_s, figures.packets_per_s * figures.frame_bytes);
   EXPECT_EQ(decoded.values[0], std::vector<double>(64, 5.0));
   EXPECT_THROW((void)measure(zigzag_trace(7), dpcm(8, 0)), StartupError);
+}
+
+TEST(Measure, AFrameIsAsLongAsThoseOfALap) {
+  // In a lap of the demo 116.0 bytes stand around a command's payload
+  // (tests/unit/simulation/test_wire_bytes.cpp).
+  const CodingResult figures =
+      measure(zigzag_trace(16 * 1000, 3),
+              with_codec({.block = 16, .redundancy = 1, .quantum = 1e-6, .anchored = true}, "sdct"));
+  EXPECT_NEAR(figures.frame_bytes - figures.packet_bytes, 116.0, 1.0);
 }
 
 TEST(Measure, BitsAreOfTheBlockAndEachColumn) {

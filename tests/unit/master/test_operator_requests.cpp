@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include <limits>
+#include <string>
 
 #include "master/operator_requests.h"
 
@@ -60,38 +59,39 @@ TEST(OperatorRequests, ARefusedScaleGivesWayToTheLastOneThatWasGranted) {
 
 TEST(OperatorRequests, AnEngagementThatCannotBeginIsNotKeptForLater) {
   const OperatorRequests::Waiting waiting{.passed_s = 1e-3, .most_s = 0.35, .guiding = true};
-  const auto after = [&](double seconds, OperatorRequests::Waiting now) {
-    OperatorRequests requests(false, 0.5);
-    hear(requests, Kind::kEngage);
-    EXPECT_TRUE(requests.engage());
+  const auto wait = [](OperatorRequests& requests, double seconds, const OperatorRequests::Waiting& now) {
     for (int n = 0; n < static_cast<int>(seconds * 1e3 + 0.5); ++n)
       EXPECT_EQ(requests.wait(now), nullptr) << n;
     EXPECT_TRUE(requests.engage());
-    return requests;
   };
-  const auto over = [](OperatorRequests requests, const OperatorRequests::Waiting& now) {
-    const char* why = requests.wait(now);
-    EXPECT_FALSE(requests.engage());
-    EXPECT_EQ(requests.wait(now), nullptr) << "said once";
+  const auto over = [&](double seconds, const OperatorRequests::Waiting& at_last) {
+    OperatorRequests requests(false, 0.5);
     hear(requests, Kind::kEngage);
-    EXPECT_TRUE(requests.engage());
+    wait(requests, seconds, waiting);
+    const char* why = requests.wait(at_last);
+    EXPECT_FALSE(requests.engage());
+    EXPECT_EQ(requests.wait(at_last), nullptr) << "said once";
+    hear(requests, Kind::kEngage);
+    wait(requests, 4.995, waiting);
     return std::string(why == nullptr ? "" : why);
   };
   auto later = waiting;
   later.passed_s = 0.01;
-  EXPECT_NE(over(after(4.995, waiting), later).find("within 5 s"), std::string::npos);
+  EXPECT_NE(over(4.995, later).find("within 5 s"), std::string::npos);
   later.passed_s = 0.351;
-  EXPECT_NE(over(after(0.1, waiting), later).find("stood still"), std::string::npos);
+  EXPECT_NE(over(0.1, later).find("stood still"), std::string::npos);
   later = waiting;
   later.slave_gone = true;
-  EXPECT_NE(over(after(0.1, waiting), later).find("not heard any more"), std::string::npos);
+  EXPECT_NE(over(0.1, later).find("not heard any more"), std::string::npos);
+
   auto approaching = waiting;
   approaching.guiding = false;
-  after(30.0, approaching);
+  OperatorRequests requests(false, 0.5);
+  hear(requests, Kind::kEngage);
+  wait(requests, 30.0, approaching);
   OperatorRequests asked_at_the_start(true, 0.5);
   later.passed_s = 60.0;
-  EXPECT_EQ(asked_at_the_start.wait(later), nullptr);
-  EXPECT_TRUE(asked_at_the_start.engage());
+  wait(asked_at_the_start, 0.01, later);
 }
 
 TEST(OperatorRequests, WhatIsRefusedIsSaidAndChangesNothing) {
