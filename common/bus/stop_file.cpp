@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 
 std::string why() { return std::strerror(errno); }
 
-/// The name in its folder is on the disk, too.
-void settle(const fs::path& folder) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+/// Nothing where there is nothing.
+void settle_one(const fs::path& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0) return;
   (void)::fsync(fd);
   ::close(fd);
@@ -62,8 +62,7 @@ StopFile::StopFile(std::string path) : path_(std::move(path)) {
 std::string StopFile::write(const std::string& text) const {
   const int fd = ::open((path_ + ".new").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (fd < 0) return why();
-  const bool written =
-      ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(fd) == 0;
+  const bool written = ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   const std::string obstacle = written ? std::string() : why();
   ::close(fd);
   return obstacle;
@@ -79,8 +78,13 @@ std::string StopFile::keep(const std::string& text) const {
     if (const std::string obstacle = write(text); !obstacle.empty()) return obstacle;
     if (::rename((path_ + ".new").c_str(), path_.c_str()) != 0) return why();
   }
-  settle(fs::path(path_).parent_path());
   return {};
+}
+
+void StopFile::settle() const {
+  if (path_.empty()) return;
+  settle_one(path_);
+  settle_one(fs::path(path_).parent_path());
 }
 
 }  // namespace telekerf

@@ -16,8 +16,11 @@ class StopFile {
 
   /// Of the last run; none in force where there is no file.
   const StopLatch& found() const noexcept { return found_; }
-  /// Whole and on the disk, or as it was before. No text: no file. Why not, for people; empty: it is kept.
+  /// Whole, or as it was before; whatever becomes of the process. No text: no file. Why not, for people;
+  /// empty: it is kept.
   std::string keep(const std::string& text) const;
+  /// What was kept last is on the disk, too, whatever becomes of the computer. May take long.
+  void settle() const;
   const std::string& path() const noexcept { return path_; }
 
  private:

@@ -17,6 +17,7 @@ namespace {
 
 /// As the control loop's: a stop is answered a step after it is obeyed.
 constexpr std::chrono::milliseconds kPeriod{1};
+constexpr std::chrono::milliseconds kSettle{10};
 
 /// Empty: not set.
 std::filesystem::path from_environment(const char* name) {
@@ -68,8 +69,9 @@ StopLine::StopLine(Bus& bus, std::string path)
     for (; !stop.stop_requested(); std::this_thread::sleep_for(kPeriod)) publish();
   });
   // A disk that takes its time delays no answer, and no further stop.
-  keeper_ = std::jthread([this](const std::stop_token& stop) {
-    for (; !stop.stop_requested(); std::this_thread::sleep_for(kPeriod)) keep();
+  settler_ = std::jthread([this](const std::stop_token& stop) {
+    for (; !stop.stop_requested(); std::this_thread::sleep_for(kSettle))
+      if (unsettled_.exchange(false)) file_.settle();
   });
 }
 
@@ -111,6 +113,7 @@ void StopLine::publish() {
   if (said) stop_here();
   if (obeyed != 0) (void)latch_.quoted(obeyed);  // known already, unless only the stream has brought it
   order_from_latch();
+  if (latch_.text() != kept_) keep();
   for (const StopMessage& answer : answers_.take(latch_, obeyed)) (void)writer_.write(answer);
 }
 
@@ -128,16 +131,11 @@ void StopLine::stop_here() {
 }
 
 void StopLine::keep() {
-  std::string text;
-  {
-    const std::lock_guard lock(mutex_);
-    text = latch_.text();
-  }
-  if (text == kept_) return;
-  kept_ = std::move(text);
+  kept_ = latch_.text();
   if (const std::string obstacle = file_.keep(kept_); !obstacle.empty())
     write_line(stderr, fmt::format("an emergency stop cannot be kept over a restart: {}: {}", file_.path(),
                                    obstacle));
+  unsettled_.store(true);
 }
 
 }  // namespace telekerf

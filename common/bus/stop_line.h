@@ -55,14 +55,15 @@ class StopLine {
   StopLatch latch_;
   std::uint32_t epoch_;
   StopReplies answers_;
-  std::string kept_;                      ///< what the file holds; the keeper's
+  std::string kept_;                      ///< what the file holds
+  std::atomic<bool> unsettled_{false};    ///< and the disk may not yet
   std::atomic<std::uint32_t> number_{0};  ///< of the order
   std::array<std::atomic<std::uint32_t>, std::tuple_size_v<decltype(StopOrder::cleared)>> cleared_{};
   std::atomic<std::uint32_t> obeyed_{0};
   std::atomic<bool> said_{false};
   Writer<StopMessage> writer_;
   Reader<StopMessage> reader_;
-  std::jthread thread_, keeper_;  ///< last: start when everything else is there, end first
+  std::jthread thread_, settler_;  ///< last: start when everything else is there, end first
 };
 
 }  // namespace telekerf

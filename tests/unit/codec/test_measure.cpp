@@ -51,9 +51,11 @@ TEST(Measure, ErrorsOfPositionAndVelocityAreThoseOfRounding) {
 TEST(Measure, AFrameIsAsLongAsThoseOfALap) {
   // In a lap of the demo 116.0 bytes stand around a command's payload
   // (tests/unit/simulation/test_wire_bytes.cpp).
+  Trace trace = zigzag_trace(16 * 1000, 3);
+  for (auto& column : trace.values)
+    for (double& value : column) value *= 1e-3;
   const CodingResult figures =
-      measure(zigzag_trace(16 * 1000, 3),
-              with_codec({.block = 16, .redundancy = 1, .quantum = 1e-6, .anchored = true}, "sdct"));
+      measure(trace, with_codec({.block = 16, .redundancy = 1, .quantum = 1e-6, .anchored = true}, "sdct"));
   EXPECT_NEAR(figures.frame_bytes - figures.packet_bytes, 116.0, 1.0);
 }
 

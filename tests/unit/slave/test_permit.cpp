@@ -40,6 +40,7 @@ TEST_F(Permit, NoSampleIsLitTwice) {
   for (int b = 0; b < 70; ++b) run(std::nullopt);
   number_ = 0;
   tick_ = 0;
+  run(next_block());  // who engages before the silence is over is not followed
   engage_anew();
   laser_ticks_ = 0;
   follow(2.5);
