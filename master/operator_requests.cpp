@@ -30,14 +30,15 @@ OperatorRequests::Heard OperatorRequests::hear(std::span<const EventMessage> eve
   return heard;
 }
 
-const char* OperatorRequests::wait(const Waiting& now) noexcept {
+const char* OperatorRequests::wait(std::int64_t now_ns, const Waiting& now) noexcept {
   constexpr double kPatience_s = 5.0;
-  if (!engage_ || !by_event_) return nullptr;
-  if (now.guiding) waited_s_ += now.passed_s;
+  const double passed_s = stepped_ns_ == 0 ? 0.0 : static_cast<double>(now_ns - stepped_ns_) * 1e-9;
+  stepped_ns_ = now_ns;
+  if (!engage_ || !by_event_ || now.led) return nullptr;
+  if (now.guiding) waited_s_ += passed_s;
   const char* over = nullptr;
   if (now.slave_gone) over = "not engaged: the slave is not heard any more; engage when it is there";
-  if (now.passed_s > now.most_s)
-    over = "not engaged: the master's process stood still meanwhile; engage anew";
+  if (passed_s > now.most_s) over = "not engaged: the master's process stood still meanwhile; engage anew";
   if (waited_s_ > kPatience_s) over = "not engaged: the slave was not ready within 5 s; engage when it is";
   engage_ = over == nullptr;
   return over;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <span>
 
 #include "common/protocol/messages.h"
@@ -33,17 +34,18 @@ class OperatorRequests {
   }
   /// A scale out of bounds is no request. Wait-free.
   Heard hear(std::span<const EventMessage> events, const Situation& now) noexcept;
-  /// Of a control step in which the slave is not led.
+  /// Of a control step.
   struct Waiting {
-    double passed_s = 0.0;    ///< since the step before
-    double most_s = 0.0;      ///< that may pass without a step: the beam's gate
+    bool led = false;         ///< the slave is, so nothing is waited for
     bool guiding = false;     ///< it is the slave alone that is waited for
     bool slave_gone = false;  ///< it was heard, and is not any more
+    double most_s = 0.0;      ///< that may pass without a step: the beam's gate
   };
-  /// What an event has asked for is not kept until the slave can be led at last, when perhaps nobody reckons
-  /// with it any more: it is over when the slave is gone, when this process has slept, and after 5 s. Why, a
-  /// literal; null: it is not over. The engagement that the settings ask for waits. Wait-free.
-  const char* wait(const Waiting& now) noexcept;
+  /// Every control step, once. What an event has asked for is not kept until the slave can be led at last,
+  /// when perhaps nobody reckons with it any more: it is over when the slave is gone, when this process has
+  /// slept, and after 5 s. Why, a literal; null: it is not over. The engagement that the settings ask for
+  /// waits. Wait-free.
+  const char* wait(std::int64_t now_ns, const Waiting& now) noexcept;
   /// The wish to engage is over, until the next event.
   void spend_engage() noexcept { engage_ = false; }
   /// The slave shall follow, as soon as everything is ready for it.
@@ -60,6 +62,7 @@ class OperatorRequests {
   bool engage_;
   bool by_event_ = false;
   double waited_s_ = 0.0;
+  std::int64_t stepped_ns_ = 0;  ///< the step before; 0: none
   std::atomic<double> wanted_beta_;
   double beta_in_force_;  ///< the preparing thread's
 };

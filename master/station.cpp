@@ -78,8 +78,6 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                              std::span<const Received<StateBlock>> states,
                              std::span<const EventMessage> events, const StopOrder& stop) noexcept {
   StationOutputs out;
-  const double passed_s = stepped_ns_ == 0 ? 0.0 : static_cast<double>(now_ns - stepped_ns_) * 1e-9;
-  stepped_ns_ = now_ns;
   const StateHeader* const slave = node_.slave();
   for (const EventMessage& event : events) {
     if (!OperatorRequests::concerns(event)) continue;
@@ -91,7 +89,6 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   }
   const Tick tick = node_.tick();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
-
   MasterInputs inputs;
   inputs.joints = machine_.read();
   const OperatorSample told = operator_ ? operator_->sample(now_ns) : OperatorSample{};
@@ -123,12 +120,8 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
   engaged_ = out.mode == MasterMode::kEngaged;
   if (out.engage_spent) requests_.spend_engage();
-  if (!engaged_) {
-    out.let_go = requests_.wait({.passed_s = passed_s,
-                                 .most_s = settings_.beam_age_s,
-                                 .guiding = out.mode == MasterMode::kGuiding,
-                                 .slave_gone = node_.slave_gone(now_ns)});
-  }
+  out.let_go = requests_.wait(now_ns, {.led = engaged_, .guiding = out.mode == MasterMode::kGuiding,
+                                       .slave_gone = node_.slave_gone(now_ns), .most_s = settings_.beam_age_s});
   if (out.clock_wrong) out.let_go = kClockWrong;
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
   if (inputs.joints.valid) machine_.watch(out.tool_m);
@@ -138,17 +131,9 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   } else {
     hand.force_n = out.hand_n;
   }
-  const MasterRow row{tick,
-                      static_cast<double>(now_ns) * 1e-9,
-                      true_tool_m.value_or(out.tool_m),
-                      hand.force_n,
-                      out.constraint_n,
-                      guided_,
-                      out.mode == MasterMode::kEngaged,
-                      inputs.button,
-                      out.observed.slave.position_m,
-                      out.observed.aligned,
-                      beta,
+  const MasterRow row{tick, static_cast<double>(now_ns) * 1e-9, true_tool_m.value_or(out.tool_m), hand.force_n,
+                      out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
+                      out.observed.slave.position_m, out.observed.aligned, beta,
                       out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                       out.slave_force.force_n};
   ring_ != nullptr ? ring_->push(master_columns(), row) : recorder_.push(row);

@@ -99,7 +99,6 @@ class Station {
   std::vector<ContourBegin> contours_;  ///< in force, since when; room is taken at the start
   bool guided_ = false;
   bool engaged_ = false;
-  std::int64_t stepped_ns_ = 0;  ///< the step before
   std::optional<ConstraintMode> constraint_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -58,40 +59,45 @@ TEST(OperatorRequests, ARefusedScaleGivesWayToTheLastOneThatWasGranted) {
 }
 
 TEST(OperatorRequests, AnEngagementThatCannotBeginIsNotKeptForLater) {
-  const OperatorRequests::Waiting waiting{.passed_s = 1e-3, .most_s = 0.35, .guiding = true};
-  const auto wait = [](OperatorRequests& requests, double seconds, const OperatorRequests::Waiting& now) {
-    for (int n = 0; n < static_cast<int>(seconds * 1e3 + 0.5); ++n)
-      EXPECT_EQ(requests.wait(now), nullptr) << n;
-    EXPECT_TRUE(requests.engage());
-  };
-  const auto over = [&](double seconds, const OperatorRequests::Waiting& at_last) {
-    OperatorRequests requests(false, 0.5);
-    hear(requests, Kind::kEngage);
-    wait(requests, seconds, waiting);
-    const char* why = requests.wait(at_last);
-    EXPECT_FALSE(requests.engage());
-    EXPECT_EQ(requests.wait(at_last), nullptr) << "said once";
-    hear(requests, Kind::kEngage);
-    wait(requests, 4.995, waiting);
+  const OperatorRequests::Waiting waiting{.guiding = true, .most_s = 0.35};
+  std::int64_t now_ns = 1'000'000'000;
+  const auto step = [&](OperatorRequests& requests, double passed_s, const OperatorRequests::Waiting& now) {
+    now_ns += std::llround(1e9 * passed_s);
+    const char* why = requests.wait(now_ns, now);
     return std::string(why == nullptr ? "" : why);
   };
-  auto later = waiting;
-  later.passed_s = 0.01;
-  EXPECT_NE(over(4.995, later).find("within 5 s"), std::string::npos);
-  later.passed_s = 0.351;
-  EXPECT_NE(over(0.1, later).find("stood still"), std::string::npos);
-  later = waiting;
-  later.slave_gone = true;
-  EXPECT_NE(over(0.1, later).find("not heard any more"), std::string::npos);
+  const auto wait = [&](OperatorRequests& requests, int steps, const OperatorRequests::Waiting& now) {
+    for (int n = 0; n < steps; ++n) EXPECT_EQ(step(requests, 1e-3, now), "") << n;
+    EXPECT_TRUE(requests.engage());
+  };
+  const auto over = [&](int steps, double passed_s, const OperatorRequests::Waiting& at_last) {
+    OperatorRequests requests(false, 0.5);
+    hear(requests, Kind::kEngage);
+    wait(requests, steps, waiting);
+    const std::string why = step(requests, passed_s, at_last);
+    EXPECT_FALSE(requests.engage());
+    EXPECT_EQ(step(requests, passed_s, at_last), "") << "said once";
+    hear(requests, Kind::kEngage);
+    wait(requests, 4995, waiting);
+    return why;
+  };
+  EXPECT_NE(over(4995, 0.01, waiting).find("within 5 s"), std::string::npos);
+  EXPECT_NE(over(100, 0.351, waiting).find("stood still"), std::string::npos);
+  auto gone = waiting;
+  gone.slave_gone = true;
+  EXPECT_NE(over(100, 1e-3, gone).find("not heard any more"), std::string::npos);
 
   auto approaching = waiting;
   approaching.guiding = false;
+  auto led = gone;
+  led.led = true;
   OperatorRequests requests(false, 0.5);
   hear(requests, Kind::kEngage);
-  wait(requests, 30.0, approaching);
+  wait(requests, 30'000, approaching);
+  wait(requests, 30'000, led);
   OperatorRequests asked_at_the_start(true, 0.5);
-  later.passed_s = 60.0;
-  wait(asked_at_the_start, 0.01, later);
+  EXPECT_EQ(step(asked_at_the_start, 60.0, gone), "");
+  wait(asked_at_the_start, 30'000, waiting);
 }
 
 TEST(OperatorRequests, WhatIsRefusedIsSaidAndChangesNothing) {
