@@ -103,6 +103,15 @@ TEST(Chaos, TheGateIsThatOfTheSlaveToo) {
   EXPECT_GT(oldest_s, 0.1);
 }
 
+TEST(Chaos, ClocksThatLeapAndDriftBreakNoBar) {
+  ChaosCampaign c = campaign(4, 20.0);
+  c.kinds = {FaultKind::kSlaveClock, FaultKind::kMasterClock};
+  const ChaosReport report = run_campaign(c, kQuiet);
+  EXPECT_TRUE(report.passed) << report.json["missed"].dump();
+  EXPECT_LE(report.json["beam_age_s_max"].get<double>(), 0.351);
+  EXPECT_EQ(report.json["relights"].get<int>(), 0);
+}
+
 TEST(Chaos, ALaserThatStaysOnLosesItsSupply) {
   ChaosCampaign c = campaign(5, 20.0);
   c.kinds = {FaultKind::kLaserStuck};
