@@ -14,7 +14,7 @@ OperatorRequests::Heard OperatorRequests::hear(std::span<const EventMessage> eve
     }
     if (event.kind == EventMessage::Kind::kEngage) {
       engage_ = by_event_ = true;
-      waited_s_ = 0.0;
+      waited_s_ = gone_s_ = 0.0;
     }
     if (event.kind == EventMessage::Kind::kDisengage) engage_ = false;
     if (!scale || event.value == wanted_beta_.load()) continue;
@@ -31,13 +31,14 @@ OperatorRequests::Heard OperatorRequests::hear(std::span<const EventMessage> eve
 }
 
 const char* OperatorRequests::wait(std::int64_t now_ns, const Waiting& now) noexcept {
-  constexpr double kPatience_s = 5.0;
+  constexpr double kPatience_s = 5.0, kGone_s = 0.5;
   const double passed_s = stepped_ns_ == 0 ? 0.0 : static_cast<double>(now_ns - stepped_ns_) * 1e-9;
   stepped_ns_ = now_ns;
   if (!engage_ || !by_event_ || now.led) return nullptr;
   if (now.guiding) waited_s_ += passed_s;
+  gone_s_ = now.slave_gone ? gone_s_ + passed_s : 0.0;
   const char* over = nullptr;
-  if (now.slave_gone) over = "not engaged: the slave is not heard any more; engage when it is there";
+  if (gone_s_ > kGone_s) over = "not engaged: the slave is not heard any more; engage when it is there";
   if (passed_s > now.most_s) over = "not engaged: the master's process stood still meanwhile; engage anew";
   if (waited_s_ > kPatience_s) over = "not engaged: the slave was not ready within 5 s; engage when it is";
   engage_ = over == nullptr;

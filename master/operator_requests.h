@@ -42,9 +42,9 @@ class OperatorRequests {
     double most_s = 0.0;      ///< that may pass without a step: the beam's gate
   };
   /// Every control step, once. What an event has asked for is not kept until the slave can be led at last,
-  /// when perhaps nobody reckons with it any more: it is over when the slave is gone, when this process has
-  /// slept, and after 5 s. Why, a literal; null: it is not over. The engagement that the settings ask for
-  /// waits. Wait-free.
+  /// when perhaps nobody reckons with it any more: it is over when the slave is gone for 0.5 s, when this
+  /// process has slept, and after 5 s. Why, a literal; null: it is not over. The engagement that the settings
+  /// ask for waits. Wait-free.
   const char* wait(std::int64_t now_ns, const Waiting& now) noexcept;
   /// The wish to engage is over, until the next event.
   void spend_engage() noexcept { engage_ = false; }
@@ -61,7 +61,7 @@ class OperatorRequests {
  private:
   bool engage_;
   bool by_event_ = false;
-  double waited_s_ = 0.0;
+  double waited_s_ = 0.0, gone_s_ = 0.0;
   std::int64_t stepped_ns_ = 0;  ///< the step before; 0: none
   std::atomic<double> wanted_beta_;
   double beta_in_force_;  ///< the preparing thread's

@@ -10,6 +10,7 @@
 #include "experiments/autofocus/focus_figures.h"
 #include "experiments/autofocus/focus_story.h"
 #include "experiments/commands.h"
+#include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -42,7 +43,7 @@ int run(const Options& options) {
                        .jobs = static_cast<unsigned>(options.jobs)};
   const FocusFigures figures = focus_figures(plan);
   print(figures);
-  write_json(folder / "autofocus.json", json_of(figures, plan));
+  write_result(folder / "autofocus.json", json_of(figures, plan), options.seed);
   draw_focus_figures(options.seed, folder);
   if (plan.thesis_only) return 0;
   if (!options.page.empty()) reporting::write_tables(options.page, page_tables(figures));

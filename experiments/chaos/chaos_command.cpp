@@ -9,6 +9,7 @@
 #include "experiments/chaos/chaos_report.h"
 #include "experiments/chaos/shrink.h"
 #include "experiments/commands.h"
+#include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -31,7 +32,7 @@ int run(Options& options) {
   const ChaosReport report = run_campaign(campaign, [all](std::size_t done) {
     if (done % 50 == 0) fmt::print(stderr, "{} of {}\n", done, all);
   });
-  write_json(std::filesystem::path(options.out) / "chaos.json", report.json);
+  write_result(std::filesystem::path(options.out) / "chaos.json", report.json, campaign.seed);
   nlohmann::ordered_json summary = report.json;
   summary.erase("failures");
   fmt::print("{}\n", json_text(summary));

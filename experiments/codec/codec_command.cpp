@@ -16,6 +16,7 @@
 #include "experiments/codec/codec_recordings.h"
 #include "experiments/codec/codec_streams.h"
 #include "experiments/commands.h"
+#include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -204,7 +205,7 @@ int run(const Options& options) {
       }
     }
   }
-  write_json(std::filesystem::path(options.out) / "codec.json", results);
+  write_result(std::filesystem::path(options.out) / "codec.json", results, options.seed);
   if (!options.page.empty())
     reporting::write_tables(
         options.page, {rates_table(traces), stream_table(record_hand("heart", kStreamLap_s, options.seed)),

@@ -15,6 +15,7 @@
 #include "experiments/commands.h"
 #include "experiments/constraint/constraint_acceptance.h"
 #include "experiments/constraint/constraint_curves.h"
+#include "experiments/result_file.h"
 #include "experiments/simulation/simulation.h"
 
 namespace telekerf::experiments {
@@ -177,7 +178,7 @@ int run(const Options& options) {
     row.erase("cost_ns");
   }
   write_json(std::filesystem::path(options.out) / "timing.json", timing);
-  write_json(std::filesystem::path(options.out) / "constraint.json", results);
+  write_result(std::filesystem::path(options.out) / "constraint.json", results, options.seed);
   return good ? 0 : 1;
 }
 

@@ -16,6 +16,7 @@
 #include "experiments/delay/delay_figures.h"
 #include "experiments/delay/delay_runs.h"
 #include "experiments/delay/delay_tables.h"
+#include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -128,7 +129,7 @@ int run(Options& options) {
   json["seed"] = options.seed;
   json["rows"] = nlohmann::ordered_json::array();
   for (const Run& run : runs) json["rows"].push_back(row_of(run));
-  write_json(folder / "delay.json", json);
+  write_result(folder / "delay.json", json, options.seed);
   if (!one) {
     draw_rtt(runs, folder / "delay.png");
     draw_stability(folder / "stability.png");

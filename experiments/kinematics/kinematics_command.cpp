@@ -10,6 +10,7 @@
 #include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
+#include "common/runtime/version.h"
 #include "experiments/acceptance.h"
 #include "experiments/commands.h"
 #include "experiments/kinematics/kinematics_validation.h"
@@ -102,6 +103,7 @@ int run(const Options& options) {
   results["engine"] = {{"rod_error_m", steps.worst_violation_m}, {"tool_tilt_rad", steps.worst_tilt_rad}};
   results["travelled_m"] = {{"free_fall", fall.travelled_m}, {"forced_motion", forced.travelled_m}};
   results["good"] = good;
+  results["version"] = kVersion;  // nothing is drawn at random
   write_json(out / "results.json", results);
   return good ? 0 : 1;
 }

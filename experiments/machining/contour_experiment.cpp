@@ -14,6 +14,7 @@
 #include "experiments/machining/contour_source.h"
 #include "experiments/machining/contour_tables.h"
 #include "experiments/machining/independent_baselines.h"
+#include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -163,7 +164,7 @@ int run(const Options& options, const ContourExperiment& experiment) {
     for (const auto& subject : experiment.subjects) {
       const std::filesystem::path folder = out / subject.picture;
       all.push_back(one_picture(subject, options, experiment, folder));
-      write_json(folder / "result.json", all.back());
+      write_result(folder / "result.json", all.back(), options.seed);
     }
     if (!experiment.closed) {
       std::vector<std::filesystem::path> folders;
@@ -177,7 +178,7 @@ int run(const Options& options, const ContourExperiment& experiment) {
     result["pictures"] = all;
     if (!options.page.empty()) reporting::write_tables(options.page, contour_tables(all));
   }
-  write_json(out / "result.json", result);
+  write_result(out / "result.json", result, options.seed);
   fmt::print("{}\n", json_text(result));
   return 0;
 }

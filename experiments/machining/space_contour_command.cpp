@@ -14,6 +14,7 @@
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
 #include "experiments/machining/contour_run.h"
+#include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -124,7 +125,7 @@ int run(Options& options) {
   result["bar_um"] = kBar_um;
   result["good"] = good;
   draw_figure(figure, out / "space-contour.png");
-  write_json(out / "result.json", result);
+  write_result(out / "result.json", result, options.seed);
   fmt::print("{}\n", json_text(result));
   return good ? 0 : 1;
 }

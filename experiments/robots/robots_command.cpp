@@ -17,6 +17,7 @@
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
 #include "experiments/parallel.h"
+#include "experiments/result_file.h"
 #include "experiments/robots/random_site.h"
 
 namespace telekerf::experiments {
@@ -148,7 +149,7 @@ int run(const Options& options) {
   fmt::print("{}\n", json_text(json));
   json["rows"] = Json::array();
   for (const Row& row : rows) json["rows"].push_back(json_of(row));
-  write_json(folder / "robots.json", json);
+  write_result(folder / "robots.json", json, options.seed);
   const bool ran = worst != nullptr;
   if (beyond > 0) {
     fmt::print(

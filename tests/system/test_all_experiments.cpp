@@ -68,6 +68,15 @@ TEST(AllExperiments, TwoRunsOfOneSeedAreTheSameBytesButForOneLine) {
     EXPECT_LE(differ, entry.path().filename() == "report.html" ? 1 : 0) << other;
   }
   EXPECT_GT(files, 20);
+  int results = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(a / "results")) {
+    if (entry.path().filename() != "result.json" && entry.path().filename() != "robots.json") continue;
+    const auto json = nlohmann::json::parse(text_of(entry.path()));
+    EXPECT_EQ(json.value("seed", 0), 1) << entry.path();
+    EXPECT_FALSE(json.value("version", "").empty()) << entry.path();
+    ++results;
+  }
+  EXPECT_GE(results, 4);
   EXPECT_NE(text_of(a / "report.html").find("By the clock: hall-sensor "), std::string::npos);
 }
 

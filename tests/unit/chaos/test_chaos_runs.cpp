@@ -112,6 +112,13 @@ TEST(Chaos, ClocksThatLeapAndDriftBreakNoBar) {
   EXPECT_EQ(report.json["relights"].get<int>(), 0);
 }
 
+TEST(Chaos, AnEngageInTheInstantInWhichTheLinkIsBackSuffices) {
+  ChaosCampaign c = campaign(1, 20.0);
+  c.seed = 506;
+  c.kinds = {FaultKind::kSwizzle, FaultKind::kSensorStuck};
+  EXPECT_EQ(run_campaign(c, kQuiet).json["recovered_fraction"].get<double>(), 1.0);
+}
+
 TEST(Chaos, ALaserThatStaysOnLosesItsSupply) {
   ChaosCampaign c = campaign(5, 20.0);
   c.kinds = {FaultKind::kLaserStuck};

@@ -70,10 +70,11 @@ TEST(OperatorRequests, AnEngagementThatCannotBeginIsNotKeptForLater) {
     for (int n = 0; n < steps; ++n) EXPECT_EQ(step(requests, 1e-3, now), "") << n;
     EXPECT_TRUE(requests.engage());
   };
-  const auto over = [&](int steps, double passed_s, const OperatorRequests::Waiting& at_last) {
+  const auto over = [&](int steps, double passed_s, const OperatorRequests::Waiting& at_last,
+                        const OperatorRequests::Waiting& until_then) {
     OperatorRequests requests(false, 0.5);
     hear(requests, Kind::kEngage);
-    wait(requests, steps, waiting);
+    wait(requests, steps, until_then);
     const std::string why = step(requests, passed_s, at_last);
     EXPECT_FALSE(requests.engage());
     EXPECT_EQ(step(requests, passed_s, at_last), "") << "said once";
@@ -81,11 +82,11 @@ TEST(OperatorRequests, AnEngagementThatCannotBeginIsNotKeptForLater) {
     wait(requests, 4995, waiting);
     return why;
   };
-  EXPECT_NE(over(4995, 0.01, waiting).find("within 5 s"), std::string::npos);
-  EXPECT_NE(over(100, 0.351, waiting).find("stood still"), std::string::npos);
+  EXPECT_NE(over(4995, 0.01, waiting, waiting).find("within 5 s"), std::string::npos);
+  EXPECT_NE(over(100, 0.351, waiting, waiting).find("stood still"), std::string::npos);
   auto gone = waiting;
   gone.slave_gone = true;
-  EXPECT_NE(over(100, 1e-3, gone).find("not heard any more"), std::string::npos);
+  EXPECT_NE(over(499, 2e-3, gone, gone).find("not heard any more"), std::string::npos);
 
   auto approaching = waiting;
   approaching.guiding = false;
@@ -98,6 +99,13 @@ TEST(OperatorRequests, AnEngagementThatCannotBeginIsNotKeptForLater) {
   OperatorRequests asked_at_the_start(true, 0.5);
   EXPECT_EQ(step(asked_at_the_start, 60.0, gone), "");
   wait(asked_at_the_start, 30'000, waiting);
+
+  OperatorRequests back_again(false, 0.5);
+  hear(back_again, Kind::kEngage);
+  for (int n = 0; n < 8; ++n) {
+    wait(back_again, 490, gone);
+    wait(back_again, 1, waiting);
+  }
 }
 
 TEST(OperatorRequests, WhatIsRefusedIsSaidAndChangesNothing) {
