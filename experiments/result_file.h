@@ -11,8 +11,10 @@
 
 namespace telekerf::experiments {
 
-/// `result` with `seed` (of everything random) and `version`. Throws StartupError: it cannot be written.
-inline void write_result(const std::filesystem::path& file, nlohmann::ordered_json result, std::uint64_t seed) {
+/// Gives `result` its `seed` (of everything random) and `version` and writes it. Throws StartupError: it
+/// cannot be written.
+inline void write_result(const std::filesystem::path& file, nlohmann::ordered_json& result,
+                         std::uint64_t seed) {
   result["seed"] = seed;
   result["version"] = kVersion;
   write_json(file, result);

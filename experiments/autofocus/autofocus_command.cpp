@@ -43,7 +43,8 @@ int run(const Options& options) {
                        .jobs = static_cast<unsigned>(options.jobs)};
   const FocusFigures figures = focus_figures(plan);
   print(figures);
-  write_result(folder / "autofocus.json", json_of(figures, plan), options.seed);
+  auto json = json_of(figures, plan);
+  write_result(folder / "autofocus.json", json, options.seed);
   draw_focus_figures(options.seed, folder);
   if (plan.thesis_only) return 0;
   if (!options.page.empty()) reporting::write_tables(options.page, page_tables(figures));

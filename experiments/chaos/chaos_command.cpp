@@ -29,7 +29,7 @@ int run(Options& options) {
   campaign.shrinks = !options.no_shrink;
   campaign.each.set_gate(options.beam_age_s);
   const auto all = static_cast<std::size_t>(campaign.runs);
-  const ChaosReport report = run_campaign(campaign, [all](std::size_t done) {
+  ChaosReport report = run_campaign(campaign, [all](std::size_t done) {
     if (done % 50 == 0) fmt::print(stderr, "{} of {}\n", done, all);
   });
   write_result(std::filesystem::path(options.out) / "chaos.json", report.json, campaign.seed);
