@@ -132,14 +132,21 @@ TEST(DriveExample, SwitchesOffWhenItsControllerFallsSilent) {
 }
 
 TEST(DriveExample, IsMeasuredToAnswerOnePeriodLate) {
-  ExampleDrive drive;
-  ASSERT_NE(drive.port(), 0) << drive.output();
-  Program inspect("telekerf-inspect",
-                  {"drive", "--drive", "udp:127.0.0.1:" + std::to_string(drive.port()), "--drive-stale-s",
-                   "2", "--control-hz", "500", "--travel-mm", "15", "--move"});
-  ASSERT_EQ(inspect.wait(seconds(30)), 0) << inspect.output();
+  // On a machine that lets it wait too often the program refuses to tell, in words, and is asked again.
+  std::string said;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    ExampleDrive drive;
+    ASSERT_NE(drive.port(), 0) << drive.output();
+    Program inspect("telekerf-inspect",
+                    {"drive", "--drive", "udp:127.0.0.1:" + std::to_string(drive.port()), "--drive-stale-s",
+                     "2", "--control-hz", "500", "--travel-mm", "15", "--move"});
+    const int code = inspect.wait(seconds(30));
+    said = inspect.output();
+    if (code == 0) break;
+    ASSERT_NE(said.find("its delay cannot be told"), std::string::npos) << said;
+  }
   const std::string before = "drive_delay_s = ";
-  const std::string said = inspect.output();
+  ASSERT_NE(said.rfind(before), std::string::npos) << said;
   const double delay_s = std::stod(said.substr(said.rfind(before) + before.size()));
   EXPECT_NEAR(delay_s, 2e-3, 4e-4) << said;
 }
