@@ -194,7 +194,6 @@ ChaosReport run_campaign(const ChaosCampaign& campaign, const std::function<void
   json["recovered_fraction"] = live ? Json(recovered) : Json();
   json["refused"] = refused;
   json["worst_seed"] = worst->settings.seed;
-  json["seed"] = campaign.seed;
   json["duration_s"] = campaign.each.duration_s;
   json["mode"] = kChaosModes.word(campaign.each.mode);
   json["undisturbed"] = {

@@ -108,7 +108,7 @@ nlohmann::ordered_json table(const std::vector<ContourMessage>& contours, const 
 int run(const Options& options) {
   make_folder("--out", options.out);
   const std::vector<ContourMessage> all = table_contours();
-  nlohmann::ordered_json results{{"experiment", "constraint"}, {"seed", options.seed}};
+  nlohmann::ordered_json results{{"experiment", "constraint"}};
   std::vector<Acceptance> bars;
   results["tracking"] = nlohmann::ordered_json::array();
   measure_tracking(all, options, bars, results["tracking"]);

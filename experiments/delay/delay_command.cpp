@@ -126,7 +126,6 @@ int run(Options& options) {
   const std::vector<Run> runs = one ? std::vector<Run>{one_run(options)} : all_runs(options);
   make_folder("--out", folder);
   nlohmann::ordered_json json;
-  json["seed"] = options.seed;
   json["rows"] = nlohmann::ordered_json::array();
   for (const Run& run : runs) json["rows"].push_back(row_of(run));
   write_result(folder / "delay.json", json, options.seed);

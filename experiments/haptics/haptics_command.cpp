@@ -8,10 +8,10 @@
 #include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
-#include "common/runtime/version.h"
 #include "experiments/commands.h"
 #include "experiments/haptics/felt_cut_trial.h"
 #include "experiments/haptics/port_trial.h"
+#include "experiments/result_file.h"
 #include "master/haptics/energy_tank.h"
 
 namespace telekerf::experiments {
@@ -230,14 +230,14 @@ int run(const Options& options) {
   make_folder("--out", folder);
   const std::vector<PortResult> ports = port_results(options);
   const std::vector<Pair> hands = pairs(options, options.trial.depth_mm);
-  ordered_json result{{"experiment", "haptics"}, {"seed", options.seed}, {"version", kVersion}};
+  ordered_json result{{"experiment", "haptics"}};
   result["port"] = port_json(ports, options);
   result["cut"] = cut_json(hands, options, options.trial.depth_mm);
   result["cut_at_its_own_pace"] =
       cut_json(pairs(options, options.own_depth_mm), options, options.own_depth_mm);
   result["wrong_copy"] = wrong_copies(options, hands.front());
   draw(hands.front(), ports, options, folder / "haptics.png");
-  write_json(folder / "result.json", result);
+  write_result(folder / "result.json", result, options.seed);
   fmt::print("{}\n", json_text(result));
   const bool passive = std::none_of(ports.begin(), ports.end(), [](const PortResult& one) {
     return one.law == PortLaw::kTank && one.above > 0;

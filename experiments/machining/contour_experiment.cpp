@@ -93,7 +93,6 @@ ordered_json one_picture(const ContourExperiment::Subject& subject, const Option
                       {"controller", machining::kControllers.word(options.controller)},
                       {"corner", machining::kCorners.word(options.corner)},
                       {"plant", kPlants.word(options.ideal)},
-                      {"seed", options.seed},
                       {"control_hz", settings.plan.control_hz}};
   result.update(measure(run, settings));
   result["tuning"] = tuning(settings);

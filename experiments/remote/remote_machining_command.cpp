@@ -11,9 +11,9 @@
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
-#include "common/runtime/version.h"
 #include "experiments/commands.h"
 #include "experiments/remote/remote_figure.h"
+#include "experiments/result_file.h"
 #include "experiments/simulation/simulation.h"
 
 namespace telekerf::experiments {
@@ -114,8 +114,6 @@ int run(const Options& options) {
   const std::filesystem::path folder = options.out;
   make_folder("--out", folder);
   ordered_json result{{"experiment", "remote-machining"},
-                      {"seed", options.seed},
-                      {"version", kVersion},
                       {"duration_s", options.duration_s},
                       {"laser_w", options.laser_w}};
   draw_pictures(folder);
@@ -130,7 +128,7 @@ int run(const Options& options) {
     if (options.all_profiles) result["profiles"][experiment.name] = other_networks(experiment, options);
   }
   result["good"] = good;
-  write_json(folder / "result.json", result);
+  write_result(folder / "result.json", result, options.seed);
   fmt::print("{}\n", json_text(result));
   return good ? 0 : 1;
 }

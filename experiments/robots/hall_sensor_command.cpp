@@ -13,8 +13,8 @@
 #include "common/robot/hall_channels.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
-#include "common/runtime/version.h"
 #include "experiments/commands.h"
+#include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -115,8 +115,6 @@ int run(const Options& options) {
   sensor.kind = robot::Sensor::Kind::kHall;
   make_folder("--out", folder);
   ordered_json result{{"experiment", "hall-sensor"},
-                      {"seed", options.seed},
-                      {"version", kVersion},
                       {"pitch_mm", 1e3 * sensor.pitch_m},
                       {"adc_bits", sensor.adc_bits},
                       {"conversions", sensor.conversions},
@@ -127,7 +125,7 @@ int run(const Options& options) {
   result["uncalibrated"] = accuracy(sensor, options, false);
   result["calibrated"] = accuracy(sensor, options, true);
   draw(sensor, options, folder / "hall-sensor.png");
-  write_json(folder / "result.json", result);
+  write_result(folder / "result.json", result, options.seed);
   fmt::print("{}\n", json_text(result));
   return 0;
 }
