@@ -20,7 +20,7 @@ std::vector<std::string> hosts_of(const std::string& peers) {
 
 std::string complaint_about_peers(const std::string& peers) {
   const std::vector<std::string> hosts = hosts_of(peers);
-  if (!peers.empty() && hosts.empty()) return "names no host";
+  if (hosts.empty()) return "names no host";
   for (const std::string& host : hosts) {
     if (const std::string wrong = complaint_about_peer(host); !wrong.empty()) return wrong;
   }

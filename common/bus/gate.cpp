@@ -10,7 +10,6 @@ namespace telekerf::bus {
 namespace {
 
 // DDS Security 1.1, 7.3.
-constexpr std::uint8_t kSecureMessage = 0x33;  // SRTPS_PREFIX
 constexpr std::uint32_t kAnnouncements = 0x000100c2, kHandshakes = 0x000201c3, kKeys = 0xff0202c3;
 
 /// Where in a submessage the writer's entity id stands; 0: it names none.
@@ -75,7 +74,7 @@ bool Gate::lets_in(std::span<const std::byte> datagram, std::int64_t now_ns) noe
   if (identity == nullptr) return false;
   if (datagram.size() < kRtpsHeader + kSubmessageHeader) return false;
   // The middleware has the keys, and judges it whole.
-  if (octet_at(datagram, kRtpsHeader) == kSecureMessage) return true;
+  if (is_protected(datagram)) return true;
   if (!comes_before_keys(datagram)) return false;
   Prefix prefix;
   std::memcpy(prefix.data(), datagram.data() + kRtpsPrefix, prefix.size());

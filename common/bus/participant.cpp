@@ -11,6 +11,7 @@
 #include "common/bus/interfaces.h"
 #include "common/bus/participant_qos.h"
 #include "common/bus/qos.h"
+#include "common/bus/serial_discovery.h"
 #include "common/bus/trimming_transport.h"
 #include "common/bus/wire_messages.h"
 #include "common/runtime/real_time.h"
@@ -72,6 +73,7 @@ Bus::Participant::Participant(BusSettings settings)
   transport_ = bus::trimming_over(udp_, protection_.gate());
   if (settings_.receive_filter)
     transport_ = settings_.receive_filter->over(std::move(transport_), protection_.sites());
+  if (protection_.on()) transport_ = bus::one_by_one_over(std::move(transport_));
   create();
 }
 

@@ -39,6 +39,12 @@ inline std::optional<std::span<const std::byte>> submessage(std::span<const std:
   return datagram.subspan(at, kSubmessageHeader + length);
 }
 
+/// The message as a whole is signed or encrypted: it begins with SRTPS_PREFIX (DDS Security 1.1, 7.3.6.3).
+inline bool is_protected(std::span<const std::byte> datagram) {
+  constexpr std::uint8_t kSecureMessage = 0x33;
+  return datagram.size() > kRtpsHeader && octet_at(datagram, kRtpsHeader) == kSecureMessage;
+}
+
 /// DATA of one of a stream's writers (site.h).
 inline bool is_stream_data(std::span<const std::byte> submessage) {
   constexpr std::uint8_t kData = 0x15;

@@ -28,6 +28,11 @@ StreamSettings StreamSettings::validated() const {
     throw configuration_error(fmt::format("codec: there is none of number {}", static_cast<int>(kind)));
   require("block", block, codec->min_block, kMaxBlock);
   require("keep", keep, 1, kMaxBlock);
+  if (codec->min_block > 1 && keep > block) {
+    throw configuration_error(
+        fmt::format("codec: keep = {}: a block of {} samples has {} coefficients; keep no more than these",
+                    keep, block, block));
+  }
   require("redundancy", redundancy, 0, kMaxRedundancy);
   require("max_rms", max_rms, 0.0, 1e6);
   require("quantum", quantum, 1e-15, 1e6);

@@ -197,8 +197,9 @@ std::string Settings::take(Entry& entry, const ConfigValue& value, const std::st
       const auto* text = std::get_if<std::string>(&value);
       if (text == nullptr) return "must be a text in quotes";
       if (s.type == Type::kText) {
+        if (text->empty() && may_be_empty) break;
         if (const std::string wrong = complaint_about(*text, s.text); !wrong.empty()) return wrong;
-        if (text->empty() && !s.text.complaint && !may_be_empty) return "must not be empty";
+        if (text->empty() && !s.text.complaint) return "must not be empty";
         break;
       }
       std::vector<std::string> words;

@@ -24,11 +24,17 @@ std::string word_after(const std::vector<std::string>& words, const std::string&
   return at == words.end() || at + 1 == words.end() ? "" : *(at + 1);
 }
 
+bool has(const std::vector<std::string>& words, const std::string& flag) {
+  return std::find(words.begin(), words.end(), flag) != words.end();
+}
+
 /// With TELEKERF_TEST_SECURITY set every process of a cell is started with keys of it, made as they are needed.
 std::vector<std::string> with_keys(std::vector<std::string> words) {
-  const std::string cell = word_after(words, "--cell");
-  const bool given = std::find(words.begin(), words.end(), "--security") != words.end();
-  if (std::getenv("TELEKERF_TEST_SECURITY") == nullptr || cell.empty() || given) return words;
+  const bool of_a_cell = has(words, "--domain") || has(words, "--cell");
+  const bool given = has(words, "--security") || has(words, "--insecure");
+  if (std::getenv("TELEKERF_TEST_SECURITY") == nullptr || !of_a_cell || given) return words;
+  const std::string named = word_after(words, "--cell");
+  const std::string cell = named.empty() ? "cell-1" : named;
   const std::filesystem::path store = Program::scratch() / "keys";
   if (!std::filesystem::exists(store / "cells" / cell)) {
     const std::string renew = std::filesystem::exists(store) ? " --renew" : "";

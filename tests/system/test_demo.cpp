@@ -188,6 +188,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"CellWithoutAName", "telekerf-slave", "--config", "cell.toml", "cell = \"\"\n",
                 "cell.toml: cell = '': a cell needs a name"},
         Refused{"PeersThatAreNone", "telekerf-master", "--peers", ",", nullptr, "peers = ',': names no host"},
+        Refused{"NoPeers", "telekerf-master", "--peers", "", nullptr, "peers = '': names no host"},
         Refused{"PeerWithoutAPort", "telekerf-master", "--peers", "one,two:0", nullptr,
                 "peers = 'one,two:0': must be HOST or HOST:PORT"},
         Refused{"RobotOfAFile", "telekerf-slave", "--config", "named.toml", "robot = \"foo\"\n",

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/bus/security/keystore_check.h"
@@ -53,6 +54,19 @@ TEST_F(SecuredCell, CutsAcrossAnEmulatedNetworkAndHearsItsOperator) {
   EXPECT_EQ(report["cut"]["energy_outside_corridor_j"].get<double>(), 0.0);
   EXPECT_NE(slave.output().find("secured: messages are encrypted"), std::string::npos) << slave.output();
   EXPECT_EQ(slave.output().find("middleware:"), std::string::npos) << slave.output();
+}
+
+TEST_F(SecuredCell, ManyWhoStartAtTheSameMomentAllFindEachOther) {
+  const Store store;
+  const std::vector<std::string> roles{"vision", "slave", "master", "console", "ctl", "plant", "recorder"};
+  for (int trial = 0; trial < 3; ++trial) {
+    std::vector<std::unique_ptr<Program>> crowd;
+    for (const std::string& role : roles)
+      crowd.push_back(std::make_unique<Program>(
+          "bus_neighbours", std::vector<std::string>{own_domain(), store.folder().string(), role,
+                                                     std::to_string(roles.size() - 1)}));
+    for (const auto& program : crowd) EXPECT_EQ(program->wait(seconds(40)), 0) << program->output();
+  }
 }
 
 TEST_F(SecuredCell, WithoutKeysTheStartSaysSoAndOtherComputersAreNotReached) {

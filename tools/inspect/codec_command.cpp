@@ -32,9 +32,6 @@ int run_codec(const CodecOptions& options) {
   codec::StreamSettings stream = options.stream;
   stream.keep = options.keep.value_or(stream.keep);
   stream.max_rms = options.max_rms.value_or(0.0);
-  if (options.keep && *options.keep > stream.block)
-    throw usage_error(fmt::format("--keep {}: a block of {} samples has no more coefficients", *options.keep,
-                                  stream.block));
   const auto settings = codec::with_codec(stream, options.codec).validated();
   codec::Trace decoded;
   const auto figures = codec::measure(trace, settings, options.link, &decoded);

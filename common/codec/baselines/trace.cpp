@@ -5,8 +5,10 @@
 #include <fmt/os.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <optional>
 
 #include "common/runtime/results.h"
@@ -67,6 +69,10 @@ Trace read_trace(const std::filesystem::path& file, double rate_hz, const std::v
       const auto value = number_in(cells[c]);
       if (!value) {
         throw input_error(fmt::format("{}: line {}: '{}' is not a number", file.string(), number, cells[c]));
+      }
+      if (!(std::abs(*value) <= std::numeric_limits<float>::max())) {
+        throw input_error(fmt::format("{}: line {}: '{}' is beyond what a float32 holds, +-3.4e38",
+                                      file.string(), number, cells[c]));
       }
       all.values[c].push_back(*value);
     }

@@ -18,7 +18,8 @@ struct Trace {
 };
 
 /// CSV with or without a header line ("c1", "c2" ... without); empty lines and lines that begin with # are
-/// skipped. `wanted` picks columns by name, empty: all. Throws StartupError that names file, line and cell.
+/// skipped. `wanted` picks columns by name, empty: all. Throws StartupError that names file, line and cell,
+/// also where a float32 does not hold the number.
 Trace read_trace(const std::filesystem::path& file, double rate_hz,
                  const std::vector<std::string>& wanted = {});
 /// Same layout, full precision. Throws StartupError.

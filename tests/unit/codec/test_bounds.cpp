@@ -152,7 +152,9 @@ TEST(Settings, HoldTheirBounds) {
       {"block", {.block = 64}, {.block = 65}},
       {"block", {.kind = kRaw, .block = 1}, {.kind = kRaw, .block = 0}},
       {"keep", {.keep = 1}, {.keep = 0}},
-      {"keep", {.keep = 64}, {.keep = 65}},
+      {"keep", {.block = 64, .keep = 64}, {.block = 64, .keep = 65}},
+      {"keep", {.block = 8, .keep = 8}, {.block = 8, .keep = 9}},
+      {"keep", {.kind = kRaw, .block = 1, .keep = 64}, {.kind = kRaw, .block = 1, .keep = 65}},
       {"max_rms", {.max_rms = 0.0}, {.max_rms = -smallest}},
       {"max_rms", {.max_rms = 1e6}, {.max_rms = std::nextafter(1e6, 2e6)}},
       {"redundancy", {.redundancy = 0}, {.redundancy = -1}},
@@ -176,7 +178,7 @@ TEST(Settings, HoldTheirBounds) {
           << refusal.what();
     }
   }
-  EXPECT_EQ(StreamSettings({.block = 16, .keep = 64}).validated().keep, 16);
+  EXPECT_EQ(StreamSettings({.kind = kRaw, .block = 1, .keep = 4}).validated().keep, 1) << "nothing reads it";
   EXPECT_THROW((void)StreamSettings{.kind = CodecKind{9}}.validated(), StartupError);
 }
 

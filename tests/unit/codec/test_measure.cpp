@@ -126,7 +126,8 @@ TEST(TraceFile, ColumnsMayBeParted) {
   const Trace named = read("x m, y\n1,2\n3,4\n", {"y", "x m"});
   EXPECT_EQ(named.values, (std::vector<std::vector<double>>{{2, 4}, {1, 3}}));
   EXPECT_EQ(named.rate_hz, 100.0);
-  for (const char* wrong : {"1,2\n3\n", "1,2\n3,4,5\n", "1,x\n2,3\n", "a,b\n1,\n", "", "# only\n"})
+  for (const char* wrong : {"1,2\n3\n", "1,2\n3,4,5\n", "1,x\n2,3\n", "a,b\n1,\n", "", "# only\n",
+                            "1,2\n3,1e39\n", "1,2\n3,nan\n"})
     EXPECT_THROW((void)read(wrong), StartupError) << wrong;
   try {
     (void)read("1,2\n3\n");

@@ -105,10 +105,12 @@ TEST(SlaveStation, BothPartsOfTheStateStreamAreCutAndCodedAlike) {
   EXPECT_EQ(node.force.redundancy, 3);
   EXPECT_EQ(node.force.kind, node.feedback.kind);
   EXPECT_NE(node.force.kind, codec::StreamSettings{}.kind);
-  settings.node.force.keep = 40;
-  EXPECT_EQ(settings.validated().node.force.keep, 32) << "no more than there are";
-  settings.node.force.keep = 65;
-  EXPECT_NE(refusal_of([&] { (void)settings.validated(); }).find("keep"), std::string::npos);
+  settings.codec = codec::kDefaultCodec;
+  settings.node.force.keep = 32;
+  EXPECT_EQ(settings.validated().node.force.keep, 32);
+  settings.node.force.keep = 33;
+  EXPECT_NE(refusal_of([&] { (void)settings.validated(); }).find("keep = 33: a block of 32 samples"),
+            std::string::npos);
 }
 
 /// Tells where it stands as often as the test says, and remembers the currents.
