@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What recording costs: a loop of 1 kHz that computes for a while and stores a row of 36 columns, with the
-// recorder beside it and without it, in turns within one run. Usage: bench_recording [ROUNDS [SECONDS]]
+// recorder beside it and without it, in turns within one run. The recorder's share is its thread's own
+// processor time, as the kernel counts it: the difference of the two loops is lost in what else a machine
+// does. Usage: bench_recording [ROUNDS [SECONDS]]
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -8,7 +10,9 @@
 #include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -26,10 +30,23 @@ constexpr std::size_t kColumns = 36;
 constexpr std::int64_t kPeriod_ns = 1'000'000, kWork_ns = 200'000;
 
 struct Turn {
-  double processor = 0.0;        ///< share of one
+  double processor = 0.0;        ///< of the whole process, share of one
+  double recorder = 0.0;         ///< of the recorder's thread, share of one
   std::vector<double> slack_us;  ///< of each step: what was left of its period
   std::uint64_t overruns = 0, dropped = 0, rows = 0;
 };
+
+/// Processor time of the thread of this name so far, s; 0: there is none.
+double thread_s(const std::string& name) {
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::string comm;
+    double on_processor_ns = 0.0;
+    std::getline(std::ifstream(task.path() / "comm"), comm);
+    if (comm == name && std::ifstream(task.path() / "schedstat") >> on_processor_ns)
+      return 1e-9 * on_processor_ns;
+  }
+  return 0.0;
+}
 
 std::unique_ptr<Recording> recorder(const std::filesystem::path& folder) {
   SeriesSchema schema{.name = "master", .columns = {}, .every_tick = true};
@@ -48,7 +65,7 @@ Turn turn(const std::filesystem::path& folder, double seconds, bool recorded) {
   const auto steps = static_cast<std::size_t>(seconds * 1e9 / static_cast<double>(kPeriod_ns));
   result.slack_us.reserve(steps);
   std::array<double, kColumns> row{};
-  const double before_s = processor_s();
+  const double before_s = processor_s(), thread_before_s = thread_s("recorder");
   const std::int64_t begin_ns = monotonic_ns();
   std::int64_t due_ns = begin_ns;
   for (std::size_t n = 0; n < steps; ++n) {
@@ -62,7 +79,9 @@ Turn turn(const std::filesystem::path& folder, double seconds, bool recorded) {
     if (left_ns < 0) ++result.overruns;
     due_ns = left_ns < 0 ? monotonic_ns() : due_ns + kPeriod_ns;
   }
-  result.processor = (processor_s() - before_s) / (1e-9 * static_cast<double>(monotonic_ns() - begin_ns));
+  const double took_s = 1e-9 * static_cast<double>(monotonic_ns() - begin_ns);
+  result.processor = (processor_s() - before_s) / took_s;
+  result.recorder = (thread_s("recorder") - thread_before_s) / took_s;
   if (recording) {
     (void)recording->close({});
     result.dropped = recording->dropped();
@@ -76,11 +95,13 @@ int run(int rounds, double seconds) {
   std::filesystem::create_directories(folder);
   std::array<Turn, 2> sum;
   std::array<std::vector<double>, 2> shares;
+  std::vector<double> recorders;
   for (int round = 0; round < rounds; ++round) {
     for (const bool recorded : {false, true}) {
       const Turn one = turn(folder, seconds, recorded);
       Turn& all = sum[recorded];
       shares[recorded].push_back(one.processor);
+      if (recorded) recorders.push_back(one.recorder);
       all.slack_us.insert(all.slack_us.end(), one.slack_us.begin(), one.slack_us.end());
       all.overruns += one.overruns;
       all.dropped += one.dropped;
@@ -95,9 +116,11 @@ int run(int rounds, double seconds) {
     fmt::print("{:<10}{:>12.2f}{:>22.1f}{:>22.1f}{:>10}{:>10}\n", recorded ? "recorded" : "plain",
                100 * quantile(shares[recorded], 0.5), quantile(sum[recorded].slack_us, 0.01),
                quantile(sum[recorded].slack_us, 0.5), sum[recorded].overruns, sum[recorded].dropped);
-  fmt::print("recording takes {:.2f} % of a core; slack of 99 % of the steps: {:.3f} of that without it\n",
-             100 * (quantile(shares[1], 0.5) - quantile(shares[0], 0.5)),
-             quantile(sum[1].slack_us, 0.01) / quantile(sum[0].slack_us, 0.01));
+  fmt::print(
+      "the recorder takes {:.2f} % of a core (worst turn {:.2f}); slack of 99 % of the steps: {:.3f} of that "
+      "without it\n",
+      100 * quantile(recorders, 0.5), 100 * quantile(recorders, 1.0),
+      quantile(sum[1].slack_us, 0.01) / quantile(sum[0].slack_us, 0.01));
   return 0;
 }
 
