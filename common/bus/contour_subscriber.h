@@ -27,9 +27,9 @@ namespace telekerf {
 /// As people tell it from another one: number, source, length and size.
 std::string title_of(const ContourMessage& message);
 
-/// `Prepared` is what a node needs of a contour (a guide, a corridor). The first contour that fits is in force
-/// at once. Another one than that waits until an operator takes it (EventMessage::Kind::kTakeContour); of
-/// several the last one waits. One that does not fit (prepare() throws a StartupError) is refused with its
+/// `Prepared` is what a node needs of a contour (a guide, a corridor). The first contour that fits is in
+/// force at once. Another one than that waits until an operator takes it (EventMessage::Kind::kTakeContour);
+/// of several the last one waits. One that does not fit (prepare() throws a StartupError) is refused with its
 /// sentence and counted, and what is in force stays; so is one whose id is not its digest. The contour in
 /// force, published again, changes nothing.
 template <class Prepared>
@@ -37,13 +37,13 @@ class ContourSubscriber {
  public:
   using Prepare = std::function<std::unique_ptr<Prepared>(const ContourMessage&)>;
 
-  ContourSubscriber(Bus& bus, Prepare prepare)
-      : role_(bus.settings().role),
-        reader_(bus, kAtOnce),
-        events_(bus),
-        answers_(bus),
-        prepare_(std::move(prepare)),
-        thread_([this](const std::stop_token& stop) { run(stop); }) {}
+  /// Who takes another contour answers whoever has asked for it; who looks on does not.
+  enum class Part { kTakes, kLooksOn };
+  ContourSubscriber(Bus& bus, Prepare prepare, Part part = Part::kTakes)
+      : role_(bus.settings().role), reader_(bus, kAtOnce), events_(bus), prepare_(std::move(prepare)) {
+    if (part == Part::kTakes) answers_.emplace(bus);
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
 
   /// The contour in force as prepared last, null before the first. For one thread, the control loop's, once a
   /// step: wait-free. What an earlier step got may be freed after the step that got another one (Handover).
@@ -56,8 +56,9 @@ class ContourSubscriber {
   }
   /// Contours that were refused.
   std::uint64_t unfit() const noexcept { return unfit_.load(std::memory_order_relaxed); }
-  /// Prepares the newest contour once more, for what has changed in its preparation, be it in force or refused.
-  /// Wait-free. If it is refused now, what was in force stays, and the refusal's sentence goes to stderr.
+  /// Prepares the newest contour once more, for what has changed in its preparation, be it in force or
+  /// refused. Wait-free. If it is refused now, what was in force stays, and the refusal's sentence goes to
+  /// stderr.
   void request_rebuild() noexcept { rebuild_.store(true, std::memory_order_release); }
   /// The message that was prepared last: the one behind current(), or behind what current() will give next.
   ContourMessage message() const {
@@ -83,10 +84,11 @@ class ContourSubscriber {
         newest.reset();
       }
       while (const auto event = events_.take()) {
-        if (event->value.kind == EventMessage::Kind::kTakeContour)
-          answers_.give(event->value.epoch, take(event->value.value));
+        if (event->value.kind != EventMessage::Kind::kTakeContour) continue;
+        const std::string refusal = take(event->value.value);
+        if (answers_) answers_->give(event->value.epoch, refusal);
       }
-      answers_.again();
+      if (answers_) answers_->again();
       if (rebuild_.exchange(false, std::memory_order_acq_rel)) rebuild();
       prepared_.collect();
     }
@@ -168,10 +170,11 @@ class ContourSubscriber {
   std::string role_;
   Reader<ContourMessage> reader_;
   Reader<EventMessage> events_;
-  EventAnswers answers_;
+  std::optional<EventAnswers> answers_;
   Prepare prepare_;
-  bool any_ = false;                       ///< the thread's: a contour is in force
-  std::optional<ContourMessage> waiting_;  ///< the thread's: for an operator, or refused while none is in force
+  bool any_ = false;  ///< the thread's: a contour is in force
+  std::optional<ContourMessage>
+      waiting_;  ///< the thread's: for an operator, or refused while none is in force
   Handover<Prepared> prepared_;
   mutable std::mutex mutex_;
   ContourMessage message_;

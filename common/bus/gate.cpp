@@ -29,6 +29,46 @@ std::size_t writer_at(std::uint8_t kind) {
   }
 }
 
+std::uint32_t entity_at(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint32_t entity = 0;
+  for (std::size_t i = 0; i < 4; ++i) entity = entity << 8 | octet_at(bytes, at + i);
+  return entity;
+}
+
+/// A submessage that tells of a participant's end (RTPS 2.x, 9.6.3.9: the status in DATA's inline QoS).
+bool is_farewell(std::span<const std::byte> part) {
+  constexpr std::uint8_t kData = 0x15, kHasQos = 0x02;
+  constexpr std::size_t kToQos = kSubmessageHeader + 2;
+  constexpr std::size_t kWriter = kSubmessageHeader + 8;
+  constexpr unsigned kSentinel = 1, kStatus = 0x71, kEnded = 0x03;
+  if (octet_at(part, 0) != kData || part.size() < kWriter + 4 || entity_at(part, kWriter) != kAnnouncements)
+    return false;
+  const std::uint8_t flags = octet_at(part, 1);
+  if ((flags & kHasQos) == 0) return false;
+  const bool little = (flags & 1U) != 0;
+  const auto half = [&](std::size_t at) -> unsigned {
+    const unsigned first = octet_at(part, at), second = octet_at(part, at + 1);
+    return little ? first | second << 8 : second | first << 8;
+  };
+  for (std::size_t at = kToQos + 2 + half(kToQos); at + 4 <= part.size();) {
+    const unsigned parameter = half(at), length = half(at + 2);
+    if (parameter == kSentinel) return false;
+    if (parameter == kStatus && at + 8 <= part.size()) return (octet_at(part, at + 7) & kEnded) != 0;
+    at += 4 + length;
+  }
+  return false;
+}
+
+bool holds_farewell(std::span<const std::byte> datagram) {
+  for (std::size_t at = kRtpsHeader; at < datagram.size();) {
+    const auto part = submessage(datagram, at);
+    if (!part) return false;
+    if (is_farewell(*part)) return true;
+    at += part->size();
+  }
+  return false;
+}
+
 /// May stand unprotected: it addresses, stamps or fills; a vendor's own; or it is protected by itself.
 bool is_harmless(std::uint8_t kind) {
   return kind == 0x01 || kind == 0x09 || kind == 0x0e || kind >= 0x80 || (kind >= 0x30 && kind <= 0x32);
@@ -42,8 +82,7 @@ bool comes_before_keys(std::span<const std::byte> datagram) {
     const std::uint8_t kind = octet_at(*part, 0);
     if (const std::size_t writer = writer_at(kind); writer != 0) {
       if (writer + 4 > part->size()) return false;
-      std::uint32_t entity = 0;
-      for (std::size_t i = 0; i < 4; ++i) entity = entity << 8 | octet_at(*part, writer + i);
+      const std::uint32_t entity = entity_at(*part, writer);
       if (entity != kAnnouncements && entity != kHandshakes && entity != kKeys) return false;
     } else if (!is_harmless(kind)) {
       return false;
@@ -63,6 +102,15 @@ Gate::Gate(std::vector<security::SubjectPrefix> known) {
 }
 
 bool Gate::admits(std::span<const std::byte> datagram, std::uint32_t from, std::int64_t now_ns) noexcept {
+  if (Identity* const identity = identity_of(datagram); identity != nullptr) {
+    Prefix prefix;
+    std::memcpy(prefix.data(), datagram.data() + kRtpsPrefix, prefix.size());
+    if (has_left(*identity, prefix, now_ns)) return false;
+    if (!is_protected(datagram) && comes_before_keys(datagram) && holds_farewell(datagram)) {
+      take_leave(*identity, prefix, now_ns);
+      return false;
+    }
+  }
   if (lets_in(datagram, now_ns)) return true;
   refused_.fetch_add(1, std::memory_order_relaxed);
   refused_from_.store(from, std::memory_order_relaxed);
@@ -89,6 +137,23 @@ Gate::Identity* Gate::identity_of(std::span<const std::byte> datagram) noexcept 
       std::lower_bound(identities_.begin(), identities_.end(), subject,
                        [](const Identity& each, const auto& wanted) { return each.subject < wanted; });
   return at == identities_.end() || at->subject != subject ? nullptr : &*at;
+}
+
+bool Gate::has_left(const Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept {
+  if (now_ns >= deaf_until_ns_.load(std::memory_order_acquire)) return false;  // nearly always
+  const std::lock_guard lock(mutex_);
+  return std::any_of(identity.left.begin(), identity.left.end(), [&](const Seen& seen) {
+    return seen.heard_ns != 0 && seen.prefix == prefix && now_ns - seen.heard_ns < kDeaf_ns;
+  });
+}
+
+void Gate::take_leave(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept {
+  const std::lock_guard lock(mutex_);
+  auto* const oldest = std::min_element(
+      identity.left.begin(), identity.left.end(),
+      [](const Seen& first, const Seen& second) { return first.heard_ns < second.heard_ns; });
+  *oldest = {prefix, now_ns};
+  deaf_until_ns_.store(now_ns + kDeaf_ns, std::memory_order_release);
 }
 
 bool Gate::has_room(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept {

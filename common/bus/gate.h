@@ -6,6 +6,11 @@
 // handshake or an exchange of keys (DDS Security 1.1, 7.3.7): all else under a known prefix is a forgery,
 // whatever the middleware would make of it. Announcements are clear, and cost the middleware memory for as
 // long as they say; so only a few that have not proved who they are may be under way for each identity.
+//
+// A farewell is not passed on. Fast DDS 2.9 takes a participant away in the thread that has received it,
+// holds SecurityManager's lock meanwhile and waits for its thread of events, which may wait for that lock:
+// then no thread ever receives again. Instead nothing more of that participant is let in until its lease has
+// ended, and the thread of events itself takes it away.
 #pragma once
 
 #include <array>
@@ -24,6 +29,7 @@ class Gate {
  public:
   static constexpr std::size_t kUnproven = 8;                    ///< participants at a time for each identity
   static constexpr std::int64_t kForgotten_ns = 10'000'000'000;  ///< after it was heard last
+  static constexpr std::int64_t kDeaf_ns = 6'500'000'000;        ///< after a farewell: longer than a lease
 
   using Prefix = std::array<std::uint8_t, 12>;
 
@@ -46,14 +52,19 @@ class Gate {
   struct Identity {
     security::SubjectPrefix subject{};
     std::array<Seen, kUnproven> unproven;
-    Prefix proven{};  ///< the newest; others wait their turn among the unproven
+    std::array<Seen, kUnproven> left;  ///< and when they said farewell
+    Prefix proven{};                   ///< the newest; others wait their turn among the unproven
   };
+  /// Whether it has said farewell a short while ago.
+  bool has_left(const Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
+  void take_leave(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
   bool lets_in(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
   Identity* identity_of(std::span<const std::byte> datagram) noexcept;
   bool has_room(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
 
-  std::vector<Identity> identities_;  ///< in order of their subjects
-  std::mutex mutex_;                  ///< of what is unproven
+  std::vector<Identity> identities_;            ///< in order of their subjects
+  std::mutex mutex_;                            ///< of who is unproven, proven, and who has left
+  std::atomic<std::int64_t> deaf_until_ns_{0};  ///< to anybody, at the latest
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::uint32_t> refused_from_{0};
 };

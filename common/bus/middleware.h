@@ -138,6 +138,7 @@ class Discovery : public dds::DomainParticipantListener {
   struct Discovered {
     const rtps::GUID_t& guid;
     bool gone;
+    bool lapsed;  ///< gone without a farewell: it was not heard for as long as it had said
     const std::vector<rtps::octet>& user_data;
     const rtps::RemoteLocatorList& data_locators;
     const rtps::RemoteLocatorList& discovery_locators;
@@ -165,7 +166,7 @@ class Discovery : public dds::DomainParticipantListener {
     using Status = rtps::ParticipantDiscoveryStatus;
     discovered(Discovered{data.guid,
                           status == Status::REMOVED_PARTICIPANT || status == Status::DROPPED_PARTICIPANT,
-                          data.user_data, data.default_locators, data.metatraffic_locators});
+                          status == Status::DROPPED_PARTICIPANT, data.user_data, data.default_locators, data.metatraffic_locators});
   }
   void on_data_writer_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryStatus status,
                                 const dds::PublicationBuiltinTopicData& data, bool&) final {
@@ -181,7 +182,7 @@ class Discovery : public dds::DomainParticipantListener {
     discovered(
         Discovered{info.info.m_guid,
                    info.status == Status::REMOVED_PARTICIPANT || info.status == Status::DROPPED_PARTICIPANT,
-                   info.info.m_userData, info.info.default_locators, info.info.metatraffic_locators});
+                   info.status == Status::DROPPED_PARTICIPANT, info.info.m_userData, info.info.default_locators, info.info.metatraffic_locators});
   }
   void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) final {
     const auto& user_data = info.info.m_qos.m_userData;

@@ -25,31 +25,11 @@ namespace {
 namespace dds = middleware::dds;
 namespace rtps = middleware::rtps;
 
-constexpr int kHighestDomain = 232;  // ports above would pass 65535
-
-BusSettings validated(BusSettings settings) {
-  if (settings.domain < 0 || settings.domain > kHighestDomain) {
-    throw usage_error(fmt::format("domain {} is outside [0, {}]", settings.domain, kHighestDomain));
-  }
-  if (const std::string wrong = complaint_about_cell(settings.cell); !wrong.empty())
-    throw usage_error(fmt::format("cell = '{}': {}", settings.cell, wrong));
-  if (settings.name.empty()) settings.name = settings.role;
-  return settings;
-}
-
 constexpr std::chrono::milliseconds kHandshake{1500};  ///< that a handshake with a lost key takes longer
 
 /// What is kept for people of participants that are none of ours.
 constexpr std::size_t kMostStrangers = 64;
 constexpr std::size_t kMostAddresses = 1024;
-
-std::string address_of(const middleware::Discovery::Discovered& participant) {
-  const auto text = [](const rtps::Locator_t& locator) { return rtps::IPLocator::ip_to_string(locator); };
-  std::string address = "an unknown address";
-  for (const rtps::Locator_t& locator : participant.data_locators.unicast) return text(locator);
-  for (const rtps::Locator_t& locator : participant.discovery_locators.unicast) return text(locator);
-  return address;
-}
 
 std::array<std::uint8_t, 12> key_of(const rtps::GUID_t& guid) {
   std::array<std::uint8_t, 12> key{};
@@ -60,7 +40,7 @@ std::array<std::uint8_t, 12> key_of(const rtps::GUID_t& guid) {
 }  // namespace
 
 Bus::Participant::Participant(BusSettings settings)
-    : settings_(validated(std::move(settings))), protection_(settings_), udp_(bus::udp_transport()) {
+    : settings_(bus::validated(std::move(settings))), protection_(settings_), udp_(bus::udp_transport()) {
   bus::settle_library(protection_.on());
   self_.presence = {.contract = settings_.contract,
                     .cell = settings_.cell,
@@ -74,6 +54,9 @@ Bus::Participant::Participant(BusSettings settings)
   if (settings_.receive_filter)
     transport_ = settings_.receive_filter->over(std::move(transport_), protection_.sites());
   if (protection_.on()) transport_ = bus::one_by_one_over(std::move(transport_));
+  const std::lock_guard lock(endpoints_mutex_);
+  if (protection_.on())
+    reunion_ = std::make_unique<bus::Reunion>([this](const auto& strange) { meet_again(strange); });
   create();
 }
 
@@ -128,6 +111,7 @@ void Bus::Participant::destroy() {
 
 Bus::Participant::~Participant() {
   network_.reset();
+  reunion_.reset();
   destroy();
 }
 
@@ -191,6 +175,7 @@ void Bus::Participant::addresses_changed(bool lost) {
     elsewhere_.clear();
     addresses_.clear();
   }
+  if (reunion_) reunion_->clear();
   try {
     create();
     for (Endpoint* const endpoint : endpoints_) endpoint->open();
@@ -236,11 +221,27 @@ void Bus::Participant::discovered(const Discovered& participant) {
       elsewhere_.erase(key);
       addresses_.erase(key);
     } else if (addresses_.size() < kMostAddresses) {
-      addresses_[key] = address_of(participant);
+      addresses_[key] = bus::address_of(participant);
     }
     if (told) announce(key, presence);
   }
+  if (reunion_ && gone) {
+    reunion_->gone(key, participant.lapsed);
+  } else if (reunion_) {
+    const auto* const identity = protection_.identity(key);
+    if (identity != nullptr && identity->cell == settings_.cell)
+      reunion_->found(key, {participant.discovery_locators.unicast.begin(),
+                            participant.discovery_locators.unicast.end()});
+  }
   changed_.notify_all();
+}
+
+/// In the reunion's thread.
+void Bus::Participant::meet_again(const std::vector<bus::Unproven::Waiting>& strange) {
+  const std::lock_guard lock(endpoints_mutex_);
+  if (participant_ == nullptr) return;
+  for (const auto& other : strange)
+    bus::send_datagram(bus::farewell(key_of(participant_->guid()), other.key), other.places);
 }
 
 void Bus::Participant::announce(const Key& key, const PresenceMessage& presence) {
@@ -255,6 +256,7 @@ void Bus::Participant::announce(const Key& key, const PresenceMessage& presence)
 void Bus::Participant::authenticated(const rtps::GUID_t& guid, bool proven) {
   const Key key = key_of(guid);
   if (proven && protection_.on()) protection_.gate()->proven(key);
+  if (proven && reunion_) reunion_->proved(key);
   const std::lock_guard lock(mutex_);
   if (proven) {
     authenticated_.insert(key);

@@ -20,6 +20,7 @@
 #include "common/bus/participant_qos.h"
 #include "common/bus/presence.h"
 #include "common/bus/protection.h"
+#include "common/bus/reunion.h"
 
 namespace telekerf {
 
@@ -82,6 +83,7 @@ class Bus::Participant : private middleware::Discovery {
   void destroy();
   void wait_for_objections();
   void addresses_changed(bool lost);
+  void meet_again(const std::vector<bus::Unproven::Waiting>& strange);
   /// Both sites are seen.
   bool whole() const;
   std::string stranger(const Key& key, const char* topic, const char* role) const;
@@ -111,6 +113,7 @@ class Bus::Participant : private middleware::Discovery {
   std::map<Key, PresenceMessage> elsewhere_;
   std::map<Key, std::string> addresses_;   // of everyone seen in the domain, for people
   std::map<Key, std::string> strangers_;   // a sentence each
+  std::unique_ptr<bus::Reunion> reunion_;  // with security
   std::unique_ptr<NetworkWatch> network_;  // last: ends first
 };
 

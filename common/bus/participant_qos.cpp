@@ -32,6 +32,7 @@ using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
 
 constexpr const char* kDiscoveryMulticast = "239.255.0.1";  // RTPS default
 constexpr std::uint32_t kParticipantsPerPeer = 64;          // ports tried at a peer that names none
+constexpr int kHighestDomain = 232;                         // ports above would pass 65535
 constexpr int kParticipantsPerHost = 120;                   // more would run into the next domain's ports
 
 std::string resolved(const std::string& host) {
@@ -121,6 +122,16 @@ std::string complaint_about_peer(const std::string& peer) {
 
 namespace telekerf::bus {
 
+BusSettings validated(BusSettings settings) {
+  if (settings.domain < 0 || settings.domain > kHighestDomain) {
+    throw usage_error(fmt::format("domain {} is outside [0, {}]", settings.domain, kHighestDomain));
+  }
+  if (const std::string wrong = complaint_about_cell(settings.cell); !wrong.empty())
+    throw usage_error(fmt::format("cell = '{}': {}", settings.cell, wrong));
+  if (settings.name.empty()) settings.name = settings.role;
+  return settings;
+}
+
 void settle_library(bool secured) {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -196,6 +207,14 @@ dds::DomainParticipantQos participant_qos(const BusSettings& settings,
     builtin.initialPeersList.push_back(locator);
   }
   return qos;
+}
+
+std::string address_of(const middleware::Discovery::Discovered& participant) {
+  const auto text = [](const rtps::Locator_t& locator) { return rtps::IPLocator::ip_to_string(locator); };
+  std::string address = "an unknown address";
+  for (const rtps::Locator_t& locator : participant.data_locators.unicast) return text(locator);
+  for (const rtps::Locator_t& locator : participant.discovery_locators.unicast) return text(locator);
+  return address;
 }
 
 void refuse_peers_outside(const BusSettings& settings, const std::vector<std::string>& inner) {

@@ -15,6 +15,9 @@ namespace telekerf::bus {
 
 inline constexpr std::uint32_t kSocketBufferBytes = 4u << 20;
 
+/// With the name that is meant. Throws StartupError: a domain out of range, a cell's name that is none.
+BusSettings validated(BusSettings settings);
+
 /// Library-wide, before a participant: no profile files from the working directory, no discovery server from
 /// the environment, no intraprocess short cut (the emulated link would not see its datagrams). `secured`:
 /// with it, for a participant does not understand what it has signed itself, and its readers would ask its
@@ -54,6 +57,9 @@ eprosima::fastdds::dds::DomainParticipantQos participant_qos(
     const BusSettings& settings,
     std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> transport,
     const std::vector<std::uint8_t>& user_data);
+
+/// Where it is, for people.
+std::string address_of(const middleware::Discovery::Discovered& participant);
 
 /// Throws StartupError for a peer that is reached through none of these addresses of this computer.
 void refuse_peers_outside(const BusSettings& settings, const std::vector<std::string>& inner);

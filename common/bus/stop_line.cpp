@@ -109,12 +109,18 @@ void StopLine::hear(const StopMessage& message) {
 void StopLine::publish() {
   const std::uint32_t obeyed = obeyed_.load(std::memory_order_acquire);
   const bool said = said_.exchange(false, std::memory_order_acq_rel);
+  // Said without the lock: a reader of this process may be given it in this thread, whose own lock hear() is
+  // called under.
+  for (const StopMessage& answer : answers(said, obeyed)) (void)writer_.write(answer);
+}
+
+std::vector<StopMessage> StopLine::answers(bool said, std::uint32_t obeyed) {
   const std::lock_guard lock(mutex_);
   if (said) stop_here();
   if (obeyed != 0) (void)latch_.quoted(obeyed);  // known already, unless only the stream has brought it
   order_from_latch();
   if (latch_.text() != kept_) keep();
-  for (const StopMessage& answer : answers_.take(latch_, obeyed)) (void)writer_.write(answer);
+  return answers_.take(latch_, obeyed);
 }
 
 void StopLine::stop_here() {

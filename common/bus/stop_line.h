@@ -9,6 +9,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "common/bus/endpoints.h"
 #include "common/bus/stop_file.h"
@@ -45,6 +46,8 @@ class StopLine {
  private:
   void hear(const StopMessage& message);
   void publish();
+  /// What is to be said now.
+  std::vector<StopMessage> answers(bool said, std::uint32_t obeyed);
   void keep();
   void stop_here();
   /// What the loop reads from now on.

@@ -63,6 +63,7 @@ std::vector<std::uint8_t> DatagramSeal::read(const std::string& key_file) {
 DatagramSeal::DatagramSeal(const std::string& key_file) : keyed_(!key_file.empty()) {
   if (!keyed_) return;
   const std::vector<std::uint8_t> key = read(key_file);
+  newest_ns_ = wall_ns();
   inner_.fill(kInnerPad);
   outer_.fill(kOuterPad);
   for (std::size_t i = 0; i < key.size(); ++i) {
@@ -96,7 +97,7 @@ std::size_t DatagramSeal::close(std::span<std::byte> whole, std::size_t size) co
   return size + kBytes;
 }
 
-std::size_t DatagramSeal::open(std::span<const std::byte> whole) const noexcept {
+std::size_t DatagramSeal::open(std::span<const std::byte> whole) noexcept {
   if (!keyed_) return whole.size();
   if (whole.size() < kBytes) return 0;
   const std::size_t size = whole.size() - kBytes;
@@ -105,7 +106,9 @@ std::size_t DatagramSeal::open(std::span<const std::byte> whole) const noexcept 
   std::int64_t sent_ns = 0;
   std::memcpy(&sent_ns, whole.data() + size, kStampBytes);
   const std::int64_t age_ns = wall_ns() - sent_ns;
-  return age_ns > kMaxAge_ns || age_ns < -kMaxAge_ns ? 0 : size;
+  if (age_ns > kMaxAge_ns || age_ns < -kMaxAge_ns || sent_ns <= newest_ns_) return 0;
+  newest_ns_ = sent_ns;
+  return size;
 }
 
 }  // namespace telekerf

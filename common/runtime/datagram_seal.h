@@ -13,8 +13,9 @@
 namespace telekerf {
 
 /// Behind a datagram stand its sender's wall clock (ns since 1970, little endian, 8 octets) and the first 8
-/// octets of HMAC-SHA256 over both. What is older than kMaxAge_ns, or as far ahead, was recorded. Order is
-/// the datagram's own affair: each one has a number.
+/// octets of HMAC-SHA256 over both. What is older than kMaxAge_ns, or as far ahead, was recorded; so was what
+/// was sealed no later than the newest that this object has opened, or than it was made, whoever sends it and
+/// however long there was silence: nothing is opened twice. For one direction and one thread.
 class DatagramSeal {
  public:
   static constexpr std::size_t kBytes = 16;
@@ -38,19 +39,20 @@ class DatagramSeal {
   }
   /// Octets of the datagram in `size` octets that have come; 0: it is not sealed as it must be.
   template <class Datagram>
-  std::size_t open(const Sealed<Datagram>& sealed, std::size_t size) const noexcept {
+  std::size_t open(const Sealed<Datagram>& sealed, std::size_t size) noexcept {
     return open(std::as_bytes(std::span(&sealed, 1)).first(size));
   }
 
   /// Writes the seal behind the first `size` octets; the size of the whole. `whole` has room for both.
   std::size_t close(std::span<std::byte> whole, std::size_t size) const noexcept;
-  std::size_t open(std::span<const std::byte> whole) const noexcept;
+  std::size_t open(std::span<const std::byte> whole) noexcept;
 
  private:
   static std::vector<std::uint8_t> read(const std::string& key_file);
   std::array<std::uint8_t, 8> code(std::span<const std::byte> sealed) const noexcept;
 
   bool keyed_ = false;
+  std::int64_t newest_ns_ = 0;                      ///< stamp of the newest that was opened
   std::array<std::uint8_t, 64> inner_{}, outer_{};  ///< the key, padded as RFC 2104 says
 };
 

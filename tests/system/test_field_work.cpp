@@ -102,7 +102,7 @@ TEST_F(Field, OfTwoMastersThatCouldNotSeeEachOtherOneGivesWay) {
   const auto rival = start("telekerf-master", {"--engage"});
   EXPECT_TRUE(rival->says("engaged: the slave follows", seconds(20))) << rival->output();
   first->interrupt(SIGCONT);
-  EXPECT_EQ(first->wait(seconds(20)), 2) << first->output();
+  EXPECT_EQ(first->wait(seconds(40)), 2) << first->output();
   EXPECT_TRUE(first->says("this one gives way", seconds(1))) << first->output();
   EXPECT_TRUE(std::filesystem::exists(out + "/master.json")) << "with its record";
   EXPECT_TRUE(rival->says("this one stays", seconds(10))) << rival->output();

@@ -44,9 +44,12 @@ int run(const Flags& flags) {
 
   Process process(flags.bus.bus_settings(Site::kSlave, "plant"), "plant", kDark);
   using geometry::NearestIndex;
-  ContourSubscriber<NearestIndex> contour(process.bus(), [](const ContourMessage& message) {
-    return std::make_unique<NearestIndex>(geometry::Polyline{message.points_m, message.closed});
-  });
+  ContourSubscriber<NearestIndex> contour(
+      process.bus(),
+      [](const ContourMessage& message) {
+        return std::make_unique<NearestIndex>(geometry::Polyline{message.points_m, message.closed});
+      },
+      ContourSubscriber<NearestIndex>::Part::kLooksOn);
   PlantLaser laser(drive.context(), flags.laser, robot, origin_m, model.workspace.radius_m,
                    [&] { return contour.current(); });
   process.status().say(

@@ -146,8 +146,10 @@ std::optional<std::vector<Grant>> read_permissions(const std::string& text) {
   for (const auto* each = list->FirstChildElement("grant"); each != nullptr;
        each = each->NextSiblingElement("grant")) {
     const auto* const validity = each->FirstChildElement("validity");
-    Grant grant{
-        child_text(each, "subject_name"), child_text(validity, "not_before"), child_text(validity, "not_after"), {}};
+    Grant grant{child_text(each, "subject_name"),
+                child_text(validity, "not_before"),
+                child_text(validity, "not_after"),
+                {}};
     for (const auto* rule = each->FirstChildElement("allow_rule"); rule != nullptr;
          rule = rule->NextSiblingElement("allow_rule")) {
       for (const bool publish : {true, false}) {

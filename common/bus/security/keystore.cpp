@@ -145,15 +145,16 @@ void write_governance(const fs::path& store, const Authorities& by) {
     write_document(governance_file(store, wan), governance_text(wan), by.permissions);
 }
 
-void write_device_key(const fs::path& store) {
+/// The one that is there stays: devices have it.
+void write_device_key(const fs::path& file) {
+  if (fs::exists(file)) return;
   std::array<unsigned char, 32> key{};
   RAND_bytes(key.data(), static_cast<int>(key.size()));
   std::string text;
   for (const unsigned char byte : key) text += fmt::format("{:02x}", byte);
   text += '\n';
-  write_file(store / "device.key", [&](BIO* out) {
-    return BIO_write(out, text.data(), static_cast<int>(text.size())) > 0 ? 1 : 0;
-  });
+  write_file(
+      file, [&](BIO* out) { return BIO_write(out, text.data(), static_cast<int>(text.size())) > 0 ? 1 : 0; });
 }
 
 /// Into a folder beside, which then takes the old one's place.
@@ -191,6 +192,7 @@ void write_cells(const fs::path& store, const std::vector<std::string>& cells, c
                  seconds life) {
   for (const std::string& cell : cells) {
     for (const Role& role : roles()) write_role(store, cell, role, by, life);
+    write_device_key(device_key_file(store, cell));
   }
 }
 
@@ -217,6 +219,10 @@ void in_store(const fs::path& store, Work work) {
 RoleFiles role_files(const fs::path& store, const std::string& cell, const std::string& role) {
   const fs::path folder = store / "cells" / cell / role;
   return {folder / "cert.pem", folder / "key.pem", folder / "permissions.smime"};
+}
+
+fs::path device_key_file(const fs::path& store, const std::string& cell) {
+  return store / "cells" / cell / "device.key";
 }
 
 fs::path governance_file(const fs::path& store, bool wan) {
@@ -248,7 +254,6 @@ void make_keystore(const fs::path& store, const std::vector<std::string>& cells,
                          make_authority(store, "permissions_ca", "permissions CA",
                                         "critical,keyCertSign,cRLSign,digitalSignature")};
     write_governance(store, by);
-    write_device_key(store);
     write_cells(store, cells, by, life);
   });
 }

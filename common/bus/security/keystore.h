@@ -6,8 +6,9 @@
 //   permissions
 //                              (CVE-2023-24010)
 //   governance.smime           how messages are protected: signed; governance_wan.smime: encrypted
-//   device.key                 seals the datagrams of drive, laser and button
-//   (common/runtime/datagram_seal.h) cells/CELL/ROLE/           cert.pem, key.pem, permissions.smime
+//   cells/CELL/device.key      seals the datagrams of this cell's drive, laser and button
+//                              (common/runtime/datagram_seal.h)
+//   cells/CELL/ROLE/           cert.pem, key.pem, permissions.smime
 #pragma once
 
 #include <chrono>
@@ -26,6 +27,7 @@ struct RoleFiles {
   std::filesystem::path certificate, key, permissions;
 };
 RoleFiles role_files(const std::filesystem::path& store, const std::string& cell, const std::string& role);
+std::filesystem::path device_key_file(const std::filesystem::path& store, const std::string& cell);
 std::filesystem::path governance_file(const std::filesystem::path& store, bool wan);
 /// Cells that have keys in this store, in order.
 std::vector<std::string> cells_of(const std::filesystem::path& store);

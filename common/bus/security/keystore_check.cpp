@@ -227,12 +227,12 @@ KeystoreReport check_keystore(const fs::path& store, Time now) {
   Check check(store, now);
   check.authorities();
   for (const bool wan : {false, true}) check.governance(wan);
-  for (const char* name : {"identity_ca.key", "permissions_ca.key", "device.key"})
-    check.private_file(store / name);
+  for (const char* name : {"identity_ca.key", "permissions_ca.key"}) check.private_file(store / name);
   const std::vector<std::string> cells = cells_of(store);
   if (cells.empty())
     check.report.faults.push_back((store / "cells").string() + " holds no cell; ./telekerf keys makes them");
   for (const std::string& cell : cells) {
+    check.private_file(device_key_file(store, cell));
     for (const Role& role : roles()) check.role(cell, role);
   }
   return check.report;

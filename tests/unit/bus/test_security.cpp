@@ -3,12 +3,12 @@
 // emulated network makes of prefixes that DDS Security has chosen.
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <thread>
 
 #include "common/bus/expiry.h"
-#include "common/bus/gate.h"
 #include "common/bus/security/keystore_check.h"
 #include "common/bus/security/roles.h"
+#include "common/bus/stop_line.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/startup_error.h"
 #include "netem/drivers/receive_path_emulator.h"
@@ -261,65 +261,31 @@ TEST(Expiry, AWorkThatWouldOutliveItsKeysIsNotBegun) {
   EXPECT_TRUE(bus::ends_too_soon(brief, brief.end - std::chrono::seconds(59)));
 }
 
-/// A datagram of this prefix with one submessage: its kind and the octets behind its head.
-std::vector<std::byte> datagram(const bus::Gate::Prefix& prefix, std::uint8_t kind,
-                                std::vector<std::uint8_t> rest) {
-  std::vector<std::uint8_t> octets{'R', 'T', 'P', 'S', 2, 3, 1, 15};
-  octets.insert(octets.end(), prefix.begin(), prefix.end());
-  octets.insert(octets.end(), {kind, 1, static_cast<std::uint8_t>(rest.size()), 0});
-  octets.insert(octets.end(), rest.begin(), rest.end());
-  std::vector<std::byte> bytes(octets.size());
-  std::memcpy(bytes.data(), octets.data(), octets.size());
-  return bytes;
-}
-
-std::vector<std::uint8_t> data_of(std::uint32_t entity) {
-  std::vector<std::uint8_t> octets{0, 0, 16, 0, 0, 0, 0, 0};
-  for (int i = 3; i >= 0; --i) octets.push_back(static_cast<std::uint8_t>(entity >> 8 * i));
-  octets.insert(octets.end(), 16, 0);
-  return octets;
-}
-
-TEST(Gate, LetsInWhatIsProtectedAndWhatComesBeforeKeysAndNothingElse) {
-  bus::Gate gate({{0x90, 1, 2, 3, 4, 5}, {0x80, 9, 9, 9, 9, 9}});
-  const bus::Gate::Prefix ours{0x90, 1, 2, 3, 4, 5, 7, 7, 7, 7, 7, 7},
-      none{0x90, 1, 2, 3, 4, 6, 7, 7, 7, 7, 7, 7};
-  const auto admits = [&](const std::vector<std::byte>& bytes) { return gate.admits(bytes, 1, 1); };
-  const std::vector<std::uint8_t> secured{1, 2, 3, 4};
-  EXPECT_TRUE(admits(datagram(ours, 0x33, secured)));
-  EXPECT_FALSE(admits(datagram(none, 0x33, secured)));
-  EXPECT_TRUE(admits(datagram(ours, 0x15, data_of(0x000100c2)))) << "an announcement";
-  EXPECT_TRUE(admits(datagram(ours, 0x15, data_of(0x000201c3)))) << "a handshake";
-  EXPECT_FALSE(admits(datagram(ours, 0x15, data_of(0x00531003)))) << "a block";
-  EXPECT_FALSE(admits(datagram(ours, 0x15, data_of(0x000003c2)))) << "a writer's announcement in the clear";
-  EXPECT_FALSE(admits(datagram(none, 0x15, data_of(0x000100c2))));
-  EXPECT_FALSE(admits(datagram(ours, 0x0c, std::vector<std::uint8_t>(20, 0)))) << "speaks in another's name";
-  auto hidden = datagram(ours, 0x09, std::vector<std::uint8_t>(8, 0));
-  const auto behind = datagram(ours, 0x33, secured);
-  hidden.insert(hidden.end(), behind.begin() + 20, behind.end());
-  EXPECT_FALSE(admits(hidden)) << "protected, but not as a whole";
-  EXPECT_FALSE(admits({}));
-  EXPECT_FALSE(admits(std::vector<std::byte>(20)));
-  EXPECT_EQ(gate.refused(), 8u);
-}
-
-TEST(Gate, OfEachIdentityOnlyAFewAreUnderWayUntilTheyProveIt) {
-  bus::Gate gate({{0x90, 1, 2, 3, 4, 5}});
-  bus::Gate::Prefix prefix{0x90, 1, 2, 3, 4, 5};
-  const auto announces = [&](std::uint8_t which, std::int64_t now_ns) {
-    prefix[11] = which;
-    return gate.admits(datagram(prefix, 0x15, data_of(0x000100c2)), 1, now_ns);
-  };
-  int admitted = 0;
-  for (int i = 0; i < 100; ++i) admitted += announces(static_cast<std::uint8_t>(i), 1000) ? 1 : 0;
-  EXPECT_EQ(admitted, static_cast<int>(bus::Gate::kUnproven));
-  EXPECT_TRUE(announces(0, 1000));
-  prefix[11] = 0;
-  gate.proven(prefix);
-  EXPECT_TRUE(announces(50, 1000)) << "its place is free";
-  EXPECT_TRUE(announces(0, 1000));
-  EXPECT_FALSE(announces(51, 1000));
-  EXPECT_TRUE(announces(51, 1001 + bus::Gate::kForgotten_ns));
+TEST(StopLineWithKeys, HearsOnAfterAThousandStops) {
+  Bus slave(secured("slave", Site::kSlave));
+  Bus ctl(secured("ctl"));
+  StopLine line(slave, "");
+  Writer<StopMessage> says(ctl);
+  ASSERT_TRUE(says.wait_for_reader(10s));
+  StopMessage stop{.epoch = ctl.settings().epoch,
+                   .number = 1,
+                   .source = "ann",
+                   .set = true,
+                   .obeyed = false,
+                   .reason = ""};
+  for (int n = 0; n < 1000; ++n) {
+    stop.number = 1 + static_cast<std::uint32_t>(n) / 2;
+    stop.set = n % 2 == 0;
+    line.obeyed(stop.set ? stop.number : 0);
+    says.write(stop);
+    if (n % 10 == 0) std::this_thread::sleep_for(1ms);
+  }
+  stop.number = 600;
+  stop.set = true;
+  EXPECT_TRUE(soon([&] {
+    says.write(stop);
+    return line.order().number == 600;
+  })) << "it neither hears nor answers any more";
 }
 
 }  // namespace

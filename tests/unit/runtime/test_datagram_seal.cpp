@@ -33,7 +33,7 @@ class Seal : public testing::Test {
     return file.string();
   }
   const std::string digits_ = std::string(62, 'a') + "07";
-  const DatagramSeal seal_{key_file(digits_)};
+  DatagramSeal seal_{key_file(digits_)};
 };
 
 TEST_F(Seal, IsTheFirstOctetsOfAnHmacOverDatagramAndTime) {
@@ -62,7 +62,7 @@ TEST_F(Seal, NoChangedOctetIsOpened) {
     }
   }
   for (std::size_t shorter = 0; shorter < size; ++shorter) EXPECT_EQ(seal_.open(sealed, shorter), 0u);
-  const DatagramSeal other{key_file(std::string(64, 'b'))};
+  DatagramSeal other{key_file(std::string(64, 'b'))};
   EXPECT_EQ(other.open(sealed, size), 0u);
   EXPECT_EQ(DatagramSeal().open(sealed, size), size) << "without a key it is a datagram of another size";
 }
@@ -79,27 +79,44 @@ TEST_F(Seal, TenThousandGuessesOpenNothing) {
   }
 }
 
-TEST_F(Seal, WhatWasRecordedIsTooOld) {
-  DatagramSeal::Sealed<Told> sealed{{7, 1.5}};
-  const std::size_t size = seal_.close(sealed);
+/// The datagram as if it had been sealed that much later, with its right code.
+DatagramSeal::Sealed<Told> sealed_later(DatagramSeal::Sealed<Told> sealed, std::int64_t later_ns) {
   std::vector<unsigned char> key(31, 0xaa);
   key.push_back(0x07);
-  for (const auto& [off_ns, good] : {std::pair<std::int64_t, bool>{0, true},
-                                     {1'500'000'000, true},
-                                     {-1'500'000'000, true},
-                                     {2'500'000'000, false},
-                                     {-2'500'000'000, false}}) {
-    auto moved = sealed;
-    std::int64_t sent_ns = 0;
-    std::memcpy(&sent_ns, moved.seal.data(), sizeof sent_ns);
-    sent_ns -= off_ns;
-    std::memcpy(moved.seal.data(), &sent_ns, sizeof sent_ns);
-    unsigned char mac[32];
-    HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()),
-         reinterpret_cast<const unsigned char*>(&moved), sizeof(Told) + 8, mac, nullptr);
-    std::memcpy(moved.seal.data() + 8, mac, 8);
-    EXPECT_EQ(seal_.open(moved, size), good ? sizeof(Told) : 0u) << off_ns;
+  std::int64_t sent_ns = 0;
+  std::memcpy(&sent_ns, sealed.seal.data(), sizeof sent_ns);
+  sent_ns += later_ns;
+  std::memcpy(sealed.seal.data(), &sent_ns, sizeof sent_ns);
+  unsigned char mac[32];
+  HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()),
+       reinterpret_cast<const unsigned char*>(&sealed), sizeof(Told) + 8, mac, nullptr);
+  std::memcpy(sealed.seal.data() + 8, mac, 8);
+  return sealed;
+}
+
+TEST_F(Seal, WhatIsFromAnotherTimeIsNotOpened) {
+  const std::string file = key_file(digits_);
+  for (const auto& [later_ns, good] : {std::pair<std::int64_t, bool>{0, true},
+                                       {1'500'000'000, true},
+                                       {2'500'000'000, false},
+                                       {-1'500'000'000, false},  // from before the receiver was there
+                                       {-2'500'000'000, false}}) {
+    DatagramSeal receiver(file);
+    DatagramSeal::Sealed<Told> sealed{{7, 1.5}};
+    const std::size_t size = seal_.close(sealed);
+    EXPECT_EQ(receiver.open(sealed_later(sealed, later_ns), size), good ? sizeof(Told) : 0u) << later_ns;
   }
+}
+
+TEST_F(Seal, NothingIsOpenedTwiceNorAfterWhatWasSealedLater) {
+  DatagramSeal::Sealed<Told> first{{7, 1.5}}, second{{1, 0.5}};
+  const std::size_t size = seal_.close(first);
+  (void)seal_.close(second);
+  EXPECT_EQ(seal_.open(first, size), sizeof(Told));
+  EXPECT_EQ(seal_.open(first, size), 0u) << "recorded and sent again";
+  EXPECT_EQ(seal_.open(second, size), sizeof(Told)) << "whatever its number: that is the datagram's affair";
+  EXPECT_EQ(seal_.open(first, size), 0u);
+  EXPECT_EQ(seal_.open(second, size), 0u);
 }
 
 TEST_F(Seal, AKeyFileMustBeOneAndPrivate) {
