@@ -11,11 +11,12 @@
 #include "experiments/autofocus/focus_story.h"
 #include "experiments/commands.h"
 #include "experiments/result_file.h"
+#include "experiments/quick_form.h"
 
 namespace telekerf::experiments {
 namespace {
 
-struct Options {
+struct Options : QuickForm {
   imaging::FocusLaw law = imaging::FocusLaw::kSearch;
   int starts = 200;
   std::uint64_t seed = 1;
@@ -69,6 +70,7 @@ void add_autofocus_command(Program& program) {
         s.add("jobs", o.jobs, {.min = 0, .max = 256}, "starts at a time, 0: one a processor");
         s.add("out", o.out, kFolder, "folder for results and figures");
         s.add("page", o.page, kFile, "results page whose tables are written anew");
+        o.add_quick(s, {QuickForm::shorter("starts", o.starts, 10)}, {"page"});
       },
       run);
 }

@@ -16,6 +16,7 @@
 #include "experiments/codec/codec_recordings.h"
 #include "experiments/codec/codec_streams.h"
 #include "experiments/commands.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 
 namespace telekerf::experiments {
@@ -29,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kLimitColour = 7;
 
-struct Options {
+struct Options : QuickForm {
   std::string out = "out/codec";
   std::string page;
   std::vector<std::string> traces;
@@ -239,3 +240,4 @@ void add_codec_command(Program& program) {
 }
 
 }  // namespace telekerf::experiments
+        o.add_quick(s, {QuickForm::shorter("seconds", o.seconds, 5)}, {"page"});

@@ -12,6 +12,7 @@
 #include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
+#include "experiments/quick_form.h"
 #include "experiments/remote/remote_figure.h"
 #include "experiments/result_file.h"
 #include "experiments/simulation/simulation.h"
@@ -21,7 +22,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
+struct Options : QuickForm {
   std::vector<std::string> netem{"ideal", "thesis-constant", "thesis-tcp"};
   double duration_s = 13.0;  ///< about one round: what the button left out stays visible
   double laser_w = 10.0;
@@ -154,3 +155,4 @@ void add_remote_machining_command(Program& program) {
 }
 
 }  // namespace telekerf::experiments
+        o.add_quick(s);
