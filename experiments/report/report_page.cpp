@@ -60,7 +60,7 @@ std::string claim_row(const Judged& row, const ReportPage& page) {
   const Claim& claim = row.claim;
   const std::string unit = claim.unit.empty() || !row.value ? "" : " " + claim.unit;
   std::string verdict = verdict_text(row.verdict);
-  if (row.verdict == Verdict::kNotHeld && claim.negative) verdict += " (known)";
+  if (const std::string remark = remark_of(row); !remark.empty()) verdict += " (" + remark + ")";
   if (!row.why.empty()) verdict += ": " + row.why;
   return fmt::format(
       "<tr id=\"{}\">{}{}{}{}{}{}{}</tr>\n", html_text(claim.id), cell("thesis", html_text(claim.reference)),
