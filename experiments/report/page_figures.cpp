@@ -38,14 +38,21 @@ std::string html_text(const std::string& text) {
 }
 
 std::string picture_address(const fs::path& png, int width_px) {
-  cv::Mat picture = cv::imread(png.string(), cv::IMREAD_COLOR);
+  const cv::Mat picture = cv::imread(png.string(), cv::IMREAD_COLOR);
   if (picture.empty())
     throw input_error(png.string() + ": is no picture; the experiment should have left it");
+  const auto coded = [](const cv::Mat& drawn, int quality) {
+    std::vector<unsigned char> bytes;
+    cv::imencode(".webp", drawn, bytes, {cv::IMWRITE_WEBP_QUALITY, quality});
+    return bytes;
+  };
+  constexpr int kQuality = 20, kLossless = 101;
+  cv::Mat small = picture;
   if (picture.cols > width_px)
-    cv::resize(picture, picture, {width_px, picture.rows * width_px / picture.cols}, 0, 0, cv::INTER_AREA);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".webp", picture, bytes, {cv::IMWRITE_WEBP_QUALITY, 36});
-  return "data:image/webp;base64," + base64(bytes);
+    cv::resize(picture, small, {width_px, picture.rows * width_px / picture.cols}, 0, 0, cv::INTER_AREA);
+  const auto lossy = coded(small, kQuality), whole = coded(picture, kLossless);
+  // Few lines on much white are smaller as they are.
+  return "data:image/webp;base64," + base64(whole.size() < lossy.size() ? whole : lossy);
 }
 
 std::string zoomable_panels(const fs::path& png) {
