@@ -18,7 +18,7 @@ namespace {
 using nlohmann::ordered_json;
 
 /// Some of them are a pixel of the still picture.
-constexpr std::size_t kStretches = 1000;
+constexpr std::size_t kStretches = 600;
 
 /// A line of figure_csv(): four quoted fields and two numbers.
 struct CsvRow {
