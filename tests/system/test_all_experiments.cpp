@@ -294,8 +294,10 @@ TEST(AllExperiments, WhatCannotBeDoneIsOneSentence) {
            {{"--only", "nothing"}, "--only nothing: must be one of"},
            {{"--against", "/nowhere"}, "holds no claims.json"},
            {{"--against",
-             file_with("other/claims.json", R"({"claims": [{"id": 3}]})").parent_path().string()},
-            "is none of this program's"},
+             file_with("other/claims.json", R"({"seed": 1, "quick": true, "claims": [{"id": 3}]})")
+                 .parent_path()
+                 .string()},
+            "claims.0.id = 3: must be a word; no run writes that: name the --out of another run"},
            {{"--claims", file_with("none.toml", "").string()}, "holds no claim"},
            {{"--out", file_with("taken/results", "a file").parent_path().string()},
             "taken/results is no folder; name another"}}) {
