@@ -47,11 +47,13 @@ std::string picture_address(const fs::path& png, int width_px) {
     return bytes;
   };
   constexpr int kQuality = 20, kLossless = 101;
-  cv::Mat small = picture;
-  if (picture.cols > width_px)
+  if (picture.cols > width_px) {
+    cv::Mat small;
     cv::resize(picture, small, {width_px, picture.rows * width_px / picture.cols}, 0, 0, cv::INTER_AREA);
-  const auto lossy = coded(small, kQuality), whole = coded(picture, kLossless);
+    return "data:image/webp;base64," + base64(coded(small, kQuality));
+  }
   // Few lines on much white are smaller as they are.
+  const auto lossy = coded(picture, kQuality), whole = coded(picture, kLossless);
   return "data:image/webp;base64," + base64(whole.size() < lossy.size() ? whole : lossy);
 }
 
