@@ -10,13 +10,14 @@
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
 #include "experiments/lap_options.h"
+#include "experiments/quick_form.h"
 #include "experiments/replay/virtual_run.h"
 #include "experiments/simulation/simulation.h"
 
 namespace telekerf::experiments {
 namespace {
 
-struct Options : LapOptions {
+struct Options : LapOptions, QuickForm {
   bool record = false;
   std::string out = "out/lap";
   std::string config;
@@ -47,6 +48,7 @@ int run(Options& options) {
 
 void add_parameters(Options& o, Settings& s) {
   o.add_parameters(s);
+  o.add_quick(s, {QuickForm::shorter("duration_s", o.lap.duration_s, 5)});
   s.add("record", o.record,
         "leaves the record beside the report: master.h5, slave.h5, contour.csv, master.csv, slave.csv");
   s.add("out", o.out, kFolder, "folder for the results");

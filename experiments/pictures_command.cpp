@@ -18,6 +18,7 @@
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
 #include "experiments/parallel.h"
+#include "experiments/quick_form.h"
 #include "experiments/simulation/simulation.h"
 
 namespace telekerf::experiments {
@@ -25,7 +26,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
+struct Options : QuickForm {
   std::vector<std::string> netem{"wifi-quiet", "leo", "wifi", "hostile"};
   int seeds = 5;
   double duration_s = 30.0;
@@ -142,6 +143,9 @@ void add_pictures_command(Program& program) {
         s.add("seeds", o.seeds, {.min = 1, .max = 1000}, "runs of each picture and network, from --seed on");
         s.add("duration_s", o.duration_s, {.min = 2, .max = 600, .unit = "s"}, "length of a run");
         s.add("seed", o.seed, kSeeds, "of the first run");
+        o.add_quick(
+            s, {QuickForm::shorter("seeds", o.seeds, 1), QuickForm::shorter("duration_s", o.duration_s, 5)},
+            {"page"});
         s.add("jobs", o.jobs, {.min = 0, .max = 256}, "runs at a time, 0: one a processor");
         s.add("page", o.page, kFile, "page whose table 'pictures' is written anew");
         s.add("out", o.out, kFolder, "folder for the results");

@@ -9,13 +9,15 @@
 #include "common/runtime/results.h"
 #include "experiments/autofocus/focus_figures.h"
 #include "experiments/autofocus/focus_story.h"
+#include "experiments/autofocus/focus_surface.h"
 #include "experiments/commands.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
 
-struct Options {
+struct Options : QuickForm {
   imaging::FocusLaw law = imaging::FocusLaw::kSearch;
   int starts = 200;
   std::uint64_t seed = 1;
@@ -45,7 +47,8 @@ int run(const Options& options) {
   print(figures);
   auto json = json_of(figures, plan);
   write_result(folder / "autofocus.json", json, options.seed);
-  draw_focus_figures(options.seed, folder);
+  draw_stories(options.seed, folder);
+  draw_surface(options.seed, folder);
   if (plan.thesis_only) return 0;
   if (!options.page.empty()) reporting::write_tables(options.page, page_tables(figures));
   const auto bars = acceptance(figures);
@@ -67,6 +70,7 @@ void add_autofocus_command(Program& program) {
         s.add("starts", o.starts, {.min = 1, .max = 1e5}, "starts a target, with the seeds from --seed on");
         s.add("seed", o.seed, kSeeds, "of the first start");
         s.add("jobs", o.jobs, {.min = 0, .max = 256}, "starts at a time, 0: one a processor");
+        o.add_quick(s, {QuickForm::shorter("starts", o.starts, 10)}, {"page"});
         s.add("out", o.out, kFolder, "folder for results and figures");
         s.add("page", o.page, kFile, "results page whose tables are written anew");
       },

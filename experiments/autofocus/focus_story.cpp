@@ -25,19 +25,6 @@ constexpr double kZoomTime_s = 2.0;
 constexpr double kDuration_s = 10.0;
 constexpr int kStrip = 8;
 
-VirtualUnit unit_for(std::uint64_t seed, double magnification_m, double defocus_dof) {
-  VirtualUnitSettings settings;
-  settings.seed = settings.microscope.seed = seed;
-  settings.magnification_m = magnification_m;
-  const ImagingModel& model = settings.microscope.model;
-  settings.focus_m =
-      model.best_focus_m(magnification_m) + defocus_dof * model.depth_of_field_m(magnification_m);
-  Object object;
-  object.metres_per_texel = 1e-5;
-  object.texture = draw_target(Target::kRelief, 768, 1.5, seed);
-  return {settings, object};
-}
-
 /// The magnification axis follows a smooth reference that a computer made.
 double magnification_at(double time_s, double from_m, double to_m) {
   const double s = std::clamp((time_s - kZoomFrom_s) / kZoomTime_s, 0.0, 1.0);
@@ -46,7 +33,7 @@ double magnification_at(double time_s, double from_m, double to_m) {
 
 /// The ridge has been learnt at four magnifications, on this very object.
 Autofocus taught(std::uint64_t seed) {
-  VirtualUnit unit = unit_for(seed, 0.01, 3.0);
+  VirtualUnit unit = story_unit(seed, 0.01, 3.0);
   Autofocus autofocus({}, unit.microscope().settings().model, unit.control().lowest_m(),
                       unit.control().highest_m(kFocus));
   for (const double magnification_m : {0.01, 0.03, 0.05, 0.07}) {
@@ -68,11 +55,24 @@ void add_frame(StoryRun& run, VirtualUnit& unit, const cv::Mat& picture) {
 
 }  // namespace
 
+VirtualUnit story_unit(std::uint64_t seed, double magnification_m, double defocus_dof) {
+  VirtualUnitSettings settings;
+  settings.seed = settings.microscope.seed = seed;
+  settings.magnification_m = magnification_m;
+  const ImagingModel& model = settings.microscope.model;
+  settings.focus_m =
+      model.best_focus_m(magnification_m) + defocus_dof * model.depth_of_field_m(magnification_m);
+  Object object;
+  object.metres_per_texel = 1e-5;
+  object.texture = draw_target(Target::kRelief, 768, 1.5, seed);
+  return {settings, object};
+}
+
 StoryRun run_story(FocusStory story, FocusLaw law, std::uint64_t seed) {
   const bool in = story == FocusStory::kZoomIn;
   const double from_m = in ? 0.024 : 0.056;
   const double to_m = in ? 0.048 : 0.028;
-  VirtualUnit unit = unit_for(seed, from_m, in ? -5.0 : 0.0);
+  VirtualUnit unit = story_unit(seed, from_m, in ? -5.0 : 0.0);
   const double dof_m = unit.microscope().settings().model.depth_of_field_m(0.5 * (from_m + to_m));
   Autofocus autofocus = taught(seed);
   PrintedFocusLaw printed(
@@ -99,24 +99,6 @@ StoryRun run_story(FocusStory story, FocusLaw law, std::uint64_t seed) {
     arrived = unit.control().settled();
   }
   return run;
-}
-
-SharpnessSurface sharpness_surface(std::uint64_t seed, int magnifications, int focuses) {
-  VirtualUnit unit = unit_for(seed, 0.04, 0.0);
-  const ImagingModel& model = unit.microscope().settings().model;
-  SharpnessSurface out;
-  for (int j = 0; j < focuses; ++j)
-    out.focus_m.push_back(0.008 + 0.014 * static_cast<double>(j) / (focuses - 1));
-  for (int i = 0; i < magnifications; ++i) {
-    out.magnification_m.push_back(model.magnification_travel_m * static_cast<double>(i) /
-                                  (magnifications - 1));
-    auto& row = out.sharpness.emplace_back();
-    for (const double focus_m : out.focus_m) {
-      const cv::Mat picture = unit.microscope().picture({out.magnification_m.back(), focus_m}, 0.0);
-      row.push_back(normalised_variance(grey_sums(picture)));
-    }
-  }
-  return out;
 }
 
 namespace {
@@ -173,83 +155,11 @@ void draw_story(FocusStory story, std::uint64_t seed, const std::string& number,
       folder / ("figure-" + number + "-c.png"));
 }
 
-void draw_surface(const SharpnessSurface& surface, const std::filesystem::path& folder) {
-  cv::Mat values(static_cast<int>(surface.magnification_m.size()), static_cast<int>(surface.focus_m.size()),
-                 CV_32F);
-  Panel along_focus{.title = "B: focus, at several magnifications",
-                    .x_label = "focus axis [mm]",
-                    .y_label = "normalised variance [grey levels]"};
-  Panel along_zoom{.title = "A: magnification, at several focuses",
-                   .x_label = "magnification axis [mm]",
-                   .y_label = "normalised variance [grey levels]"};
-  Line ridge;
-  Line heights;
-  for (std::size_t i = 0; i < surface.magnification_m.size(); ++i) {
-    const auto& row = surface.sharpness[i];
-    const auto top = static_cast<std::size_t>(std::max_element(row.begin(), row.end()) - row.begin());
-    ridge.x.push_back(1e3 * surface.magnification_m[i]);
-    ridge.y.push_back(1e3 * surface.focus_m[top]);
-    heights.x.push_back(1e3 * surface.magnification_m[i]);
-    heights.y.push_back(row[top]);
-    Line line{.label = fmt::format("{:.1f} mm", 1e3 * surface.magnification_m[i])};
-    for (std::size_t j = 0; j < row.size(); ++j) {
-      values.at<float>(values.rows - 1 - static_cast<int>(i), static_cast<int>(j)) =
-          static_cast<float>(row[j]);
-      line.x.push_back(1e3 * surface.focus_m[j]);
-      line.y.push_back(row[j]);
-    }
-    if (i % 6 == 0) along_focus.lines.push_back(line);
-  }
-  for (std::size_t j = 0; j < surface.focus_m.size();
-       j += std::max<std::size_t>(1, surface.focus_m.size() / 7)) {
-    Line line{.label = fmt::format("{:.1f} mm", 1e3 * surface.focus_m[j])};
-    for (std::size_t i = 0; i < surface.magnification_m.size(); ++i) {
-      line.x.push_back(1e3 * surface.magnification_m[i]);
-      line.y.push_back(surface.sharpness[i][j]);
-    }
-    along_zoom.lines.push_back(line);
-  }
-  cv::Mat eight;
-  cv::normalize(values, eight, 0, 255, cv::NORM_MINMAX, CV_8U);
-  cv::resize(eight, eight, {640, 480}, 0, 0, cv::INTER_CUBIC);
-  cv::applyColorMap(eight, eight, cv::COLORMAP_VIRIDIS);
-  const std::filesystem::path colours = folder / "figure-7.12-colours.png";
-  reporting::write_picture(colours, eight);
-  const auto ends_mm = [](const std::vector<double>& axis_m) {
-    return std::array{1e3 * axis_m.front(), 1e3 * axis_m.back()};
-  };
-  reporting::draw_figure({.title = "7.12 sharpness (eq. 155) from above: the brighter, the sharper",
-                          .panels = {{.x_label = "focus axis [mm]",
-                                      .y_label = "magnification axis [mm]",
-                                      .x_range = ends_mm(surface.focus_m),
-                                      .y_range = ends_mm(surface.magnification_m),
-                                      .picture = colours}},
-                          .panel_width_px = 640,
-                          .panel_height_px = 480},
-                         folder / "figure-7.12.png");
-  reporting::draw_figure({.title = "7.13 sharpness (eq. 155) along each axis",
-                          .panels = {along_zoom, along_focus},
-                          .columns = 2},
-                         folder / "figure-7.13.png");
-  reporting::draw_figure({.title = "7.14 the ridge",
-                          .panels = {{.title = "where it is sharpest",
-                                      .x_label = "magnification axis [mm]",
-                                      .y_label = "focus axis [mm]",
-                                      .lines = {ridge}},
-                                     {.title = "how sharp it is there",
-                                      .x_label = "magnification axis [mm]",
-                                      .y_label = "normalised variance [grey levels]",
-                                      .lines = {heights}}},
-                          .columns = 2},
-                         folder / "figure-7.14.png");
-}
-
 }  // namespace
 
-void draw_focus_figures(std::uint64_t seed, const std::filesystem::path& folder) {
+void draw_stories(std::uint64_t seed, const std::filesystem::path& folder) {
   draw_story(FocusStory::kZoomIn, seed, "8.11", folder);
   draw_story(FocusStory::kZoomOut, seed, "8.12", folder);
-  draw_surface(sharpness_surface(seed, 41, 61), folder);
 }
 
 }  // namespace telekerf::experiments

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two experiments of thesis 8.5, picture by picture, and the sharpness over both axes (figures 7.12
-// to 7.14).
+// The two experiments of thesis 8.5, picture by picture.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "experiments/autofocus/virtual_unit.h"
 #include "slave/vision/imaging/focus_law.h"
 
 namespace telekerf::experiments {
@@ -32,16 +32,10 @@ struct StoryRun {
 
 StoryRun run_story(FocusStory story, imaging::FocusLaw law, std::uint64_t seed);
 
-/// Normalised variance over a raster of both axes.
-struct SharpnessSurface {
-  std::vector<double> magnification_m;
-  std::vector<double> focus_m;
-  std::vector<std::vector<double>> sharpness;  ///< [magnification][focus]
-};
-SharpnessSurface sharpness_surface(std::uint64_t seed, int magnifications, int focuses);
+/// The unit of these experiments over a coin-like relief; its focus is so many depths of field off.
+VirtualUnit story_unit(std::uint64_t seed, double magnification_m, double defocus_dof);
 
-/// Writes figure-8.11.png, figure-8.12.png, figure-8.12-c.png, figure-7.12.png, figure-7.13.png,
-/// figure-7.14.png.
-void draw_focus_figures(std::uint64_t seed, const std::filesystem::path& folder);
+/// Writes figure-8.11.png, figure-8.12.png, figure-8.12-c.png.
+void draw_stories(std::uint64_t seed, const std::filesystem::path& folder);
 
 }  // namespace telekerf::experiments

@@ -9,12 +9,13 @@
 #include "experiments/chaos/chaos_report.h"
 #include "experiments/chaos/shrink.h"
 #include "experiments/commands.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
 
-struct Options {
+struct Options : QuickForm {
   ChaosCampaign campaign;
   std::string faults;
   bool no_shrink = false;
@@ -53,6 +54,7 @@ void add_parameters(Options& o, Settings& s) {
   ChaosCampaign& c = o.campaign;
   s.add("runs", c.runs, {.min = 1, .max = 1e6}, "how many, with the seeds from --seed on");
   s.add("seed", c.seed, kSeeds, "of the first run");
+  o.add_quick(s, {QuickForm::shorter("runs", c.runs, 5)});
   s.add("duration_s", c.each.duration_s, {.min = 1, .max = 600, .unit = "s"}, "length of a run");
   s.add("mode", c.each.mode, kChaosModes, "what becomes of the faults");
   s.add("faults", o.faults, {.form = "none|FAULT,FAULT...", .complaint = complaint},

@@ -16,6 +16,7 @@
 #include "experiments/codec/codec_recordings.h"
 #include "experiments/codec/codec_streams.h"
 #include "experiments/commands.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 
 namespace telekerf::experiments {
@@ -29,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kLimitColour = 7;
 
-struct Options {
+struct Options : QuickForm {
   std::string out = "out/codec";
   std::string page;
   std::vector<std::string> traces;
@@ -63,15 +64,19 @@ Line::Style style_of(const Contender& contender) {
 }
 int colour_of(std::size_t contender) { return kContenders[contender].held ? 4 : static_cast<int>(contender); }
 
-/// The legend has a panel to itself: inside the others it would hide lines.
+/// The legend has a panel to itself: inside the others it would hide lines. From above in its order, each
+/// line as it is drawn.
 Panel legend() {
-  auto panel = panel_for("what is what", {1, 10});
-  panel.y_range = {0, 1};
-  for (std::size_t c = 0; c < kContenders.size(); ++c) {
-    panel.lines.push_back({kContenders[c].label, {1}, {-1}, style_of(kContenders[c]), colour_of(c)});
-  }
-  panel.lines.push_back({"Gaussian limit, block alone", {1}, {-1}, Line::Style::kDashed, kLimitColour});
-  panel.lines.push_back({"Gaussian limit, any delay", {1}, {-1}, Line::Style::kPoints, kLimitColour});
+  Panel panel{.title = "what is what"};
+  const auto add = [&](const char* label, Line::Style style, int colour) {
+    const double place = -static_cast<double>(panel.lines.size());
+    panel.lines.push_back({label, {0, 1, 2}, {place, place, place}, style, colour});
+  };
+  for (std::size_t c = 0; c < kContenders.size(); ++c)
+    add(kContenders[c].label, style_of(kContenders[c]), colour_of(c));
+  add("Gaussian limit, block alone", Line::Style::kDashed, kLimitColour);
+  add("Gaussian limit, any delay", Line::Style::kPoints, kLimitColour);
+  panel.y_range = {-static_cast<double>(panel.lines.size()), 1.0};
   return panel;
 }
 
@@ -104,13 +109,18 @@ Json rate_distortion(const SeededTrace& seeded, int block, Panel& panel) {
   Json rows = Json::array();
   for (const double factor : {1.0, 4.0}) {
     const double rmse = factor * seeded.fine;
-    Json row{{"trace", seeded.trace.name}, {"block", block}, {"rmse", rmse}, {"unit", seeded.unit}};
+    Json row{{"trace", seeded.trace.name},
+             {"block", block},
+             {"noise_times", factor},
+             {"rmse", rmse},
+             {"unit", seeded.unit}};
     for (std::size_t c = 0; c < curves.size(); ++c)
       row["bits"][kContenders[c].label] = rounded(bits_at(curves[c], rmse));
     row["limit_block"] = rounded(bits_at(limit, rmse * 1.0000001));
     row["limit_any_delay"] = rounded(bits_at(endless, rmse * 1.0000001));
     row["sdct_minus_truncated_bits_a_block"] =
         rounded(block * (bits_at(curves[0], rmse) - bits_at(curves[3], rmse)));
+    row["sdct_over_dpcm"] = rounded(bits_at(curves[0], rmse) / bits_at(curves[4], rmse));
     row["sdct_over_deadband"] = rounded(bits_at(curves[0], rmse) / bits_at(curves[5], rmse));
     row["sdct_over_deadband_floats"] = rounded(bits_at(curves[0], rmse) / bits_at(curves[7], rmse));
     rows.push_back(row);
@@ -234,6 +244,7 @@ void add_codec_command(Program& program) {
         s.add("rate_hz", o.rate_hz, {.min = 100, .max = 1e5, .unit = "Hz"}, "samples a second");
         s.add("seconds", o.seconds, {.min = 5, .max = 600, .unit = "s"}, "length of the made-up traces");
         s.add("seed", o.seed, kSeeds, "of the made-up traces and losses");
+        o.add_quick(s, {QuickForm::shorter("seconds", o.seconds, 5)}, {"page"});
       },
       run);
 }

@@ -15,6 +15,7 @@
 #include "experiments/commands.h"
 #include "experiments/constraint/constraint_acceptance.h"
 #include "experiments/constraint/constraint_curves.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 #include "experiments/simulation/simulation.h"
 
@@ -25,7 +26,7 @@ using reporting::Figure;
 using reporting::Line;
 using reporting::Panel;
 
-struct Options {
+struct Options : QuickForm {
   std::string page;
   std::string out = "out/constraint";
   std::uint64_t seed = 1;
@@ -191,6 +192,7 @@ void add_constraint_command(Program& program) {
       [](Options& o, Settings& s) {
         s.add("seed", o.seed, kSeeds, "of robot and hand");
         s.add("duration_s", o.duration_s, {.min = 5, .max = 100, .unit = "s"}, "length of one run");
+        o.add_quick(s, {QuickForm::shorter("duration_s", o.duration_s, 5)}, {"page"});
         s.add("page", o.page, kFile, "results page whose tables are written anew");
         s.add("out", o.out, kFolder, "for the results");
       },

@@ -16,12 +16,13 @@
 #include "experiments/delay/delay_figures.h"
 #include "experiments/delay/delay_runs.h"
 #include "experiments/delay/delay_tables.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
 
-struct Options {
+struct Options : QuickForm {
   DelayTrial trial;
   std::string netem;
   std::optional<double> rtt_ms, jitter_ms, loss;  // without them: no condition
@@ -46,17 +47,6 @@ void add_conditions(Options& o, Settings& s) {
   s.prefix("");
 }
 
-void add_parameters(Options& o, Settings& s) {
-  add_conditions(o, s);
-  s.add("duration_s", o.duration_s, {.min = 2, .max = 600, .unit = "s"},
-        "length of a run; without it 8, on the shipped profiles 30");
-  s.add("only_rtt_ms", o.only_rtt_ms, 0, {.min = 0, .max = 1000, .unit = "ms"},
-        "all rivals at these round trips, 10 % jitter and 1 % loss, and no tables; none: everything");
-  s.add("seed", o.seed, kSeeds, "of everything random");
-  s.add("page", o.page, kFile, "results page whose tables are written anew; one run has none");
-  s.add("out", o.out, kFolder, "folder for the results");
-}
-
 /// Some condition or setting of the trial is given.
 bool asks_for_one(Options options) {
   Settings given, shipped;
@@ -64,6 +54,22 @@ bool asks_for_one(Options options) {
   add_conditions(options, given);
   add_conditions(defaults, shipped);
   return given.json() != shipped.json();
+}
+
+void add_parameters(Options& o, Settings& s) {
+  add_conditions(o, s);
+  s.add("duration_s", o.duration_s, {.min = 2, .max = 600, .unit = "s"},
+        "length of a run; without it 8, on the shipped profiles 30");
+  s.add("only_rtt_ms", o.only_rtt_ms, 0, {.min = 0, .max = 1000, .unit = "ms"},
+        "all rivals at these round trips, 10 % jitter and 1 % loss, and no tables; none: everything");
+  s.add("seed", o.seed, kSeeds, "of everything random");
+  // One run is short.
+  const auto take_one_rtt = [&o] {
+    if (!asks_for_one(o)) o.only_rtt_ms = {100.0};
+  };
+  o.add_quick(s, {{"only_rtt_ms", "100", take_one_rtt}}, {"page"});
+  s.add("page", o.page, kFile, "results page whose tables are written anew; one run has none");
+  s.add("out", o.out, kFolder, "folder for the results");
 }
 
 Run one_run(const Options& options) {

@@ -11,6 +11,7 @@
 #include "experiments/commands.h"
 #include "experiments/haptics/felt_cut_trial.h"
 #include "experiments/haptics/port_trial.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 #include "master/haptics/energy_tank.h"
 
@@ -21,7 +22,7 @@ using nlohmann::ordered_json;
 using reporting::Line;
 using reporting::Panel;
 
-struct Options {
+struct Options : QuickForm {
   FeltCutTrial trial;
   double own_depth_mm = 0.35;  ///< about what the hand cuts by itself
   int runs = 2000;
@@ -266,6 +267,7 @@ void add_haptics_command(Program& program) {
         s.add("hands", o.hands, {.min = 1, .max = 100}, "simulated hands, with the seeds from --seed on");
         s.add("runs", o.runs, {.min = 1, .max = 100000}, "of the port alone, for each law");
         s.add("seed", o.seed, kSeeds, "of the first");
+        o.add_quick(s, {QuickForm::shorter("hands", o.hands, 2), QuickForm::shorter("runs", o.runs, 200)});
         s.add("out", o.out, kFolder, "folder for the results");
       },
       run);

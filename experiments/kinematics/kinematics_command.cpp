@@ -10,10 +10,11 @@
 #include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
-#include "common/runtime/version.h"
 #include "experiments/acceptance.h"
 #include "experiments/commands.h"
 #include "experiments/kinematics/kinematics_validation.h"
+#include "experiments/quick_form.h"
+#include "experiments/result_file.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -22,9 +23,10 @@ using reporting::Figure;
 using reporting::Line;
 using reporting::Panel;
 
-struct Options {
+struct Options : QuickForm {
   std::string robot = "slave-keops";
   double step_m = 0.005;
+  std::uint64_t seed = 1;
   std::string out = "out/kinematics";
 };
 
@@ -103,8 +105,7 @@ int run(const Options& options) {
   results["engine"] = {{"rod_error_m", steps.worst_violation_m}, {"tool_tilt_rad", steps.worst_tilt_rad}};
   results["travelled_m"] = {{"free_fall", fall.travelled_m}, {"forced_motion", forced.travelled_m}};
   results["good"] = good;
-  results["version"] = kVersion;  // nothing is drawn at random
-  write_json(out / "results.json", results);
+  write_result(out / "results.json", results, options.seed);
   return good ? 0 : 1;
 }
 
@@ -117,6 +118,8 @@ void add_kinematics_command(Program& program) {
       [](Options& o, Settings& s) {
         s.add("robot", o.robot, kRobot, "whose");
         s.add("step_m", o.step_m, {.min = 1e-4, .max = 0.05, .unit = "m"}, "size of the steps");
+        s.add("seed", o.seed, kSeeds, "stands in the results; nothing is drawn at random here");
+        o.add_quick(s);
         s.add("out", o.out, kFolder, "for the results");
       },
       run);

@@ -14,6 +14,7 @@
 #include "experiments/machining/contour_source.h"
 #include "experiments/machining/contour_tables.h"
 #include "experiments/machining/independent_baselines.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 
 namespace telekerf::experiments {
@@ -24,7 +25,7 @@ using reporting::Line;
 
 using nlohmann::ordered_json;
 
-struct Options {
+struct Options : QuickForm {
   std::string image;
   std::string robot = "slave-keops";
   double width_mm = 0.0;
@@ -207,6 +208,7 @@ void add_parameters(const ContourExperiment& experiment, Options& o, Settings& s
         "contouring: across it, 0: the usual one");
   s.add("sweep", o.sweep, "contour error against speed, 1 to 100 mm/s");
   s.add("seed", o.seed, kSeeds, "of everything random");
+  o.add_quick(s);
   if (experiment.closed)
     s.add("page", o.page, kFile,
           "page whose tables 'contours' and 'terms' are written anew, of the whole set");

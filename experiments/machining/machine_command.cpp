@@ -13,6 +13,7 @@
 #include "common/runtime/settings.h"
 #include "experiments/commands.h"
 #include "experiments/machining/contour_tables.h"
+#include "experiments/quick_form.h"
 #include "experiments/simulation/simulation.h"
 #include "slave/machining/station.h"
 
@@ -21,7 +22,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
+struct Options : QuickForm {
   std::vector<std::string> image;
   double speed_mm_s = 20.0;
   std::uint64_t seed = 1;
@@ -89,6 +90,8 @@ void add_machine_command(Program& program) {
         s.add("image", o.image, kPicture, "pictures: shipped names or files; none: every shipped one");
         s.add("speed_mm_s", o.speed_mm_s, {.min = 0.1, .max = 100, .unit = "mm/s"}, "tangential speed");
         s.add("seed", o.seed, kSeeds, "of the simulated robot");
+        o.add_quick(s, {QuickForm::shorter("image", o.image, std::vector<std::string>{"heart", "letter-e"})},
+                    {"page"});
         s.add("page", o.page, kFile, "page whose table 'machine' is written anew");
         s.add("out", o.out, kFolder, "folder for the results");
       },

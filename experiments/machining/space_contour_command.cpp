@@ -14,6 +14,7 @@
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
 #include "experiments/machining/contour_run.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 
 namespace telekerf::experiments {
@@ -22,7 +23,7 @@ namespace {
 using reporting::Figure;
 using reporting::Line;
 
-struct Options {
+struct Options : QuickForm {
   double speed_mm_s = 8.0;
   double radius_mm = 8.0;
   double curvature_mm = 30.0;
@@ -136,6 +137,7 @@ void add_parameters(Options& o, Settings& s) {
   s.add("curvature_mm", o.curvature_mm, {.min = 10, .max = 1000, .unit = "mm"},
         "radius of curvature of the workpiece");
   s.add("seed", o.seed, kSeeds, "of everything random");
+  o.add_quick(s);
   s.add("out", o.out, kFolder, "folder for the results");
 }
 

@@ -54,7 +54,7 @@ Line over_time(const std::vector<Sample>& motion, const std::string& label, doub
 }
 
 /// Depth, and what it would be if it were the dwell times one number: the same mean.
-Panel depths(const std::string& title, const RemoteMark& mark, bool with_dwell) {
+Panel depths(const std::string& title, const DepthAlong& mark, bool with_dwell) {
   Line depth{.label = "depth", .colour = 0}, dwell{.label = "time lit, scaled", .colour = 1};
   double depth_sum = 0.0, dwell_sum = 0.0;
   for (std::size_t i = 0; i < mark.arc_m.size(); ++i) {
@@ -110,6 +110,24 @@ void draw_remote(const std::string& title, const std::vector<RemoteSample>& moti
        .panel_width_px = 480,
        .panel_height_px = 340},
       png);
+}
+
+void draw_network_speeds(const std::string& title, const std::vector<NetworkRun>& runs,
+                         const std::filesystem::path& png) {
+  reporting::Figure figure{.title = title, .columns = 3, .panel_width_px = 400, .panel_height_px = 240};
+  for (const NetworkRun& run : runs)
+    figure.panels.push_back(
+        speeds(run.network,
+               {over_time(run.motion, "master", &Sample::master_m_per_s, Line::Style::kSolid, 0),
+                over_time(run.motion, "slave / beta", &Sample::rescaled_m_per_s, Line::Style::kDashed, 1)}));
+  reporting::draw_figure(figure, png);
+}
+
+void draw_network_depths(const std::string& title, const std::vector<NetworkRun>& runs,
+                         const std::filesystem::path& png) {
+  reporting::Figure figure{.title = title, .columns = 3, .panel_width_px = 400, .panel_height_px = 240};
+  for (const NetworkRun& run : runs) figure.panels.push_back(depths(run.network, run.wood, true));
+  reporting::draw_figure(figure, png);
 }
 
 }  // namespace telekerf::experiments

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "experiments/remote/remote_motion.h"
 
@@ -19,5 +20,19 @@ struct RemoteMarks {
 /// NAME-fibreglass-depth.png and NAME-wood.png. Throws StartupError.
 void draw_remote(const std::string& title, const std::vector<RemoteSample>& motion, const RemoteMarks& marks,
                  const std::filesystem::path& png);
+
+/// A run over one network.
+struct NetworkRun {
+  std::string network;
+  std::vector<RemoteSample> motion;
+  DepthAlong wood;  ///< at constant power
+};
+
+/// A panel a network: tangential velocity of the master and of the rescaled slave. Throws StartupError.
+void draw_network_speeds(const std::string& title, const std::vector<NetworkRun>& runs,
+                         const std::filesystem::path& png);
+/// A panel a network: depth along the contour beside the operator's dwell. Throws StartupError.
+void draw_network_depths(const std::string& title, const std::vector<NetworkRun>& runs,
+                         const std::filesystem::path& png);
 
 }  // namespace telekerf::experiments

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "experiments/remote/remote_motion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -21,7 +23,7 @@ geometry::Polyline contour_of(const RunRecord& record) {
   return {record.contour_m, record.contour_closed};
 }
 
-/// Every tenth row; speeds are differences over twice that.
+/// Figures have every tenth row; speeds are differences over twice that.
 constexpr std::size_t kStep = 10;
 constexpr double kBin_m = 0.25e-3;
 
@@ -44,7 +46,10 @@ ordered_json speeds_mm_s(const std::vector<RemoteSample>& motion, double RemoteS
 
 }  // namespace
 
-std::vector<RemoteSample> remote_motion(const RunRecord& record) {
+namespace {
+
+/// Every `every`-th row, beginning with the tenth.
+std::vector<RemoteSample> motion_at(const RunRecord& record, std::size_t every) {
   const geometry::NearestIndex contour(contour_of(record));
   const auto& rows = record.slave;
   std::vector<RemoteSample> out;
@@ -53,7 +58,7 @@ std::vector<RemoteSample> remote_motion(const RunRecord& record) {
     return row.applied < 0.0 ? std::optional<Vec3>()
                              : reporting::master_at(record, row.applied, &MasterRow::tool_m);
   };
-  for (std::size_t i = kStep; i + kStep < rows.size(); i += kStep) {
+  for (std::size_t i = kStep; i + kStep < rows.size(); i += every) {
     const SlaveRow &row = rows[i], &before = rows[i - kStep], &after = rows[i + kStep];
     const auto now = master(row), early = master(before), late = master(after);
     if (!now || !early || !late || !reporting::joined_at(record, before.applied)) {
@@ -76,6 +81,23 @@ std::vector<RemoteSample> remote_motion(const RunRecord& record) {
     out.push_back(sample);
   }
   return out;
+}
+
+}  // namespace
+
+std::vector<RemoteSample> remote_motion(const RunRecord& record) { return motion_at(record, kStep); }
+
+std::string motion_csv(const RunRecord& record) {
+  std::string text =
+      "time_s,master_x_m,master_y_m,slave_x_m,slave_y_m,rescaled_x_m,rescaled_y_m,master_m_per_s,slave_m_per_"
+      "s,"
+      "rescaled_m_per_s,beam\n";
+  for (const RemoteSample& at : motion_at(record, 1))
+    text += fmt::format("{:.7g},{:.7g},{:.7g},{:.7g},{:.7g},{:.7g},{:.7g},{:.5g},{:.5g},{:.5g},{}\n",
+                        at.time_s, at.master_m.x(), at.master_m.y(), at.slave_m.x(), at.slave_m.y(),
+                        at.rescaled_m.x(), at.rescaled_m.y(), at.master_m_per_s, at.slave_m_per_s,
+                        at.rescaled_m_per_s, at.beam ? 1 : 0);
+  return text;
 }
 
 ordered_json speed_json(const std::vector<RemoteSample>& motion) {
@@ -133,13 +155,11 @@ RemoteMark burn_record(const RunRecord& record, const workpiece::Material& mater
   const geometry::Box box = geometry::bounding_box(line.points_m);
   constexpr double kPixel_m = 15e-6, kMargin_m = 1e-3;
   const double half_width_m = 0.5 * box.size().maxCoeff() + kMargin_m;
-  RemoteMark mark{.workpiece = workpiece::Workpiece({.centre_m = box.centre(),
-                                                     .half_width_m = half_width_m,
-                                                     .pixels = workpiece::pixels_for(half_width_m, kPixel_m)},
-                                                    material),
-                  .arc_m = {},
-                  .dwell_s_per_m = {},
-                  .depth_m = {}};
+  RemoteMark mark{{},
+                  workpiece::Workpiece({.centre_m = box.centre(),
+                                        .half_width_m = half_width_m,
+                                        .pixels = workpiece::pixels_for(half_width_m, kPixel_m)},
+                                       material)};
   const auto bins = static_cast<std::size_t>(std::ceil(contour.length_m() / kBin_m));
   const double bin_m = contour.length_m() / static_cast<double>(bins);
   mark.dwell_s_per_m.assign(bins, 0.0);

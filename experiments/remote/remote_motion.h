@@ -25,6 +25,9 @@ struct RemoteSample {
 /// A hundred samples a second, from the end of the first approach on, while the slave follows.
 std::vector<RemoteSample> remote_motion(const RunRecord& record);
 
+/// The same of every tick: a row of CSV each, a head above. Lengths in m, speeds in m/s along the contour.
+std::string motion_csv(const RunRecord& record);
+
 /// Speeds of both in mm/s, and how far they are from each other when the slave's is rescaled.
 nlohmann::ordered_json speed_json(const std::vector<RemoteSample>& motion);
 
@@ -40,12 +43,15 @@ enum class BeamPower {
   kRecorded,  ///< what the slave asked for, which follows the speed
 };
 
-struct RemoteMark {
+/// Along the contour, of its bins; those that the beam did not reach have neither dwell nor depth.
+struct DepthAlong {
+  std::vector<double> arc_m = {};
+  std::vector<double> dwell_s_per_m = {};  ///< with the beam on, all passes together
+  std::vector<double> depth_m = {};        ///< mean over the bin
+};
+
+struct RemoteMark : DepthAlong {
   workpiece::Workpiece workpiece;
-  /// Along the contour, of its bins; those that the beam did not reach have neither dwell nor depth.
-  std::vector<double> arc_m;
-  std::vector<double> dwell_s_per_m;  ///< with the beam on, all passes together
-  std::vector<double> depth_m;        ///< mean over the bin
 };
 
 /// Throws StartupError if the record has no contour.

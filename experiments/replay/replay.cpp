@@ -21,7 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Of a process' settings those that a run in virtual time has too, by the names that it has them by.
-std::string lap_settings(const std::string& toml, const std::string& prefix, const std::vector<Setting>& known) {
+std::string lap_settings(const std::string& toml, const std::string& prefix,
+                         const std::vector<Setting>& known) {
   std::istringstream lines(toml);
   std::string out;
   for (std::string line; std::getline(lines, line);) {
@@ -90,8 +91,9 @@ netem::Profile recorded_network(const RecordedRun& run, const simulation::Simula
 fs::path required(const char* role, std::span<const fs::path> folders) {
   const auto file = recording_of(role, folders);
   if (!file)
-    throw input_error(fmt::format("{}: holds no {}.h5; is this the folder of a run, or must the other site's be named as well?",
-                                  folders.front().string(), role));
+    throw input_error(fmt::format(
+        "{}: holds no {}.h5; is this the folder of a run, or must the other site's be named as well?",
+        folders.front().string(), role));
   return *file;
 }
 
@@ -141,9 +143,14 @@ RecordedRun read_recorded(std::span<const fs::path> folders) {
   run.commands = recorded_blocks(of_master, of_slave, tick, later_s);
   run.states = recorded_blocks(of_slave, of_master, run.record.slave.front().tick, -later_s);
   const double rows = static_cast<double>(run.record.master.size() - 1);
-  const double rate_hz = master.identity().figures.contains("rate_hz") ? master.identity().figures.at("rate_hz") : 1000.0;
-  read_operator(master, rows > 0 ? (run.record.master.back().t_s - run.record.master.front().t_s) / rows : 1.0 / rate_hz, run);
-  run.settings += fmt::format("duration_s = {:.3f}\n", std::clamp(run.record.master.back().t_s - run.record.master.front().t_s, 1.0, 600.0));
+  const double rate_hz =
+      master.identity().figures.contains("rate_hz") ? master.identity().figures.at("rate_hz") : 1000.0;
+  read_operator(
+      master,
+      rows > 0 ? (run.record.master.back().t_s - run.record.master.front().t_s) / rows : 1.0 / rate_hz, run);
+  run.settings +=
+      fmt::format("duration_s = {:.3f}\n",
+                  std::clamp(run.record.master.back().t_s - run.record.master.front().t_s, 1.0, 600.0));
   return run;
 }
 
@@ -153,7 +160,9 @@ RunRecord replay(const RecordedRun& run, const std::string& given) {
   options.add_parameters(settings);
   bool record = false;
   std::string out;
+  bool quick = false;
   settings.add("record", record, "of the lap");
+  settings.add("quick", quick, "of the lap, whose other settings say what it came to");
   settings.add("out", out, kFolder, "of the lap");
   const ConfigFile wanted(given, "command line");
   settings.load(ConfigFile(run.settings, "the recorded settings"));
@@ -173,15 +182,16 @@ RunRecord replay(const RecordedRun& run, const std::string& given) {
   lap.stops = run.stops;
   lap.contour_from_tick = run.contour_from_tick;
   lap.slave_starts_s = run.slave_starts_s;
-  if (!run.virtual_time) lap.master.engage = run.settings.find("\nengage = true") != std::string::npos || run.events.empty();
+  if (!run.virtual_time)
+    lap.master.engage = run.settings.find("\nengage = true") != std::string::npos || run.events.empty();
   return simulation::simulate(lap, run.contour);
 }
 
 namespace {
 
 template <typename Row>
-RowsDifference compare_rows(const char* name, std::span<const Column<Row>> columns, const std::vector<Row>& was,
-                            const std::vector<Row>& is, bool with_times) {
+RowsDifference compare_rows(const char* name, std::span<const Column<Row>> columns,
+                            const std::vector<Row>& was, const std::vector<Row>& is, bool with_times) {
   RowsDifference difference{.name = name, .recorded = was.size(), .replayed = is.size()};
   const std::size_t both = std::min(was.size(), is.size());
   double sum = 0.0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-experiment replay FOLDER: a recorded run once more in virtual time, as it was or with other settings.
+// telekerf-experiment replay FOLDER: a recorded run once more in virtual time, as it was or with other
+// settings.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include "common/reporting/tables.h"
 #include "common/runtime/results.h"
 #include "experiments/commands.h"
+#include "experiments/quick_form.h"
 #include "experiments/replay/replay.h"
 
 namespace telekerf::experiments {
@@ -15,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options : LapOptions {
+struct Options : LapOptions, QuickForm {
   std::string folder;
   std::string other;
   std::string out;
@@ -29,16 +31,20 @@ std::string what_if(const std::string& given) {
   while (at < given.size()) {
     const std::size_t end = std::min(given.find('\n', at), given.size());
     const std::string line = given.substr(at, end - at);
-    if (!line.starts_with("#") && !line.starts_with("out = ")) out += line + "\n";
+    if (!line.starts_with("#") && !line.starts_with("out = ") && !line.starts_with("quick = "))
+      out += line + "\n";
     at = end + 1;
   }
   return out;
 }
 
 nlohmann::ordered_json json_of(const RowsDifference& d) {
-  return {{"recorded", d.recorded},     {"replayed", d.replayed},
-          {"different", d.different},   {"first_tick", d.different > 0 ? nlohmann::ordered_json(d.first_tick) : nullptr},
-          {"column", d.column},         {"tool_rms_um", 1e6 * d.tool_rms_m},
+  return {{"recorded", d.recorded},
+          {"replayed", d.replayed},
+          {"different", d.different},
+          {"first_tick", d.different > 0 ? nlohmann::ordered_json(d.first_tick) : nullptr},
+          {"column", d.column},
+          {"tool_rms_um", 1e6 * d.tool_rms_m},
           {"tool_max_um", 1e6 * d.tool_max_m}};
 }
 
@@ -51,8 +57,8 @@ void print_measure(const char* name, const char* part, const char* field, const 
   fmt::print("{}", reporting::table_row(name, fmt::format("{} recorded, {} replayed", text(was), text(is))));
 }
 
-/// 0: the same bit by bit, or a run that cannot be (real, or other settings were asked for); 1: a run in virtual
-/// time came out another.
+/// 0: the same bit by bit, or a run that cannot be (real, or other settings were asked for); 1: a run in
+/// virtual time came out another.
 int run(const Options& options) {
   std::vector<fs::path> folders = {options.folder};
   if (!options.other.empty()) folders.emplace_back(options.other);
@@ -67,13 +73,15 @@ int run(const Options& options) {
   for (const RowsDifference& d : differences) {
     identical = identical && d.identical();
     json[d.name] = json_of(d);
-    fmt::print("{}", reporting::table_row(
-                         d.name, d.identical()
-                                     ? fmt::format("{} rows, the same bit by bit", d.recorded)
-                                     : fmt::format("{} of {} rows differ, from tick {:.0f} on ({}); tool {:.1f} um rms, "
-                                                   "{:.1f} um at most; {} rows replayed",
-                                                   d.different, d.recorded, d.first_tick, d.column, 1e6 * d.tool_rms_m,
-                                                   1e6 * d.tool_max_m, d.replayed)));
+    fmt::print(
+        "{}",
+        reporting::table_row(
+            d.name, d.identical()
+                        ? fmt::format("{} rows, the same bit by bit", d.recorded)
+                        : fmt::format("{} of {} rows differ, from tick {:.0f} on ({}); tool {:.1f} um rms, "
+                                      "{:.1f} um at most; {} rows replayed",
+                                      d.different, d.recorded, d.first_tick, d.column, 1e6 * d.tool_rms_m,
+                                      1e6 * d.tool_max_m, d.replayed)));
   }
   print_measure("tracking rms [um]", "tracking", "rms_um", was, is);
   print_measure("prediction rms [um]", "prediction", "rmse_um", was, is);
@@ -89,10 +97,12 @@ int run(const Options& options) {
     write_json(fs::path(options.out) / "replay.json", json);
   }
   const bool bad = !identical && recorded.virtual_time && asked.empty();
-  fmt::print("{}", reporting::table_row("verdict", identical               ? "the same bit by bit"
-                                                   : bad                   ? "bad: it should be the same bit by bit"
-                                                   : !asked.empty()        ? "another run, as asked"
-                                                                           : "the run was real: this is how far virtual time is off it"));
+  fmt::print("{}",
+             reporting::table_row(
+                 "verdict", identical        ? "the same bit by bit"
+                            : bad            ? "bad: it should be the same bit by bit"
+                            : !asked.empty() ? "another run, as asked"
+                                             : "the run was real: this is how far virtual time is off it"));
   return bad ? 1 : 0;
 }
 
@@ -107,7 +117,9 @@ void add_replay_command(Program& program) {
             .empty_is_said()
             .positional = true;
         o.add_parameters(s);
-        s.add("out", o.out, kFolder, "folder for the report of the replay; not said: none is written").empty_is_said();
+        o.add_quick(s);
+        s.add("out", o.out, kFolder, "folder for the report of the replay; not said: none is written")
+            .empty_is_said();
       },
       run);
 }

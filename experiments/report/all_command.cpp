@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "common/runtime/loop.h"
@@ -20,6 +19,7 @@
 #include "experiments/report/page_marks.h"
 #include "experiments/report/report_page.h"
 #include "experiments/report/result_store.h"
+#include "experiments/report/stored_claims.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -38,29 +38,12 @@ struct Options {
   std::string out = "out/all";
 };
 
-/// What another run left: its claims, seed and form.
-ordered_json run_in(const fs::path& folder) {
-  std::ifstream in(folder / "claims.json");
-  if (!in)
-    throw input_error("--against " + folder.string() +
-                      ": holds no claims.json; name the --out of another run");
-  auto json = ordered_json::parse(in, nullptr, false);
-  const auto is_claim = [](const ordered_json& claim) {
-    return claim.is_object() && claim.value("id", ordered_json()).is_string();
-  };
-  if (!json.is_object() || !json.contains("claims") || !json["claims"].is_array() ||
-      !std::all_of(json["claims"].begin(), json["claims"].end(), is_claim))
-    throw input_error("--against " + folder.string() + ": its claims.json is none of this program's");
-  return json;
-}
-
 /// "seed 1 -> 2, quick -> full", from the other run to this one; empty: the same.
 std::string other_conditions(const ordered_json& before, const Options& now) {
   std::string out;
   const auto differs = [&](const std::string& what) { out += (out.empty() ? "" : ", ") + what; };
-  const ordered_json seed = before.value("seed", ordered_json());
-  if (seed != now.seed) differs(fmt::format("seed {} -> {}", seed.dump(), now.seed));
-  const bool quick = before.value("quick", ordered_json()) == true;
+  if (before["seed"] != now.seed) differs(fmt::format("seed {} -> {}", before["seed"].dump(), now.seed));
+  const bool quick = before["quick"];
   const auto form = [](bool is_quick) { return is_quick ? "quick" : "full"; };
   if (quick != now.quick) differs(fmt::format("{} -> {} form", form(quick), form(now.quick)));
   return out;
@@ -132,7 +115,7 @@ int run(const Options& options) {
   refuse_unknown(options, manifest);
   if (!options.source.empty()) require_pages(options.source);
   ordered_json before;
-  if (!options.against.empty()) before = run_in(options.against);
+  if (!options.against.empty()) before = stored_claims(options.against);
   const fs::path out = options.out;
   const StorePlan plan{.out = out,
                        .seed = options.seed,
@@ -184,6 +167,10 @@ int run(const Options& options) {
                  row.value
                      ? fmt::format(": {} {}, {}", value_text(row), row.claim.unit, bound_text(row.claim))
                      : ": " + row.why);
+  for (const Judged& row : judged)
+    if (const std::string remark = remark_of(row); row.verdict == Verdict::kHeld && !remark.empty())
+      fmt::print("{}: {}: {} {}, {}\n", row.claim.id, remark, value_text(row), row.claim.unit,
+                 bound_text(row.claim));
   if (!otherwise.empty())
     fmt::print("against {}: made otherwise ({}): what differs need not be the code's doing\n",
                options.against, otherwise);

@@ -94,6 +94,13 @@ std::string verdict_text(Verdict verdict) {
   return "";
 }
 
+std::string remark_of(const Judged& judged) {
+  if (!judged.claim.negative || judged.verdict == Verdict::kNotAssessed) return "";
+  return judged.verdict == Verdict::kNotHeld
+             ? "known"
+             : "held now, though the manifest says that it is known not to be: take its negative = true away";
+}
+
 const ordered_json* node_at(const ordered_json& json, const std::string& pointer) {
   const ordered_json* at = &json;
   for (const std::string& step : parts_of(pointer, '/')) {
@@ -153,6 +160,7 @@ ordered_json claims_json(const std::vector<Judged>& judged) {
                    {"bound", bound_text(row.claim)},
                    {"verdict", verdict_text(row.verdict)}});
     if (!row.why.empty()) out.back()["why"] = row.why;
+    if (const std::string remark = remark_of(row); !remark.empty()) out.back()["remark"] = remark;
   }
   return out;
 }

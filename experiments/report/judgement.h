@@ -24,6 +24,9 @@ struct Judged {
   std::string why;  ///< it was not assessed
 };
 
+/// "known" of what is known to miss and does; of what no longer does, that and what to do; else empty.
+std::string remark_of(const Judged& judged);
+
 /// What stands at `/key/0/key=value&other=value/key`: in an array a step is a place, or the first element
 /// whose members are these. A null on the way is where it ends: nothing was measured there. Null pointer: no
 /// such thing stands there.

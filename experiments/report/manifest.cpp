@@ -45,9 +45,9 @@ ManifestExperiment experiment_at(const ConfigFile& file, const std::string& at) 
   out.reference = file.text(at + "reference");
   out.result = file.text(at + "result");
   out.arguments = words_at(file, at + "arguments");
-  out.quick = file.has(at + "quick") ? words_at(file, at + "quick") : out.arguments;
+  out.quick_arguments =
+      file.has(at + "quick_arguments") ? words_at(file, at + "quick_arguments") : out.arguments;
   out.cost_s = file.number_or(at + "cost_s", out.cost_s, {.min = 0.1, .max = 3600});
-  out.seeded = file.boolean_or(at + "seeded", out.seeded);
   return out;
 }
 
@@ -117,10 +117,17 @@ Manifest load_manifest(const std::filesystem::path& path) {
   return out;
 }
 
+std::vector<std::string> command_words(const ManifestExperiment& experiment, std::uint64_t seed, bool quick) {
+  std::vector<std::string> words{experiment.command};
+  const auto& own = quick ? experiment.quick_arguments : experiment.arguments;
+  words.insert(words.end(), own.begin(), own.end());
+  if (quick) words.emplace_back("--quick");
+  words.insert(words.end(), {"--seed", fmt::format("{}", seed)});
+  return words;
+}
+
 std::string command_line(const ManifestExperiment& experiment, std::uint64_t seed, bool quick) {
-  std::string line = "telekerf-experiment " + experiment.command;
-  for (const std::string& word : experiment.words(quick)) line += " " + word;
-  return experiment.seeded ? line + fmt::format(" --seed {}", seed) : line;
+  return fmt::format("./telekerf experiment {}", fmt::join(command_words(experiment, seed, quick), " "));
 }
 
 std::string bound_text(const Claim& claim) {

@@ -2,6 +2,7 @@
 // What the thesis says, and where our figure for it stands: data, read from experiments/report/claims.toml.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -11,18 +12,18 @@
 
 namespace telekerf::experiments {
 
-/// A command of telekerf-experiment as `all` runs it; --seed and --out come on top.
+/// A command of telekerf-experiment as `all` runs it; --seed and --out come on top, and --quick of a short
+/// run.
 struct ManifestExperiment {
   std::string key;   ///< in the manifest, "experiment.0."
   std::string name;  ///< of its folder
   std::string command;
   std::string title;
-  std::string reference;  ///< section of the thesis
-  std::string result;     ///< JSON file that it leaves
-  std::vector<std::string> arguments, quick;
-  double cost_s = 1.0;  ///< of processor time, about; for the order and the progress bar
-  bool seeded = true;
-  const std::vector<std::string>& words(bool in_short) const { return in_short ? quick : arguments; }
+  std::string reference;                     ///< section of the thesis
+  std::string result;                        ///< JSON file that it leaves
+  std::vector<std::string> arguments;        ///< of a whole run
+  std::vector<std::string> quick_arguments;  ///< beside --quick
+  double cost_s = 1.0;                       ///< of processor time, about; for the order and the progress bar
 };
 
 struct ManifestFigure {
@@ -69,7 +70,9 @@ struct Manifest {
 /// Throws StartupError that names file, key and remedy.
 Manifest load_manifest(const std::filesystem::path& file);
 
-/// The command line that a reader types for one experiment.
+/// The words behind the program's name, without --out.
+std::vector<std::string> command_words(const ManifestExperiment& experiment, std::uint64_t seed, bool quick);
+/// The command line that a reader types for one experiment, in the top folder of the source.
 std::string command_line(const ManifestExperiment& experiment, std::uint64_t seed, bool quick);
 
 /// "at most 8 um", "within 2 +- 0.1 mm/s".

@@ -60,7 +60,7 @@ std::string claim_row(const Judged& row, const ReportPage& page) {
   const Claim& claim = row.claim;
   const std::string unit = claim.unit.empty() || !row.value ? "" : " " + claim.unit;
   std::string verdict = verdict_text(row.verdict);
-  if (row.verdict == Verdict::kNotHeld && claim.negative) verdict += " (known)";
+  if (const std::string remark = remark_of(row); !remark.empty()) verdict += " (" + remark + ")";
   if (!row.why.empty()) verdict += ": " + row.why;
   return fmt::format(
       "<tr id=\"{}\">{}{}{}{}{}{}{}</tr>\n", html_text(claim.id), cell("thesis", html_text(claim.reference)),
@@ -75,7 +75,10 @@ std::string claim_row(const Judged& row, const ReportPage& page) {
           "figure"),
       cell("verdict", html_text(verdict), "verdict " + class_of(row.verdict)),
       cell("command",
-           fmt::format("<a href=\"#x-{}\">{}</a>, seed {}", claim.experiment, claim.experiment, page.seed)));
+           fmt::format(
+               "<a href=\"#x-{}\">{}</a>: <code>{}</code>", claim.experiment, claim.experiment,
+               html_text(command_line(page.manifest.experiment(claim.experiment), page.seed, page.quick))),
+           "command"));
 }
 
 std::string claim_table(ClaimSection section, const ReportPage& page) {
@@ -153,8 +156,7 @@ std::string report_page(const ReportPage& page) {
       "leaves "
       "<code>claims.json</code> and everything that the experiments left, as JSON, CSV, SVG and PNG. What "
       "changed since another "
-      "run: <code>--against DIR</code>. One experiment alone: the command above its figures, behind "
-      "<code>./telekerf experiment</code>.</p>",
+      "run: <code>--against DIR</code>. One experiment alone: the command above its figures.</p>",
       quick, page.seed);
   for (const auto& [place, html] : std::initializer_list<std::pair<const char*, std::string>>{
            {"dygraph_css", dygraphs("dygraph.min.css")},

@@ -121,18 +121,11 @@ class FolderOfItsOwn {
   int folder_;  // the experiments inherit it, and with it the lock
 };
 
-std::vector<std::string> words_for(const ManifestExperiment& experiment, const StorePlan& plan) {
-  std::vector<std::string> words{experiment.command};
-  const auto& own = experiment.words(plan.quick);
-  words.insert(words.end(), own.begin(), own.end());
-  if (experiment.seeded) words.insert(words.end(), {"--seed", std::to_string(plan.seed)});
-  return words;
-}
-
 /// The mark of a run that came to its end; it is written last.
 fs::path mark_of(const fs::path& folder) { return folder / "done.json"; }
 
-/// Size and checksum (FNV-1a) of each file that the experiment left, so that what was damaged since is run again.
+/// Size and checksum (FNV-1a) of each file that the experiment left, so that what was damaged since is run
+/// again.
 ordered_json files_of(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -159,7 +152,7 @@ std::optional<int> code_of_before(const fs::path& folder, const std::vector<std:
 
 Finished run_one(const ManifestExperiment& experiment, const StorePlan& plan) {
   Finished out{.name = experiment.name, .folder = folder_of(plan, experiment.name), .complaint = {}};
-  std::vector<std::string> words = words_for(experiment, plan);
+  std::vector<std::string> words = command_words(experiment, plan.seed, plan.quick);
   if (const auto code = is_a_commit(plan.commit) ? code_of_before(out.folder, words) : std::nullopt) {
     out.code = *code;
     out.resumed = true;
@@ -177,9 +170,10 @@ Finished run_one(const ManifestExperiment& experiment, const StorePlan& plan) {
   out.complaint = ending.complaint;
   out.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
   if (out.code > 1) return out;
-  fs::remove(log);  // all that counts is in the results
+  fs::remove(log);                         // all that counts is in the results
   fs::remove(out.folder / "timing.json");  // what depends on the clock is none
-  write_json(mark_of(out.folder), ordered_json{{"arguments", arguments}, {"code", out.code}, {"files", files_of(out.folder)}});
+  write_json(mark_of(out.folder),
+             ordered_json{{"arguments", arguments}, {"code", out.code}, {"files", files_of(out.folder)}});
   return out;
 }
 

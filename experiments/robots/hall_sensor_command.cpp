@@ -14,6 +14,7 @@
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
 #include "experiments/commands.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 
 namespace telekerf::experiments {
@@ -23,7 +24,7 @@ using nlohmann::ordered_json;
 using reporting::Line;
 using reporting::Panel;
 
-struct Options {
+struct Options : QuickForm {
   std::string robot = "slave-keops";
   double path_mm = 40.0;
   int sensors = 20;
@@ -140,6 +141,7 @@ void add_hall_sensor_command(Program& program) {
         s.add("path_mm", o.path_mm, {.min = 1, .max = 500, .unit = "mm"}, "there and back");
         s.add("sensors", o.sensors, {.min = 1, .max = 1000}, "drawn with the seeds from --seed on");
         s.add("seed", o.seed, kSeeds, "of the first");
+        o.add_quick(s);
         s.add("out", o.out, kFolder, "folder for the results");
       },
       run);

@@ -17,6 +17,7 @@
 #include "common/runtime/startup_error.h"
 #include "experiments/commands.h"
 #include "experiments/parallel.h"
+#include "experiments/quick_form.h"
 #include "experiments/result_file.h"
 #include "experiments/robots/random_site.h"
 
@@ -25,7 +26,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct Options : QuickForm {
   int runs = 1000;
   std::uint64_t seed = 1;
   double duration_s = 12.0;
@@ -168,6 +169,7 @@ void add_robots_command(Program& program) {
       [](Options& o, Settings& s) {
         s.add("runs", o.runs, {.min = 1, .max = 1e6}, "how many, with the seeds from --seed on");
         s.add("seed", o.seed, kSeeds, "of the first run");
+        o.add_quick(s, {QuickForm::shorter("runs", o.runs, 5)});
         s.add("duration_s", o.duration_s, {.min = 2, .max = 600, .unit = "s"}, "length of a run");
         s.add("jobs", o.jobs, {.min = 0, .max = 256}, "runs at a time, 0: one a processor");
         s.add("out", o.out, kFolder, "folder for the results and the robots");

@@ -28,6 +28,7 @@
 #include "common/vision/raster/picture_file.h"
 #include "common/vision/scaling.h"
 #include "experiments/commands.h"
+#include "experiments/quick_form.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -340,6 +341,11 @@ class Drawer {
   nlohmann::json result_;
 };
 
+struct Options : QuickForm {
+  std::uint64_t seed = 1;
+  std::string out;
+};
+
 /// What vision finds in four of the shipped pictures, over them.
 void draw_found(const std::filesystem::path& png) {
   std::vector<cv::Mat> pictures;
@@ -358,12 +364,16 @@ void add_contours_command(Program& program) {
   program.add(
       "contours",
       "Thesis 3: from picture to path, figures 3.2 to 3.12, and contours.png over shipped pictures",
-      std::string(),
-      [](std::string& out, Settings& s) { s.add("out", out, kFolder, "for the figures").must_be_given(); },
-      [](const std::string& out) {
-        make_folder("--out", out);
-        draw_found(std::filesystem::path(out) / "contours.png");
-        std::cout << json_text(Drawer(out).draw()) << '\n';
+      Options{},
+      [](Options& o, Settings& s) {
+        s.add("seed", o.seed, kSeeds, "nothing is drawn at random here");
+        o.add_quick(s);
+        s.add("out", o.out, kFolder, "for the figures").must_be_given();
+      },
+      [](const Options& o) {
+        make_folder("--out", o.out);
+        draw_found(std::filesystem::path(o.out) / "contours.png");
+        std::cout << json_text(Drawer(o.out).draw()) << '\n';
         return 0;
       });
 }

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <csignal>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "tests/system/programs.h"
@@ -91,8 +93,75 @@ TEST(AllExperiments, ThePageNeedsNothingBesideItAndIsSmall) {
       << "a place of the template";
   EXPECT_NE(page.find("Dygraph"), page.npos);
   EXPECT_NE(page.find("data:image/webp;base64,"), page.npos);
-  EXPECT_NE(page.find("telekerf-experiment hall-sensor --seed 1"), page.npos) << "the command stands there";
+  EXPECT_NE(page.find("<code>./telekerf experiment hall-sensor --quick --seed 1</code>"), page.npos)
+      << "the command stands there";
   EXPECT_NE(page.find("not assessed: the experiment was not run"), page.npos);
+}
+
+TEST(AllExperiments, CommandsOfThePageAreTakenAsTheyStandThere) {
+  for (const bool quick : {true, false}) {
+    const fs::path out = Program::scratch() / (quick ? "all-commands-quick" : "all-commands");
+    std::vector<std::string> all{"all", "--only", "space-contour", "--out", out.string()};
+    if (quick) all.emplace_back("--quick");
+    Program one("telekerf-experiment", all);
+    ASSERT_EQ(one.wait(seconds(120)), 0) << one.output();
+    const std::string page = text_of(out / "report.html");
+    static const std::regex kCommand("<code>\\./telekerf experiment ([^<]*)</code>");
+    std::set<std::string> commands;
+    for (std::sregex_iterator at(page.begin(), page.end(), kCommand), end; at != end; ++at)
+      commands.insert((*at)[1]);
+    EXPECT_GT(commands.size(), 10u);
+    for (const std::string& line : commands) {
+      std::istringstream in(line);
+      std::vector<std::string> words{std::istream_iterator<std::string>(in), {}};
+      EXPECT_EQ(std::count(words.begin(), words.end(), "--quick"), quick ? 1 : 0) << line;
+      words.emplace_back("--print-config");
+      Program program("telekerf-experiment", words);
+      EXPECT_EQ(program.wait(seconds(30)), 0) << line << "\n" << program.output();
+    }
+  }
+}
+
+TEST(AllExperiments, EachTakesQuickSeedAndOutAndWhatIsGivenBesideQuickStays) {
+  const auto configuration = [](const std::vector<std::string>& words) {
+    Program program("telekerf-experiment", words);
+    EXPECT_EQ(program.wait(seconds(30)), 0) << words[0] << "\n" << program.output();
+    return "\n" + program.output();
+  };
+  for (const char* name : {"all", "autofocus", "chaos", "closed-contour", "codec", "constraint", "contours",
+                           "delay", "hall-sensor", "haptics", "kinematics", "lap", "machine", "open-contour",
+                           "pictures", "remote-machining", "robots", "space-contour"}) {
+    const std::string said =
+        configuration({name, "--quick", "--seed", "2", "--out", "elsewhere", "--print-config"});
+    for (const char* line : {"\nquick = true\n", "\nseed = 2\n", "\nout = \"elsewhere\"\n"})
+      EXPECT_NE(said.find(line), said.npos) << name << ": " << said;
+  }
+  EXPECT_NE(configuration({"robots", "--quick", "--print-config"}).find("\nruns = 5\n"), std::string::npos);
+  // As many as a whole run has, but said.
+  EXPECT_NE(configuration({"robots", "--quick", "--runs", "1000", "--print-config"}).find("\nruns = 1000\n"),
+            std::string::npos);
+  EXPECT_NE(configuration({"robots", "--print-config"}).find("\nruns = 1000\n"), std::string::npos);
+  EXPECT_NE(configuration({"delay", "--quick", "--print-config"}).find("\nonly_rtt_ms = [100"),
+            std::string::npos);
+  // One run is short already.
+  EXPECT_EQ(
+      configuration({"delay", "--quick", "--rtt-ms", "50", "--print-config"}).find("\nonly_rtt_ms = [1"),
+      std::string::npos);
+  Program page("telekerf-experiment", {"codec", "--quick", "--page", "README.md"});
+  EXPECT_EQ(page.wait(seconds(30)), 2);
+  EXPECT_NE(page.output().find("--page: it is for figures of whole runs"), std::string::npos)
+      << page.output();
+}
+
+TEST(AllExperiments, QuickAloneIsQuickOfAll) {
+  const fs::path out = Program::scratch() / "all-and-one", alone = Program::scratch() / "robots-alone";
+  run_all(out.string(), {}, "robots");
+  Program robots("telekerf-experiment", {"robots", "--quick", "--out", alone.string()});
+  EXPECT_EQ(robots.wait(seconds(120)), 0) << robots.output();
+  const auto commit = *fs::directory_iterator(out / "results");
+  const std::string of_all = text_of(commit.path() / "robots/1-quick/robots.json");
+  EXPECT_FALSE(of_all.empty());
+  EXPECT_EQ(text_of(alone / "robots.json"), of_all);
 }
 
 TEST(AllExperiments, SaysWhatHasChangedAgainstAnotherRun) {
@@ -102,7 +171,7 @@ TEST(AllExperiments, SaysWhatHasChangedAgainstAnotherRun) {
   EXPECT_EQ(same.find("changed:"), same.npos) << same;
   EXPECT_NE(same.find(": no claim has another figure or verdict\n"), same.npos) << same;
   EXPECT_EQ(same.find("made otherwise"), same.npos) << same;
-  EXPECT_TRUE(std::regex_search(same, std::regex("\n\\d of \\d claims held; 1\\d\\d are of experiments that "
+  EXPECT_TRUE(std::regex_search(same, std::regex("\n\\d of \\d claims held; \\d{3} are of experiments that "
                                                  "were not asked for: ")))
       << same;
   const std::string said = run_all(b.string(), {"--seed", "2", "--against", a.string()});
@@ -225,8 +294,10 @@ TEST(AllExperiments, WhatCannotBeDoneIsOneSentence) {
            {{"--only", "nothing"}, "--only nothing: must be one of"},
            {{"--against", "/nowhere"}, "holds no claims.json"},
            {{"--against",
-             file_with("other/claims.json", R"({"claims": [{"id": 3}]})").parent_path().string()},
-            "is none of this program's"},
+             file_with("other/claims.json", R"({"seed": 1, "quick": true, "claims": [{"id": 3}]})")
+                 .parent_path()
+                 .string()},
+            "claims.0.id = 3: must be a word; no run writes that: name the --out of another run"},
            {{"--claims", file_with("none.toml", "").string()}, "holds no claim"},
            {{"--out", file_with("taken/results", "a file").parent_path().string()},
             "taken/results is no folder; name another"}}) {

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <string>
+#include <vector>
 
 #include "experiments/autofocus/focus_figures.h"
 #include "experiments/autofocus/focus_story.h"
+#include "experiments/autofocus/focus_surface.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -67,6 +71,27 @@ TEST(AutofocusExperiment, TheSurfaceHasOneRidge) {
     before_m = surface.focus_m[top];
     EXPECT_GT(row[top], 3.0 * row.front());
   }
+}
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(AutofocusExperiment, EachMotorAloneAndTheWholeRasterAreLeftAsNumbers) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "focus-surface";
+  std::filesystem::create_directories(folder);
+  draw_surface(1, folder);
+  for (const char* number : {"7.10", "7.11"}) {
+    const auto lines = lines_of(folder / ("figure-" + std::string(number) + ".csv"));
+    ASSERT_EQ(lines.size(), 142U) << number << ": a head and 141 places";
+    EXPECT_GT(std::filesystem::file_size(folder / ("figure-" + std::string(number) + ".png")), 20000U);
+  }
+  EXPECT_NE(lines_of(folder / "figure-7.10.csv")[1].find("magnification axis [mm]"), std::string::npos);
+  EXPECT_NE(lines_of(folder / "figure-7.11.csv")[1].find("focus axis [mm]"), std::string::npos);
+  EXPECT_EQ(lines_of(folder / "figure-7.12.csv").size(), 1U + 41U * 61U);
 }
 
 TEST(AutofocusPage, SaysThatTheBarsAreMet) {

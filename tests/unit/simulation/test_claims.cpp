@@ -12,7 +12,6 @@
 #include "common/runtime/startup_error.h"
 #include "experiments/report/fit.h"
 #include "experiments/report/judgement.h"
-#include "experiments/report/page_figures.h"
 #include "experiments/report/page_marks.h"
 
 namespace telekerf::experiments {
@@ -268,23 +267,6 @@ TEST(Page, TheTemplateHoldsNoFigureOfItsOwn) {
   for (std::sregex_iterator at(page.begin(), page.end(), kNumber), end; at != end; ++at)
     EXPECT_EQ(at->str().substr(at->str().find_first_of("0123456789")), "8")
         << "the chapter is all that may be said";
-}
-
-TEST(Page, PanelsOverTimeAreThereToZoomAndNoPeakIsLost) {
-  const fs::path png = fs::path(testing::TempDir()) / ("zoom-" + std::to_string(getpid()) + ".png");
-  std::ofstream csv(fs::path(png).replace_extension(".csv"));
-  csv << "panel,x_axis,y_axis,line,x,y\n";
-  for (int i = 0; i < 5000; ++i)
-    csv << "\"a <b>, \"\"c\"\"\",\"time [s]\",\"[um]\",\"tool\"," << i * 1e-3 << ","
-        << (i == 1234 ? 99.0 : 1.0) << "\n";
-  csv << "\"plane\",\"x [mm]\",\"y [mm]\",\"path\",1,2\n";
-  csv.close();
-  const std::string html = zoomable_panels(png);
-  EXPECT_NE(html.find("zoom: a &lt;b&gt;, &quot;c&quot;"), html.npos) << html.substr(0, 200);
-  EXPECT_EQ(html.find("plane"), html.npos) << "a path in the plane is no function of time";
-  EXPECT_NE(html.find("99.0"), html.npos);
-  EXPECT_LT(html.size(), 20000u);
-  EXPECT_EQ(zoomable_panels("/nowhere/at/all.png"), "");
 }
 
 }  // namespace

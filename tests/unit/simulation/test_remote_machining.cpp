@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
 
 #include "experiments/remote/remote_motion.h"
 
@@ -57,6 +58,20 @@ TEST(RemoteMachining, SpeedsAreAlongTheContourAndThoseOfTheTickThatWasApplied) {
   const auto speeds = speed_json(motion);
   EXPECT_NEAR(speeds["rescaled_minus_master_mm_s"]["max"].get<double>(), 0.0, 1e-6);
   EXPECT_NEAR(speeds["slave_mm_s"]["max"].get<double>(), 1e3 * fast, 0.1);
+}
+
+TEST(RemoteMachining, TheMotionIsLeftTickByTick) {
+  const RunRecord record = circle();
+  std::istringstream in(motion_csv(record));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  // All but those before the first applied tick and the ends of the differences.
+  ASSERT_GT(lines.size(), static_cast<std::size_t>(kTicks - 100 - 30));
+  EXPECT_TRUE(lines[0].starts_with("time_s,master_x_m,")) << lines[0];
+  const double first_s = std::stod(lines[1]), second_s = std::stod(lines[2]);
+  EXPECT_NEAR(second_s - first_s, 1e-3, 1e-9);
+  EXPECT_TRUE(lines[1].ends_with(",1")) << "lit: " << lines[1];
+  EXPECT_TRUE(lines.back().ends_with(",0")) << "the button was let go: " << lines.back();
 }
 
 TEST(RemoteMachining, TheScaleIsThatOfTheMotionsNotTheOneThatWasAsked) {
