@@ -35,7 +35,7 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                          {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}}),
                robot::Pushed::kYes),
       requests_(settings_.engage, settings_.beta),
-      hand_(settings_.arm, hand ? std::move(hand) : open_hand(settings_.hand_device)),
+      hand_(settings_.arm, hand ? std::move(hand) : open_hand(settings_.hand_device, settings_.cap)),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
       simulated_button_(settings_.button == "pressed" || (!operator_ && hand_.simulated())),
       node_(model_, settings_.node, settings_.epoch),

@@ -29,9 +29,14 @@ void StationSettings::add_parameters(Settings& settings) {
   settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
                "slave motion = beta x master motion");
   machine.add_parameters(settings);
+  settings.add("hand", hand_device, device_form(hand_forms(), validate_hand),
+               "who moves a simulated master: the simulated operator, the console's page, a device, a "
+               "program, a record");
   settings.add(
-      "hand", hand_device, device_form(hand_forms(), validate_hand),
-      "who moves a simulated master: the simulated operator, the console's page, a program, a record");
+      "spacemouse_mm_per_count", cap.mm_per_count, {.min = 1e-4, .max = 0.1, .unit = "mm"},
+      "hand spacemouse: how far in front of the tool it pulls, for a count of its cap (of about 350)");
+  settings.add("spacemouse_dead_counts", cap.dead_counts, {.min = 0, .max = 200},
+               "hand spacemouse: counts of its cap that are taken for rest");
   settings.add("button", button, device_form(operator_input_forms(), validate_operator_input),
                "who holds the laser button while the slave follows; hand: the hand itself");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
