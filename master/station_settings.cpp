@@ -11,6 +11,7 @@
 #include "master/observer/estimators.h"
 #include "master/operator/operator_input.h"
 #include "master/operator_requests.h"
+#include "master/stream_choice.h"
 
 namespace telekerf::master {
 namespace {
@@ -103,13 +104,11 @@ void StationSettings::add_stream_parameters(Settings& settings) {
   settings.add("disturbance_rad_s", node.command.observer.disturbance_rad_s,
                {.min = 0, .max = 1000, .unit = "rad/s"},
                "estimator predictor of remote-acceleration: pole of the disturbance");
-  settings.add("block", node.command.codec.block, {.min = 4, .max = 64},
-               "samples a block of the command stream");
-  settings.add("keep", node.command.codec.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
+  settings.add("block", node.command.codec.block, kBlockSamples, "samples a block of the command stream");
+  settings.add("keep", node.command.codec.keep, kKeptCoefficients, "coefficients kept a block and axis");
   settings.add("max_rms", node.command.codec.max_rms, {.min = 0, .max = 1000},
                "RMS error of a block that is kept instead [m/s^2; law local: m], 0: keep");
-  settings.add("redundancy", node.command.codec.redundancy, {.min = 0, .max = 7},
-               "previous blocks repeated in a packet");
+  settings.add("redundancy", node.command.codec.redundancy, kCopies, "previous blocks repeated in a packet");
   settings.add("max_redundancy", node.command.max_redundancy, {.min = 0, .max = 7},
                "and at most, after losses that these did not cover; redundancy if that is more");
   codec::refuse_unread(settings, {""});
