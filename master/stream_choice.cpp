@@ -12,7 +12,7 @@ namespace telekerf::master {
 namespace {
 
 template <typename Value>
-std::optional<std::uint8_t> row_of(const EnumTable<Value>& table, std::string_view word) noexcept {
+std::optional<std::uint8_t> index_of(const EnumTable<Value>& table, std::string_view word) noexcept {
   for (std::size_t row = 0; row < table.rows().size(); ++row) {
     if (table.rows()[row].word == word) return static_cast<std::uint8_t>(row);
   }
@@ -20,8 +20,8 @@ std::optional<std::uint8_t> row_of(const EnumTable<Value>& table, std::string_vi
 }
 
 template <typename Value>
-std::uint8_t row_of(const EnumTable<Value>& table, const Value& value) noexcept {
-  return row_of(table, table.word(value)).value_or(0);
+std::uint8_t index_of(const EnumTable<Value>& table, const Value& value) noexcept {
+  return index_of(table, table.word(value)).value_or(0);
 }
 
 std::optional<std::uint8_t> number_in(std::string_view text, const Bounds& bounds) noexcept {
@@ -43,12 +43,12 @@ const char* StreamChoice::change(std::string_view words) noexcept {
     return value ? nullptr : refusal;
   };
   if (word == "law")
-    return put(law, row_of(kLaws, rest), "refused: no law of that name; telekerf-master --help has them");
+    return put(law, index_of(kLaws, rest), "refused: no law of that name; telekerf-master --help has them");
   if (word == "estimator")
-    return put(estimator, row_of(kEstimators, rest),
+    return put(estimator, index_of(kEstimators, rest),
                "refused: no estimator of that name; telekerf-master --help has them");
   if (word == "codec")
-    return put(codec, row_of(codec::kCodecs, rest),
+    return put(codec, index_of(codec::kCodecs, rest),
                "refused: no codec of that name; telekerf-master --help has them");
   if (word == "block")
     return put(block, number_in(rest, kBlockSamples), "refused: block is a whole number within [4, 64]");
@@ -63,9 +63,9 @@ const char* StreamChoice::change(std::string_view words) noexcept {
 
 StreamChoice choice_of(const StationSettings& settings) {
   const CommandStreamSettings& command = settings.node.command;
-  return {.law = row_of(kLaws, command.law),
-          .estimator = row_of(kEstimators, command.observer.estimator),
-          .codec = row_of(codec::kCodecs, settings.codec),
+  return {.law = index_of(kLaws, command.law),
+          .estimator = index_of(kEstimators, command.observer.estimator),
+          .codec = index_of(codec::kCodecs, settings.codec),
           .block = static_cast<std::uint8_t>(command.codec.block),
           .keep = static_cast<std::uint8_t>(command.codec.keep),
           .redundancy = static_cast<std::uint8_t>(command.codec.redundancy)};
