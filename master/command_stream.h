@@ -63,6 +63,12 @@ class CommandStream {
   /// Another codec, block length or redundancy, from where the next block begins; the rate stays. Throws
   /// StartupError.
   void change(const codec::StreamSettings& codec);
+  /// Goes on in the place of `before`, which is used up: for the slave it is one stream. Between two
+  /// engagements; allocates nothing.
+  void take_over(CommandStream& before) noexcept {
+    packets_.take_over(before.packets_);
+    engagement_.take_over(before.engagement_);  // else the first block of an engagement would be none
+  }
 
   /// Copies of earlier blocks in the last packet.
   int copies() const noexcept { return packets_.copies(); }

@@ -28,6 +28,8 @@ class Engagement {
 
   /// What the slave has told; `ours`: of one that follows this master.
   void received(std::span<const streaming::SlaveSample> samples, bool ours) noexcept;
+  /// Nobody is led by `before` any more; what it knows of the slave goes on.
+  void take_over(const Engagement& before) noexcept { slave_m_ = before.slave_m_; }
   /// Where the slave was last seen.
   const std::optional<Vec3>& slave_m() const noexcept { return slave_m_; }
 

@@ -83,9 +83,9 @@ int run(Flags& flags) {
     status.say(fmt::format("{} is not simulated, so no hand is either: it feels a real one; button = {}{}",
                            flags.station.machine.drive, flags.station.button, nobody ? ": never held" : ""));
   }
-  RunRecording recording(
-      flags.record, flags.netem.with_network(run_identity(settings, "telekerf-master", flags.config)), station,
-      status);
+  RunRecording recording(flags.record,
+                         flags.netem.with_network(run_identity(settings, "telekerf-master", flags.config)),
+                         station, status);
   process.ready();
 
   std::vector<Received<StateBlock>> arrived_states;
@@ -140,7 +140,7 @@ int run(Flags& flags) {
     const MasterNode& node = station.node();
     if (node.tick() % kTelemetryTicks == 0)
       values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks(),
-                                              node.link().newest_rtt_s()));
+                                              node.link().newest_rtt_s(), station.stream()));
     link.step(slave);
     const bool goes_on = rivals.goes_on(obeyed_by(slave, settings.epoch));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);

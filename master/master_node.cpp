@@ -41,7 +41,7 @@ MasterNode::MasterNode(const robot::RobotModel& model, const MasterSettings& set
       dt_s_(1.0 / settings.control_hz),
       modes_(settings.approach_m_per_s, dt_s_),
       constraint_(settings_.constraint),
-      stream_(settings.command, epoch),
+      stream_(std::make_unique<CommandStream>(settings.command, epoch)),
       states_(settings.stale_s, epoch, settings.command.ticks_per_sample),
       epoch_(epoch),
       dead_man_(dt_s_) {}
@@ -65,7 +65,7 @@ bool MasterNode::receive(std::span<const Received<StateBlock>> states) noexcept 
     const streaming::Feedback& feedback = states_.receive(received);
     if (feedback.kind == streaming::Arrival::Kind::kRefused) continue;
     clocks_right = link_.received(received.value, received.received_ns) && clocks_right;
-    stream_.received(feedback);
+    stream_->received(feedback);
     if (feedback.kind != streaming::Arrival::Kind::kNew) continue;
     force_.received(feedback, states_.header());
   }
@@ -139,19 +139,19 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   // The slave is to follow the curve, not the way back to it from where the hand has pushed the pen.
   out.acceleration_m_per_s2 = guided() ? Vec3(wanted - constraint_.correction_m_per_s2()) : wanted;
   if (modes_.guide() != nullptr && joints_.posed()) {
-    out.command = stream_.step(now_ns, tick_,
-                               {.tool = {tool.position_m, tool.velocity_m_per_s, out.acceleration_m_per_s2},
-                                .beta = modes_.guide()->beta,
-                                .contour_id = modes_.guide()->contour_id,
-                                .button = button && button_seen_,
-                                .engaged = out.mode == MasterMode::kEngaged,
-                                .engage = engage_,
-                                .stop = out.stop,
-                                .echo_sequence = states_.heard() ? states_.header().sequence : 0,
-                                .echo_sent_ns = states_.heard() ? states_.header().sent_ns : 0});
-    if (out.command) link_.sent(*out.command, stream_.copies());
+    out.command = stream_->step(now_ns, tick_,
+                                {.tool = {tool.position_m, tool.velocity_m_per_s, out.acceleration_m_per_s2},
+                                 .beta = modes_.guide()->beta,
+                                 .contour_id = modes_.guide()->contour_id,
+                                 .button = button && button_seen_,
+                                 .engaged = out.mode == MasterMode::kEngaged,
+                                 .engage = engage_,
+                                 .stop = out.stop,
+                                 .echo_sequence = states_.heard() ? states_.header().sequence : 0,
+                                 .echo_sent_ns = states_.heard() ? states_.header().sent_ns : 0});
+    if (out.command) link_.sent(*out.command, stream_->copies());
   }
-  out.observed = stream_.observed();
+  out.observed = stream_->observed();
   out.slave_force = force_.step(dt_s_);
   ++tick_;
   return out;

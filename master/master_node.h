@@ -2,8 +2,10 @@
 // The master: modes, constraint, command stream. Pure: the same node runs in its process and in virtual time.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "common/control/joint_acceleration_control.h"
 #include "common/control/loop_design.h"
@@ -80,7 +82,13 @@ class MasterNode {
   }
   /// The newest that the slave has told; null: nothing yet.
   const StateHeader* slave() const noexcept { return states_.heard() ? &states_.header() : nullptr; }
-  const Observed& observed() const noexcept { return stream_.observed(); }
+  const Observed& observed() const noexcept { return stream_->observed(); }
+  /// Another law, estimator or codec from the next block on; `next` then holds the stream that was. Between
+  /// two engagements; allocates nothing.
+  void exchange(std::unique_ptr<CommandStream>& next) noexcept {
+    next->take_over(*stream_);
+    std::swap(stream_, next);
+  }
   /// What the hand feels of the cut.
   const FeltCut& felt() const noexcept { return constraint_.felt(); }
 
@@ -112,7 +120,7 @@ class MasterNode {
 
   Modes modes_;
   ConstraintController constraint_;
-  CommandStream stream_;
+  std::unique_ptr<CommandStream> stream_;  ///< never null
   streaming::StateReceiver states_;
   ForceFeedback force_;
   std::uint32_t epoch_;

@@ -12,6 +12,10 @@ OperatorRequests::Heard OperatorRequests::hear(std::span<const EventMessage> eve
       heard.refusal = "refused while stopped: neither engaged nor scaled before the stop is cleared";
       continue;
     }
+    if (now.stream_changes && event.kind == EventMessage::Kind::kEngage) {
+      heard.refusal = "refused: law, estimator or codec are just being changed; engage when they are";
+      continue;
+    }
     if (event.kind == EventMessage::Kind::kEngage) {
       engage_ = by_event_ = true;
       waited_s_ = gone_s_ = 0.0;

@@ -23,6 +23,7 @@ class OperatorRequests {
   struct Situation {
     bool stopped = false;
     bool beam_on = false;
+    bool stream_changes = false;  ///< another law, estimator or codec is being made ready
   };
   struct Heard {
     bool rescale = false;           ///< another scale is asked for: the contour must be prepared for it

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/protocol/overhead.h"
 #include "common/robot/drivers/simulated_robot.h"
 #include "common/runtime/startup_error.h"
 #include "master/constraint/reach.h"
+#include "master/stream_report.h"
 
 namespace telekerf::master {
 namespace {
@@ -25,7 +25,8 @@ constexpr std::size_t kMostContours = 64;
 
 Station::Station(const StationSettings& settings, robot::Drive drive, std::unique_ptr<OperatorInput> input,
                  std::unique_ptr<OperatorInput> hand)
-    : settings_(settings.validated()),
+    : given_(settings),
+      settings_(settings.validated()),
       model_(robot::load_robot(settings_.robot)),
       machine_(model_, settings_.machine, settings_.node.control_hz,
                drive.robot
@@ -35,7 +36,8 @@ Station::Station(const StationSettings& settings, robot::Drive drive, std::uniqu
                          {model_, settings_.node.control_hz, {settings_.mismatch, settings_.seed, {}}}),
                robot::Pushed::kYes),
       requests_(settings_.engage, settings_.beta),
-      hand_(settings_.arm, hand ? std::move(hand) : open_hand(settings_.hand_device)),
+      streams_(choice_of(given_)),
+      hand_(settings_.arm, hand ? std::move(hand) : open_hand(settings_.hand_device, settings_.cap)),
       operator_(input ? std::move(input) : open_operator_input(settings_.button)),
       simulated_button_(settings_.button == "pressed" || (!operator_ && hand_.simulated())),
       node_(model_, settings_.node, settings_.epoch),
@@ -52,10 +54,25 @@ std::unique_ptr<GuidedContour> Station::prepare(const ContourMessage& contour) {
     GuidePath guide = make_guide(contour, beta, settings_.node.constraint);
     require_reach(model_, guide, settings_.node.constraint.corridor_m);
     SimulatedOperator hand(guide.curve.line(), settings_.hand, settings_.seed);
+    auto task = std::make_unique<GuidedContour>(GuidedContour{std::move(guide), std::move(hand), {}, {}, {}});
     requests_.granted(beta);
-    return std::make_unique<GuidedContour>(GuidedContour{std::move(guide), std::move(hand)});
+    prepare_stream(*task);
+    return task;
   } catch (const StartupError&) {
     requests_.refused(beta);
+    throw;
+  }
+}
+
+void Station::prepare_stream(GuidedContour& task) {
+  const StreamChoice choice = streams_.wanted();
+  if (choice == streams_.in_force()) return;
+  try {
+    task.choice = choice;
+    task.settings = with_choice(given_, choice).validated().node.command;
+    task.stream = std::make_unique<CommandStream>(task.settings, settings_.epoch);
+  } catch (const StartupError&) {
+    streams_.refuse(choice);
     throw;
   }
 }
@@ -74,19 +91,36 @@ const char* Station::obstacle() const noexcept {
   return nullptr;
 }
 
+void Station::hear(std::span<const EventMessage> events, bool stopped, StationOutputs& out) noexcept {
+  const StateHeader* const slave = node_.slave();
+  const bool beam_on = slave != nullptr && slave->laser_on;
+  for (const EventMessage& event : events) {
+    if (StreamRequests::concerns(event)) {
+      out.judge(event.epoch, streams_.hear(event, {stopped, engaged_ || requests_.engage(), beam_on}));
+      out.prepare_anew = out.prepare_anew || streams_.pending();
+    }
+    if (!OperatorRequests::concerns(event)) continue;
+    const OperatorRequests::Heard heard = requests_.hear({&event, 1}, {stopped, beam_on, streams_.pending()});
+    out.judge(event.epoch, heard.refusal);
+    out.prepare_anew = out.prepare_anew || heard.rescale;
+  }
+}
+
+void Station::take_stream(GuidedContour* task, StationOutputs& out) noexcept {
+  if (const auto asker = streams_.take_refused(); asker != 0) out.judge(asker, StreamRequests::kCannotBeMade);
+  if (task == nullptr || task->stream == nullptr || engaged_ || !streams_.grant(task->choice)) return;
+  node_.exchange(task->stream);
+  settings_.node.command = task->settings;
+  settings_.codec = codec::kCodecs.rows()[task->choice.codec].value;
+}
+
 StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
                              std::span<const Received<StateBlock>> states,
                              std::span<const EventMessage> events, const StopOrder& stop) noexcept {
   StationOutputs out;
   const StateHeader* const slave = node_.slave();
-  for (const EventMessage& event : events) {
-    if (!OperatorRequests::concerns(event)) continue;
-    const OperatorRequests::Heard heard =
-        requests_.hear({&event, 1}, {stop.number != 0, slave != nullptr && slave->laser_on});
-    out.prepare_anew = out.prepare_anew || heard.rescale;
-    if (out.verdict_count < out.verdicts.size())
-      out.verdicts[out.verdict_count++] = {event.epoch, heard.refusal};
-  }
+  hear(events, stop.number != 0, out);
+  take_stream(task, out);
   const Tick tick = node_.tick();
   const std::optional<Vec3> true_tool_m = machine_.true_tool_m();
   MasterInputs inputs;
@@ -166,45 +200,9 @@ void Station::report_contours(std::span<const ContourMessage> adopted, RunRecord
 void Station::report(RunRecord& record) const {
   record.master = recorder_.rows();
   record.master_drive = {settings_.machine.drive, machine_.plant() != nullptr};
-  const streaming::LinkStatistics& link = node_.link();
-  const auto& command = settings_.node.command.codec;
-  const double run_s = static_cast<double>(node_.tick()) * control_period_s();
-  const auto packets = static_cast<double>(link.packets());
-  Metrics& f = record.master_figures;
-  f["beta"] = settings_.beta;
-  f["seed"] = static_cast<double>(settings_.seed);
-  f["rate_hz"] = settings_.node.control_hz;
-  if (link.round_trips() > 0) {  // otherwise nobody knows
-    f["rtt_p50_ms"] = link.rtt_quantile_ms(0.50);
-    f["rtt_p95_ms"] = link.rtt_quantile_ms(0.95);
-    f["rtt_p99_ms"] = link.rtt_quantile_ms(0.99);
-  }
-  f["clocks_wrong"] = static_cast<double>(link.clocks_wrong());
-  f["lost"] = static_cast<double>(node_.states().lost);
-  f["block"] = command.block;
-  f["keep"] = command.keep;
-  f["max_rms"] = command.max_rms;
-  f["redundancy"] = command.redundancy;
-  f["copies_mean"] = link.mean_copies();
-  f["copies_max"] = link.max_copies();
-  f["block_ms"] = (command.block - 1) * 1e-6 * command.sample_period_ns;
-  f["packets_per_s"] = run_s > 0.0 ? packets / run_s : 0.0;
-  f["wire_bytes_per_s"] = run_s > 0.0 ? static_cast<double>(link.wire_bytes()) / run_s : 0.0;
-  f["payload_bytes_per_s"] = run_s > 0.0 ? static_cast<double>(link.payload_bytes()) / run_s : 0.0;
-  // All coded bytes, redundant copies and block heads included, over the axis samples they newly carry.
-  f["bits_per_sample"] =
-      packets > 0.0 ? 8.0 * static_cast<double>(link.payload_bytes()) / (packets * 3.0 * command.block) : 0.0;
-  if (node_.felt().on()) add_figures(node_.felt().statistics(), f);
-  f["readings_missed"] = static_cast<double>(machine_.readings_missed());
-  f["dropped_rows"] = static_cast<double>(recorder_.dropped());
-  const streaming::ClockEstimate clocks = link.clocks();
-  f["clock_offset_us"] = clocks.offset_s * 1e6;
-  f["clock_skew_ppm"] = clocks.skew * 1e6;
-  f["clock_uncertainty_us"] = clocks.uncertainty_s * 1e6;
-  f["observer_delay_ms"] = node_.observed().delay_s * 1e3;
-  record.words["law"] = kLaws.word(settings_.node.command.law);
-  record.words["estimator"] = kEstimators.word(settings_.node.command.observer.estimator);
-  record.words["codec"] = codec::kCodecs.word(settings_.codec);
+  record.master_figures["readings_missed"] = static_cast<double>(machine_.readings_missed());
+  record.master_figures["dropped_rows"] = static_cast<double>(recorder_.dropped());
+  report_stream(settings_, node_, record);
 }
 
 }  // namespace telekerf::master

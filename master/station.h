@@ -21,6 +21,7 @@
 #include "master/operator/simulated_operator.h"
 #include "master/operator_requests.h"
 #include "master/station_settings.h"
+#include "master/stream_choice.h"
 #include "master/tool_hand.h"
 
 namespace telekerf::master {
@@ -29,6 +30,10 @@ namespace telekerf::master {
 struct GuidedContour {
   GuidePath guide;
   SimulatedOperator hand;
+  /// The command stream that an operator has asked for meanwhile; null: none, or it has been taken.
+  std::unique_ptr<CommandStream> stream;
+  StreamChoice choice;             ///< of that stream
+  CommandStreamSettings settings;  ///< likewise
 };
 
 /// What becomes of an operator's event.
@@ -42,8 +47,11 @@ struct StationOutputs : MasterOutputs {
   static constexpr std::size_t kMostVerdicts = 16;
   std::array<EventVerdict, kMostVerdicts> verdicts;
   std::size_t verdict_count = 0;
+  void judge(std::uint32_t asker, const char* refusal) noexcept {
+    if (verdict_count < verdicts.size()) verdicts[verdict_count++] = {asker, refusal};
+  }
   bool say_stop = false;      ///< the operator's device wants an emergency stop
-  bool prepare_anew = false;  ///< another scale is asked for: prepare() the contour once more
+  bool prepare_anew = false;  ///< another scale or stream is asked for: prepare() the contour once more
 };
 
 class Station {
@@ -52,9 +60,10 @@ class Station {
   explicit Station(const StationSettings& settings, robot::Drive drive = {},
                    std::unique_ptr<OperatorInput> input = {}, std::unique_ptr<OperatorInput> hand = {});
 
-  /// At the scale that the settings name or an operator has asked for since. Allocates: call it outside the
-  /// loop, from one thread at a time. Throws StartupError if the robot cannot take the scaled contour; then
-  /// the scale that was in force is wanted again.
+  /// At the scale that the settings name or an operator has asked for since, with the command stream that one
+  /// has asked for. Allocates: call it outside the loop, from one thread at a time. Throws StartupError if
+  /// the robot cannot take the scaled contour, or the stream cannot be made; then what was in force is wanted
+  /// again.
   std::unique_ptr<GuidedContour> prepare(const ContourMessage& contour);
 
   /// One control step: hear, read, decide, write, and let a simulated plant move. `task` may be null.
@@ -68,6 +77,8 @@ class Station {
   /// A literal; null: they go.
   const char* obstacle() const noexcept;
   const MasterNode& node() const { return node_; }
+  /// Law, estimator and codec of the command stream, by the rows of their tables.
+  StreamChoice stream() const noexcept { return streams_.in_force(); }
   const robot::RobotSupervisor& machine() const { return machine_; }
   /// After the last step: leaves the robot without current.
   void release() noexcept { machine_.release(); }
@@ -86,10 +97,19 @@ class Station {
   std::span<const ContourBegin> in_force() const noexcept { return contours_; }
 
  private:
+  /// The command stream that is asked for, if it is another than the one in force. Throws StartupError.
+  void prepare_stream(GuidedContour& task);
+  /// What operators say. Wait-free.
+  void hear(std::span<const EventMessage> events, bool stopped, StationOutputs& out) noexcept;
+  /// The stream that is waited for, if it has come.
+  void take_stream(GuidedContour* task, StationOutputs& out) noexcept;
+
+  StationSettings given_;  ///< before validated()
   StationSettings settings_;
   robot::RobotModel model_;
   robot::RobotSupervisor machine_;
   OperatorRequests requests_;
+  StreamRequests streams_;
   ToolHand hand_;
   std::unique_ptr<OperatorInput> operator_;  ///< who holds the button; null: the hand
   bool simulated_button_;                    ///< nobody's hand: it lets go when it is told to

@@ -11,6 +11,7 @@
 #include "master/observer/estimators.h"
 #include "master/operator/operator_input.h"
 #include "master/operator_requests.h"
+#include "master/stream_choice.h"
 
 namespace telekerf::master {
 namespace {
@@ -29,9 +30,14 @@ void StationSettings::add_parameters(Settings& settings) {
   settings.add("beta", beta, {.min = kSmallestBeta, .max = kLargestBeta},
                "slave motion = beta x master motion");
   machine.add_parameters(settings);
+  settings.add("hand", hand_device, device_form(hand_forms(), validate_hand),
+               "who moves a simulated master: the simulated operator, the console's page, a device, a "
+               "program, a record");
   settings.add(
-      "hand", hand_device, device_form(hand_forms(), validate_hand),
-      "who moves a simulated master: the simulated operator, the console's page, a program, a record");
+      "spacemouse_mm_per_count", cap.mm_per_count, {.min = 1e-4, .max = 0.1, .unit = "mm"},
+      "hand spacemouse: how far in front of the tool it pulls, for a count of its cap (of about 350)");
+  settings.add("spacemouse_dead_counts", cap.dead_counts, {.min = 0, .max = 200},
+               "hand spacemouse: counts of its cap that are taken for rest");
   settings.add("button", button, device_form(operator_input_forms(), validate_operator_input),
                "who holds the laser button while the slave follows; hand: the hand itself");
   settings.add("mismatch", mismatch, {.min = 0, .max = 0.5},
@@ -98,13 +104,11 @@ void StationSettings::add_stream_parameters(Settings& settings) {
   settings.add("disturbance_rad_s", node.command.observer.disturbance_rad_s,
                {.min = 0, .max = 1000, .unit = "rad/s"},
                "estimator predictor of remote-acceleration: pole of the disturbance");
-  settings.add("block", node.command.codec.block, {.min = 4, .max = 64},
-               "samples a block of the command stream");
-  settings.add("keep", node.command.codec.keep, {.min = 1, .max = 64}, "coefficients kept a block and axis");
+  settings.add("block", node.command.codec.block, kBlockSamples, "samples a block of the command stream");
+  settings.add("keep", node.command.codec.keep, kKeptCoefficients, "coefficients kept a block and axis");
   settings.add("max_rms", node.command.codec.max_rms, {.min = 0, .max = 1000},
                "RMS error of a block that is kept instead [m/s^2; law local: m], 0: keep");
-  settings.add("redundancy", node.command.codec.redundancy, {.min = 0, .max = 7},
-               "previous blocks repeated in a packet");
+  settings.add("redundancy", node.command.codec.redundancy, kCopies, "previous blocks repeated in a packet");
   settings.add("max_redundancy", node.command.max_redundancy, {.min = 0, .max = 7},
                "and at most, after losses that these did not cover; redundancy if that is more");
   codec::refuse_unread(settings, {""});

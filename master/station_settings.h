@@ -11,6 +11,7 @@
 #include "master/master_node.h"
 #include "master/operator/arm.h"
 #include "master/operator/simulated_operator.h"
+#include "master/operator/space_mouse.h"
 
 namespace telekerf::master {
 
@@ -25,6 +26,7 @@ struct StationSettings {
   double mismatch = 0.1;  ///< how far the simulated robot is off its file, as a share
   SimulatedOperatorSettings hand;
   ArmSettings arm;                ///< between a pointer and the tool
+  SpaceMouseSettings cap;         ///< of hand = spacemouse
   double hand_speed_mm_s = 20.0;  ///< what a user sets of it
   double tracking_rad_s = 0.0;    ///< of the law; 0: chosen from the stream's rate
   double beam_age_s = 0.35;       ///< the slave's, see MasterSettings::stale_s

@@ -4,7 +4,7 @@
 namespace telekerf::master {
 
 MasterValues master_values(const MasterOutputs& out, double beta, const streaming::ClockEstimate& clocks,
-                           double round_trip_s) noexcept {
+                           double round_trip_s, const StreamChoice& stream) noexcept {
   const GuidePiece& piece = out.active.piece;
   const geometry::CircleOrLine& shape = piece.shape;
   const Vec2 centre = shape.is_line ? shape.point_m : shape.centre_m;
@@ -50,7 +50,13 @@ MasterValues master_values(const MasterOutputs& out, double beta, const streamin
           out.velocity_m_per_s.y(),
           out.hand_n.x(),
           out.hand_n.y(),
-          round_trip_s};
+          round_trip_s,
+          static_cast<double>(stream.law),
+          static_cast<double>(stream.estimator),
+          static_cast<double>(stream.codec),
+          static_cast<double>(stream.block),
+          static_cast<double>(stream.keep),
+          static_cast<double>(stream.redundancy)};
 }
 
 // A sequence lock whose data are atomics, so that a torn reading is noticed and never undefined: who has read

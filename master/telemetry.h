@@ -10,6 +10,7 @@
 
 #include "common/protocol/messages.h"
 #include "master/master_node.h"
+#include "master/stream_choice.h"
 
 namespace telekerf::master {
 
@@ -26,7 +27,9 @@ inline constexpr std::array kMasterValueNames{
     // The force on the slave's tool; not known: nothing came, or nothing comes any more.
     "force_known", "force_x_n", "force_y_n", "force_z_n",
     // The tool's motion, the hand's force on it as it is estimated, and the network alone, there and back.
-    "tool_x_m_per_s", "tool_y_m_per_s", "hand_x_n", "hand_y_n", "round_trip_s"};
+    "tool_x_m_per_s", "tool_y_m_per_s", "hand_x_n", "hand_y_n", "round_trip_s",
+    // The command stream: law, estimator and codec by the rows of their tables.
+    "law", "estimator", "codec", "block", "keep", "redundancy"};
 using MasterValues = std::array<double, kMasterValueNames.size()>;
 
 /// In the order of kMasterValueNames. Circle and tangent in the master's workpiece frame; of a line,
@@ -34,7 +37,7 @@ using MasterValues = std::array<double, kMasterValueNames.size()>;
 /// which the command made now acts, slave's workpiece frame. `clock_`: slave's clock against the master's.
 /// `round_trip_s`: the newest.
 MasterValues master_values(const MasterOutputs& out, double beta, const streaming::ClockEstimate& clocks,
-                           double round_trip_s) noexcept;
+                           double round_trip_s, const StreamChoice& stream) noexcept;
 
 /// The newest values of one writer, for any number of readers. The writer never waits.
 class Snapshot {

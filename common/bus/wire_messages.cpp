@@ -119,7 +119,7 @@ bool to_wire(const EventMessage& value, std::uint16_t contract, wire::Event& wir
 
 Verdict from_wire(const wire::Event& wire, std::uint16_t contract, EventMessage& value) {
   if (wire.contract() != contract) return Verdict::kForeignContract;
-  if (wire.kind() > static_cast<std::uint8_t>(EventMessage::Kind::kLook) || !std::isfinite(wire.value()))
+  if (wire.kind() > static_cast<std::uint8_t>(EventMessage::Kind::kSetStream) || !std::isfinite(wire.value()))
     return Verdict::kDamaged;
   value.epoch = wire.epoch();
   value.kind = static_cast<EventMessage::Kind>(wire.kind());

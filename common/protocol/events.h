@@ -21,13 +21,15 @@ struct EventMessage {
     kTakeContour,
     kSetZoom,
     kRefocus,
-    kLook
+    kLook,
+    kSetStream
   };
   std::uint32_t epoch = 0;  ///< of the process that says it; of an answer: of whom it answers
   Kind kind = Kind::kDisengage;
   double value = 0.0;  ///< of a scale; of a contour its id; of an answer 1: refused, 0: done
   std::string text;  ///< of a network: its profile; of a look: what is meant (docs/reference/contours.md); of
-                     ///< an answer "ROLE: what became of it"
+                     ///< the command stream "WORD VALUE" (docs/reference/contract.md); of an answer "ROLE:
+                     ///< what became of it"
 };
 
 /// Slow named numbers of one process, for console and recorder.

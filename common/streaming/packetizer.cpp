@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/streaming/packetizer.h"
 
+#include <utility>
+
 namespace telekerf::streaming {
 
 Packetizer::Packetizer(const PacketizerSettings& settings) : settings_(settings), encoder_(settings.codec) {
@@ -11,6 +13,12 @@ void Packetizer::change(const codec::StreamSettings& codec) {
   next_ = codec.validated();
   next_->sample_period_ns = settings_.codec.sample_period_ns;
   next_->anchored = settings_.codec.anchored;
+}
+
+void Packetizer::take_over(Packetizer& before) noexcept {
+  std::swap(encoder_, before.encoder_);
+  encoder_.change(settings_.codec);  // was in bounds when this one was made
+  number_ = before.number_;
 }
 
 void Packetizer::begin(std::int64_t index, const Anchor& anchor) noexcept {

@@ -55,6 +55,10 @@ class Packetizer {
   /// StartupError.
   void change(const codec::StreamSettings& codec);
 
+  /// Goes on in the place of `before`, which is used up: for the receiver it is one stream whose settings
+  /// change. The next block stands alone.
+  void take_over(Packetizer& before) noexcept;
+
   /// Copies of earlier blocks in each packet from the next one on.
   void repeat(int copies) noexcept { encoder_.repeat(copies); }
   /// In the last packet.

@@ -264,6 +264,15 @@ namespace {
 
 tl::expected<Extraction, std::string> found_in(const cv::Mat& image, const PictureRequest& request) {
   const ExtractionMode mode = request.extraction.mode;
+  if (request.extraction.level) {
+    auto drawing = extract(image, request.extraction);
+    if (drawing && request.pointing.any() && !keep_pointed_at(*drawing, request.pointing))
+      return tl::unexpected(
+          fmt::format("level = {:.2f}: no contour is there that is pointed at; leave out --at or "
+                      "--box, or choose another level",
+                      *request.extraction.level));
+    return drawing;
+  }
   if (request.pointing.any()) {
     if (mode == ExtractionMode::kStroke || mode == ExtractionMode::kThesis)
       return tl::unexpected(fmt::format("--at and --box find the outline of a thing; leave out --mode {}",

@@ -31,6 +31,10 @@ void PictureFlags::add_parameters(Settings& settings) {
   settings.add(
       "smallest_mm", smallest_mm, {.min = 1e-3, .max = 1e4, .unit = "mm"},
       "size of the smallest contour of a picture that counts; without it a twentieth of the largest");
+  settings.add(
+      "level", level, kLevels,
+      "where borders lie on the way from background to drawing; without it half way, or where the picture is "
+      "explained best");
 }
 
 void PictureFlags::apply_to(LoadRequest& request) const {
@@ -38,6 +42,7 @@ void PictureFlags::apply_to(LoadRequest& request) const {
   request.pointing.away = points_of("not", away);
   if (!box.empty()) request.pointing.box = Eigen::Vector4d(box[0], box[1], box[2], box[3]);
   request.paper = paper;
+  request.extraction.level = level;
   if (smallest_mm) request.smallest_m = 1e-3 * *smallest_mm;
   if (!away.empty() && !request.pointing.any())
     throw usage_error(

@@ -15,6 +15,7 @@ struct PictureFlags {
   std::vector<double> away;  ///< likewise
   std::vector<double> box;   ///< x, y, width, height
   std::optional<double> smallest_mm;
+  std::optional<double> level;  ///< see ExtractionSettings
   Paper paper = Paper::kNone;
 
   void add_parameters(Settings& settings);

@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 
 #include "common/reporting/run_report.h"
+#include "common/workpiece/line_depth.h"
 #include "experiments/simulation/simulation.h"
-#include "slave/laser/pulsed_source.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -62,20 +61,6 @@ double depth_error(const std::vector<double>& depths, double depth_m) {
 
 }  // namespace
 
-double depth_speed_m2_per_s(const workpiece::Material& material, double laser_w) {
-  const laser::PulsedSourceSettings source;
-  const double pulse_j = source.max_power_w / source.repetition_hz;
-  const double w = source.spot_radius_m;
-  const double peak = material.absorption * 2.0 * pulse_j / (std::numbers::pi * w * w);
-  if (peak <= material.threshold_j_per_m2) return 0.0;
-  // Of pulses side by side, the part of a Gaussian's profile above the threshold, summed along the line.
-  const double reach = w * std::sqrt(0.5 * std::log(peak / material.threshold_j_per_m2));
-  const double above =
-      peak * w * std::sqrt(0.5 * std::numbers::pi) * std::erf(std::numbers::sqrt2 * reach / w) -
-      2.0 * reach * material.threshold_j_per_m2;
-  return laser_w / pulse_j * above / material.heat_of_removal_j_per_m3;
-}
-
 FeltCutRun run_felt_cut(const FeltCutTrial& trial, bool felt, std::uint64_t seed, double heat_factor) {
   simulation::SimulationSettings settings;
   settings.image = trial.image;
@@ -87,7 +72,7 @@ FeltCutRun run_felt_cut(const FeltCutTrial& trial, bool felt, std::uint64_t seed
   settings.slave.node.laser_w = trial.laser_w;
   const workpiece::Material& copy = workpiece::kWood;
   if (felt) settings.master.felt_depth_mm = trial.depth_mm;
-  settings.master.felt_depth_speed_mm2_per_s = 1e6 * depth_speed_m2_per_s(copy, trial.laser_w);
+  settings.master.felt_depth_speed_mm2_per_s = 1e6 * workpiece::depth_speed_m2_per_s(copy, trial.laser_w);
   const RunRecord record = simulation::simulate(settings);
   const auto report = reporting::make_report(record);
 

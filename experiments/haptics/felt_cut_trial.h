@@ -38,10 +38,6 @@ struct FeltCutRun {
   double energy_outside_j = 0.0;
 };
 
-/// Depth times speed of a line, m^2/s: what the material's law and the source's pulses come to under a beam
-/// of this power.
-double depth_speed_m2_per_s(const workpiece::Material& material, double laser_w);
-
 /// `heat_factor`: the true material needs that much more to be removed than the master's copy knows.
 FeltCutRun run_felt_cut(const FeltCutTrial& trial, bool felt, std::uint64_t seed, double heat_factor = 1.0);
 

@@ -8,6 +8,7 @@
 #include "common/reporting/plot.h"
 #include "common/runtime/results.h"
 #include "common/runtime/settings.h"
+#include "common/workpiece/line_depth.h"
 #include "experiments/commands.h"
 #include "experiments/haptics/felt_cut_trial.h"
 #include "experiments/haptics/port_trial.h"
@@ -113,7 +114,7 @@ ordered_json cut_json(const std::vector<Pair>& hands, const Options& options, do
   return {{"image", options.trial.image},
           {"netem", options.trial.netem},
           {"depth_mm", depth_mm},
-          {"copy_mm2_per_s", 1e6 * depth_speed_m2_per_s(workpiece::kWood, options.trial.laser_w)},
+          {"copy_mm2_per_s", 1e6 * workpiece::depth_speed_m2_per_s(workpiece::kWood, options.trial.laser_w)},
           {"error_ratio_median", ratios[ratios.size() / 2]},
           {"error_ratio_worst", ratios.back()},
           {"marked_error_ratio_median", marked_ratios[marked_ratios.size() / 2]},

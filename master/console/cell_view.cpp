@@ -57,7 +57,11 @@ void CellView::hear(const Received<StateBlock>& received) {
   slave_heard_ = true;
   works_on(slave_.contour_id);
   for (const streaming::SlaveSample& sample : feedback.samples) {
-    if (slave_.laser_on && contour_) mark_.add(sample.position_m.head<2>());
+    if (slave_.laser_on && contour_) {
+      mark_.add(sample.position_m.head<2>());
+      depths_.burn(sample.position_m.head<2>(), sample.velocity_m_per_s.head<2>().norm(),
+                   1e-9 * slave_.sample_period_ns);
+    }
     compare(sample);
   }
   if (feedback.samples.empty()) return;
@@ -93,8 +97,11 @@ void CellView::hear(const TelemetryMessage& telemetry, std::int64_t now_ns) {
 }
 
 void CellView::hear(ContourMessage contour) {
+  if (contour_ && contour_->id == contour.id) waiting_.reset();  // it is what vision sees again
   if (this->contour(contour.id) != nullptr) return;
-  (contour_ ? waiting_ : contour_) = std::move(contour);
+  const bool first = !contour_;
+  (first ? contour_ : waiting_) = std::move(contour);
+  if (first) begin_depths();
   forget_pictures();
 }
 
@@ -103,6 +110,7 @@ void CellView::works_on(std::uint32_t id) {
   contour_ = std::move(waiting_);
   waiting_.reset();
   mark_.clear();
+  begin_depths();
   forget_pictures();
 }
 
@@ -158,6 +166,17 @@ bool CellView::slave_fresh(std::int64_t now_ns) const noexcept {
 
 bool CellView::engaged(std::int64_t now_ns) const {
   return master_fresh(now_ns) && value("mode") == static_cast<double>(MasterMode::kEngaged);
+}
+
+std::optional<StreamChoice> CellView::stream() const {
+  if (!master_.contains("law")) return std::nullopt;
+  const auto number = [this](const char* name) { return static_cast<std::uint8_t>(value(name)); };
+  return StreamChoice{.law = number("law"),
+                      .estimator = number("estimator"),
+                      .codec = number("codec"),
+                      .block = number("block"),
+                      .keep = number("keep"),
+                      .redundancy = number("redundancy")};
 }
 
 PageFields CellView::fields(std::int64_t now_ns) {

@@ -12,9 +12,11 @@
 #include "common/protocol/messages.h"
 #include "common/protocol/overhead.h"
 #include "common/streaming/state_receiver.h"
+#include "master/console/depth_plan.h"
 #include "master/console/mark_trail.h"
 #include "master/console/page_protocol.h"
 #include "master/operator/udp_hand.h"
+#include "master/stream_choice.h"
 
 namespace telekerf::master {
 
@@ -23,6 +25,8 @@ class CellView {
  public:
   /// Numbers older than this are not the cell's state any more.
   static constexpr double kStale_s = 0.5;
+
+  explicit CellView(const CutPower& cut = {}) { depths_.set_power(cut.power); }
 
   void hear(const Received<CommandBlock>& command);
   void hear(const Received<StateBlock>& state);
@@ -55,9 +59,12 @@ class CellView {
   std::string imaging_sentence(std::int64_t now_ns) const;
   double zoom() const;  ///< share of the axis' travel
   MarkTrail& mark() noexcept { return mark_; }
+  const DepthTrail& depths() const noexcept { return depths_; }
   bool laser_on(std::int64_t now_ns) const noexcept { return slave_fresh(now_ns) && slave_.laser_on; }
   bool engaged(std::int64_t now_ns) const;
   double beta() const { return value("beta", 1.0); }
+  /// Law, estimator and codec as the master has told them; none: it has not.
+  std::optional<StreamChoice> stream() const;
   bool master_fresh(std::int64_t now_ns) const noexcept;
   bool slave_fresh(std::int64_t now_ns) const noexcept;
 
@@ -81,6 +88,7 @@ class CellView {
   /// Somebody works on the contour with this id.
   void works_on(std::uint32_t id);
   void forget_pictures();
+  void begin_depths() { depths_.begin({contour_->points_m, contour_->closed}); }
   void compare(const streaming::SlaveSample& sample) noexcept;
 
   std::map<std::string, double, std::less<>> master_;  ///< telemetry
@@ -109,6 +117,7 @@ class CellView {
   std::int64_t vision_ns_ = 0;
   std::optional<UdpHandAnswer> answer_;  ///< newer than the telemetry
   MarkTrail mark_;
+  DepthTrail depths_;
 };
 
 }  // namespace telekerf::master

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/runtime/version.h"
 #include "master/console/access.h"
+#include "master/console/console_words.h"
 #include "master/operator_requests.h"
 
 namespace telekerf::master {
@@ -27,13 +27,17 @@ constexpr std::int64_t kSoonest_ns = 7'000'000;
 constexpr std::int64_t kUnanswered_ns = 500'000'000;
 /// A contour is prepared for another scale within this time.
 constexpr std::int64_t kPreparing_ns = 3'000'000'000;
-/// Between two looks at whether the words are others.
+/// Between two looks at whether the words are others, and how deep the cut is.
 constexpr std::int64_t kWords_ns = 40'000'000;
+constexpr std::int64_t kDepths_ns = 500'000'000;
+/// Deeper than any material is thick.
+constexpr double kDeepest_m = 0.1;
 
 }  // namespace
 
 Console::Console(ConsoleSettings settings)
     : settings_(std::move(settings)),
+      cell_(settings_.cut),
       stop_(settings_.source, settings_.epoch),
       seat_(settings_.epoch),
       last_stop_(settings_.epoch),
@@ -162,6 +166,19 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
       return;
     case Kind::kLook:
       return tell(EventMessage::Kind::kLook, 0.0, command.text);
+    case Kind::kMaterial: {
+      const auto material = workpiece::kMaterials.find(command.text);
+      if (!material) return refuse(page, fmt::format("No material of the name {} is known", command.text));
+      material_ = *material;
+      ++depth_version_;
+      return;
+    }
+    case Kind::kDepth:
+      if (!(command.value >= 0.0 && command.value <= kDeepest_m))
+        return refuse(
+            page, fmt::format("The depth must be within [0, {:g}] mm; 0: none is wished", 1e3 * kDeepest_m));
+      depth_m_ = command.value;
+      return;
     case Kind::kTakeContour:
       if (cell_.waiting() == nullptr) return refuse(page, "No other contour waits");
       if (beam_on) return refuse(page, "No other contour while the beam is on; let go of the fire button");
@@ -173,6 +190,11 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
       return tell(EventMessage::Kind::kSetZoom, command.value);
     case Kind::kRefocus:
       return tell(EventMessage::Kind::kRefocus);
+    case Kind::kStream:  // the master says whether there is such a law
+      if (stop_.in_force()) return refuse(page, "Law, estimator and codec stay while everything is stopped");
+      if (cell_.engaged(now_ns))
+        return refuse(page, "Law, estimator and codec change between two engagements: disengage first");
+      return tell(EventMessage::Kind::kSetStream, 0.0, command.text);
     case Kind::kNetem:
       if (std::find(settings_.profiles.begin(), settings_.profiles.end(), command.text) ==
           settings_.profiles.end())
@@ -229,26 +251,8 @@ void Console::step(std::int64_t now_ns) {
 
 Console::Outbox Console::take_outbox() { return std::exchange(outbox_, {}); }
 
-std::string Console::hello() const {
-  return Json{{"type", "hello"},
-              {"version", kVersion},
-              {"cell", settings_.cell},
-              {"fields", kPageFieldNames},
-              {"profiles", settings_.profiles},
-              {"beta", {kSmallestBeta, kLargestBeta}}}
-      .dump();
-}
-
 std::string Console::words(std::uint32_t id, std::int64_t now_ns) const {
   const std::string stop = stop_.sentence();
-  Json pictures = Json::object();
-  for (const auto& [contour, picture] : cell_.pictures()) {
-    pictures[std::to_string(contour)] = {{"number", picture.number},
-                                         {"left_m", picture.preview.left_m},
-                                         {"top_m", picture.preview.top_m},
-                                         {"width_m", picture.preview.width_m},
-                                         {"height_m", picture.preview.height_m}};
-  }
   return Json{{"type", "words"},
               {"sentence", cell_.sentence(stop, now_ns)},
               {"beam", cell_.beam_sentence(seat_.armed(), now_ns)},
@@ -261,10 +265,14 @@ std::string Console::words(std::uint32_t id, std::int64_t now_ns) const {
               {"armed", seat_.armed()},
               {"engaged", cell_.engaged(now_ns)},
               {"profile", profile_},
+              {"stream", stream_words(cell_.stream())},
+              {"material", material_->name},
+              {"depth_m", depth_m_},
+              {"depth", depth_plan().sentence()},
               {"deaf", deaf(now_ns)},
               {"contour", cell_.contour() ? cell_.contour()->id : 0U},
               {"waiting", cell_.waiting() != nullptr ? cell_.waiting()->id : 0U},
-              {"pictures", std::move(pictures)},
+              {"pictures", picture_words(cell_)},
               {"imaging", cell_.imaging_sentence(now_ns)},
               {"zoom", std::round(1e3 * cell_.zoom()) / 1e3}}
       .dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -286,7 +294,7 @@ std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) 
   Page& page = found->second;
   if (!page.greeted) {
     page.greeted = true;
-    return PageMessage{false, hello()};
+    return PageMessage{false, hello_words(settings_)};
   }
   if (!page.said.empty()) return PageMessage{false, std::exchange(page.said, {})};
   if (page.ping) {
@@ -312,6 +320,12 @@ std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) 
     page.marks += places.size();
     return message;
   }
+  const std::uint64_t depths = cell_.depths().version() + depth_version_;
+  if (page.depths != depths && now_ns - page.depths_ns >= kDepths_ns) {
+    page.depths = depths;
+    page.depths_ns = now_ns;
+    return PageMessage{true, encode_depths(cell_.depths().depths_m(settings_.cut, *material_))};
+  }
   const std::int64_t since_ns = now_ns - page.state_ns;
   const bool news = page.answered != answers_ && seat_.drives(id) && since_ns >= kSoonest_ns;
   if (since_ns < page.period_ns && !news) return std::nullopt;
@@ -320,24 +334,6 @@ std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) 
   return state(now_ns);
 }
 
-std::string Console::contour_json(std::uint32_t id) const {
-  const ContourMessage* const found = cell_.contour(id);
-  if (found == nullptr) return R"({"id":0})";
-  const ContourMessage& contour = *found;
-  const auto points = [](const std::vector<Vec2>& line_m) {
-    Json all = Json::array();
-    for (const Vec2& point : line_m) {  // um are enough for eyes
-      all.push_back(std::round(point.x() * 1e7) / 1e7);
-      all.push_back(std::round(point.y() * 1e7) / 1e7);
-    }
-    return all;
-  };
-  Json further = Json::array();
-  for (const ContourLine& line : contour.further)
-    further.push_back({{"closed", line.closed}, {"points", points(line.points_m)}});
-  return Json{{"id", contour.id},     {"closed", contour.closed},           {"source", contour.source},
-              {"mode", contour.mode}, {"points", points(contour.points_m)}, {"further", std::move(further)}}
-      .dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string Console::contour_json(std::uint32_t id) const { return contour_words(cell_.contour(id)); }
 
 }  // namespace telekerf::master

@@ -14,6 +14,7 @@
 
 #include "common/protocol/messages.h"
 #include "master/console/cell_view.h"
+#include "master/console/depth_plan.h"
 #include "master/console/driver_seat.h"
 #include "master/console/page_protocol.h"
 #include "master/console/stop_call.h"
@@ -26,6 +27,7 @@ struct ConsoleSettings {
   std::string token;                  ///< a page that drives must know it
   std::vector<std::string> profiles;  ///< networks that may be asked for
   std::uint32_t epoch = 1;            ///< of this process
+  CutPower cut = {};                  ///< as the slave's
 };
 
 /// One message to one page.
@@ -83,7 +85,9 @@ class Console {
     std::size_t marks = 0;      ///< that it has got
     std::string words;          ///< that it has got
     std::int64_t words_ns = 0;  ///< when they were looked at
-    std::string said;           ///< an answer to it alone; the newest counts
+    std::uint64_t depths = 0;   ///< which it has got, and when
+    std::int64_t depths_ns = 0;
+    std::string said;  ///< an answer to it alone; the newest counts
     std::optional<double> ping;
     std::int64_t second_ns = 0;
     int heard = 0;  ///< in this second
@@ -96,10 +100,10 @@ class Console {
   /// The hand is let go of, without waiting for the lease.
   void release(std::int64_t now_ns);
   std::string words(std::uint32_t id, std::int64_t now_ns) const;
-  std::string hello() const;
   PageMessage state(std::int64_t now_ns);
   /// Frames go out, and the master answers none of them.
   bool deaf(std::int64_t now_ns) const noexcept;
+  DepthPlan depth_plan() const { return {settings_.cut, *material_, depth_m_}; }
   /// What became of a scale that was asked for.
   void follow_up(std::int64_t now_ns);
 
@@ -117,6 +121,9 @@ class Console {
   double echo_ms_;
   double step_s_ = 0.0;
   std::string profile_;
+  const workpiece::Material* material_ = &workpiece::kWood;  ///< as who drives has said
+  double depth_m_ = 0.0;                                     ///< wished; 0: none
+  std::uint64_t depth_version_ = 0;
   std::int64_t sent_ns_ = 0;     ///< of the newest frame,
   std::int64_t unheard_ns_ = 0;  ///< and of the first since the master's last answer; 0: none
   double asked_beta_ = 0.0;      ///< a scale that was asked for; 0: none,

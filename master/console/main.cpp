@@ -18,8 +18,8 @@
 #include "common/runtime/startup_error.h"
 #include "master/console/access.h"
 #include "master/console/console.h"
-#include "master/console/hand_line.h"
 #include "master/console/console_recording.h"
+#include "master/console/hand_line.h"
 #include "master/console/web_server.h"
 #include "netem/drivers/netem_flags.h"
 #include "netem/drivers/netem_switch.h"
@@ -36,6 +36,8 @@ struct Flags {
   std::string hand;
   std::string as = "operator";
   std::string runs = "out";
+  CutPower cut;
+  double laser_speed_mm_s = 10.0;
   RecordFlags record;
   std::string config;
 };
@@ -64,6 +66,7 @@ struct Ears {
 
 int run(Flags& flags) {
   flags.record.validate("console");
+  flags.cut.power.speed_m_per_s = 1e-3 * flags.laser_speed_mm_s;
   if (flags.web.token.empty()) flags.web.token = new_token();
   if (flags.web.certificate.empty() != flags.web.key.empty())
     throw usage_error("--tls-cert and --tls-key belong together; give both or neither");
@@ -75,7 +78,8 @@ int run(Flags& flags) {
                    .source = flags.as,
                    .token = flags.web.token,
                    .profiles = shipped_names("profiles", ".toml"),
-                   .epoch = settings.epoch});
+                   .epoch = settings.epoch,
+                   .cut = flags.cut});
 
   boost::asio::io_context context(1);
   std::function<void()> deliver = [] {};
@@ -159,7 +163,12 @@ void add_parameters(Flags& flags, Settings& settings) {
                    [](const std::string& text) { return text.empty() ? std::string() : validate_udp(text); }},
       "where the master's --hand browser listens; without: 127.0.0.1 and the page's port");
   settings.add("as", flags.as, kName, "who stops from the page: a stop is cleared by nobody else");
-  settings.add("runs", flags.runs, kFolder, "whose folders are the recorded runs that the page lists and plays");
+  settings.add("runs", flags.runs, kFolder,
+               "whose folders are the recorded runs that the page lists and plays");
+  settings.add("laser_w", flags.cut.laser_w, {.min = 0, .max = 1000, .unit = "W"},
+               "as the slave's, for the depth that the page tells");
+  settings.add("laser_speed_mm_s", flags.laser_speed_mm_s, {.min = 0.5, .max = 200, .unit = "mm/s"},
+               "as the slave's, likewise");
   flags.record.add_parameters(settings);
   flags.bus.add_parameters(settings);
   flags.netem.add_parameters(settings);

@@ -38,6 +38,9 @@ constexpr CommandRow kCommands[] = {
     {"take-contour", Kind::kTakeContour},
     {"zoom", Kind::kZoom, true},
     {"refocus", Kind::kRefocus},
+    {"material", Kind::kMaterial, false, true},
+    {"depth", Kind::kDepth, true},
+    {"stream", Kind::kStream, false, true},
     {"rate", Kind::kRate, true},
     {"ping", Kind::kPing, true},
 };
@@ -113,6 +116,14 @@ std::string encode_mark(std::span<const Vec2> places_m, std::uint32_t first) {
     append(bytes, static_cast<float>(place.x()));
     append(bytes, static_cast<float>(place.y()));
   }
+  return bytes;
+}
+
+std::string encode_depths(std::span<const float> depths_m) {
+  std::string bytes;
+  bytes.reserve(8 + 4 * depths_m.size());
+  append_head(bytes, 3, depths_m.size(), 0);
+  for (const float depth_m : depths_m) append(bytes, depth_m);
   return bytes;
 }
 

@@ -49,8 +49,11 @@ struct PageCommand {
     kTakeContour,  ///< the one that waits
     kZoom,         ///< value: share of the travel
     kRefocus,
-    kRate,  ///< value: states a second
-    kPing,  ///< value: page's time, comes back
+    kMaterial,  ///< text: its name
+    kDepth,     ///< value: wished, m; 0: none
+    kStream,    ///< text: "law local", as master/stream_choice.h has it
+    kRate,      ///< value: states a second
+    kPing,      ///< value: page's time, comes back
   };
   Kind kind = Kind::kPing;
   double value = 0.0;
@@ -91,5 +94,8 @@ std::string encode_state(const PageFields& fields, double server_ms, double echo
 /// Server -> page: places that the beam has reached, from the one with number `first` on (0: the page forgets
 /// those before). Head of 8 bytes: type 2, version 1, count (uint16), first (uint32); then float32 x, y.
 std::string encode_mark(std::span<const Vec2> places_m, std::uint32_t first);
+/// Server -> page: how deep the contour is cut, in equal pieces of its length from its first point on. Head
+/// of 8 bytes: type 3, version 1, count (uint16), 0 (uint32); then float32, m.
+std::string encode_depths(std::span<const float> depths_m);
 
 }  // namespace telekerf::master

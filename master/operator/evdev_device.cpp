@@ -31,6 +31,19 @@ EvdevAxis axis_of(const libevdev* device, unsigned code) {
   return info == nullptr ? EvdevAxis{} : EvdevAxis{info->minimum, info->maximum, info->resolution};
 }
 
+/// Translation and rotation of a cap, under the name of its maker or of the one who sold it before.
+bool is_space_mouse(const libevdev* device, unsigned type, unsigned first, unsigned last) {
+  constexpr int k3Dconnexion = 0x256f, kLogitech = 0x046d;
+  const int vendor = libevdev_get_id_vendor(device);
+  if (vendor != k3Dconnexion && vendor != kLogitech) return false;
+  for (unsigned axis = first; axis <= last; ++axis) {
+    if (libevdev_has_event_code(device, type, axis) != 1) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::optional<EvdevTraits> traits_of(const libevdev* device) {
   const auto has = [device](unsigned type, unsigned code) {
     return libevdev_has_event_code(device, type, code) == 1;
@@ -48,14 +61,17 @@ std::optional<EvdevTraits> traits_of(const libevdev* device) {
     traits.kind = EvdevTraits::Kind::kPen;
     return traits;
   }
+  traits.relative = is_space_mouse(device, EV_REL, REL_X, REL_RZ);
+  if (traits.relative || is_space_mouse(device, EV_ABS, ABS_X, ABS_RZ)) {
+    traits.kind = EvdevTraits::Kind::kSpaceMouse;
+    return traits;
+  }
   if (!axes && libevdev_has_event_type(device, EV_KEY) == 1 && libevdev_has_event_type(device, EV_REL) == 0) {
     traits.kind = EvdevTraits::Kind::kPedal;
     return traits;
   }
   return std::nullopt;
 }
-
-}  // namespace
 
 EvdevDevice::EvdevDevice(const std::string& path)
     : fd_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {
@@ -71,8 +87,9 @@ EvdevDevice::EvdevDevice(const std::string& path)
     traits_ = *traits;
     return;
   }
-  const std::string why = failed < 0 ? fmt::format("no event device ({})", std::strerror(-failed))
-                                     : fmt::format("'{}' is no gamepad, no pen and no pedal", name());
+  const std::string why = failed < 0
+                              ? fmt::format("no event device ({})", std::strerror(-failed))
+                              : fmt::format("'{}' is no gamepad, no pen, no SpaceMouse and no pedal", name());
   libevdev_free(device_);
   ::close(fd_);
   refuse(path, why, "telekerf-inspect inputs lists those that are");
@@ -129,8 +146,8 @@ bool EvdevDevice::kernel_says_down() const noexcept {
   return false;
 }
 
-EvdevInput::EvdevInput(std::unique_ptr<EvdevDevice> device)
-    : device_(std::move(device)), state_(device_->traits()) {
+EvdevInput::EvdevInput(std::unique_ptr<EvdevDevice> device, const SpaceMouseSettings& cap)
+    : device_(std::move(device)), state_(device_->traits(), cap) {
   // Whoever holds it down while the program starts has to press it anew.
   for (const EvdevDevice::Event& event : device_->beginning())
     state_.hear(event.type, event.code, event.value);
@@ -154,7 +171,7 @@ OperatorSample EvdevInput::sample(std::int64_t now_ns) noexcept {
   return state_.sample(now_ns);
 }
 
-std::unique_ptr<OperatorInput> open_evdev_hand(std::string_view rest) {
+std::unique_ptr<OperatorInput> open_evdev_hand(std::string_view rest, const SpaceMouseSettings& cap) {
   auto device = std::make_unique<EvdevDevice>(std::string(rest));
   if (device->traits().kind == EvdevTraits::Kind::kPedal) {
     throw usage_error(
@@ -162,7 +179,31 @@ std::unique_ptr<OperatorInput> open_evdev_hand(std::string_view rest) {
                     device->name(), rest));
   }
   device->grab();
-  return std::make_unique<EvdevInput>(std::move(device));
+  return std::make_unique<EvdevInput>(std::move(device), cap);
+}
+
+std::unique_ptr<OperatorInput> open_space_mouse(std::string_view rest, const SpaceMouseSettings& cap) {
+  for (const std::string& path : rest.empty() ? event_devices() : std::vector{std::string(rest)}) {
+    std::unique_ptr<EvdevDevice> device;
+    try {
+      device = std::make_unique<EvdevDevice>(path);
+    } catch (const StartupError&) {
+      if (!rest.empty()) throw;
+      continue;  // no SpaceMouse, or not for this user: telekerf-inspect inputs says of each
+    }
+    if (device->traits().kind == EvdevTraits::Kind::kSpaceMouse) {
+      device->grab();  // the daemon of the CAD programs would pull with the same cap
+      return std::make_unique<EvdevInput>(std::move(device), cap);
+    }
+    if (!rest.empty())
+      throw usage_error(
+          fmt::format("input device {} ('{}') is a {}, no SpaceMouse; give it to --hand evdev:{}", path,
+                      device->name(), name_of(device->traits().kind), path));
+  }
+  throw environment_error(
+      "hand = spacemouse: no SpaceMouse is among the event devices of this computer that may be read; plug "
+      "it "
+      "in; telekerf-inspect inputs lists those that are there");
 }
 
 std::unique_ptr<OperatorInput> open_evdev_button(std::string_view rest) {
@@ -174,6 +215,8 @@ std::unique_ptr<OperatorInput> open_evdev_button(std::string_view rest) {
 std::string validate_evdev(std::string_view rest) {
   return rest.empty() ? "needs a device behind the colon, such as evdev:/dev/input/event3" : "";
 }
+
+std::string validate_space_mouse(std::string_view) { return ""; }
 
 std::vector<std::string> event_devices(const std::string& folder) {
   std::vector<std::pair<int, std::string>> found;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gamepads, pens and pedals at this computer, by the kernel's event devices (libevdev).
+// Gamepads, pens, SpaceMice and pedals at this computer, by the kernel's event devices (libevdev).
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,10 +16,13 @@ struct libevdev;
 
 namespace telekerf::master {
 
+/// What a device is by the events that it has; none: neither gamepad, pen, SpaceMouse nor keys.
+std::optional<EvdevTraits> traits_of(const libevdev* device);
+
 /// One device, open and without waiting.
 class EvdevDevice {
  public:
-  /// Throws StartupError: it is not there, no event device, or neither gamepad, pen nor keys.
+  /// Throws StartupError: it is not there, no event device, or of no kind that is of use.
   explicit EvdevDevice(const std::string& path);
   ~EvdevDevice();
   EvdevDevice(const EvdevDevice&) = delete;
@@ -48,7 +52,7 @@ class EvdevDevice {
 /// The device as a hand, or as the button alone.
 class EvdevInput final : public OperatorInput {
  public:
-  explicit EvdevInput(std::unique_ptr<EvdevDevice> device);
+  explicit EvdevInput(std::unique_ptr<EvdevDevice> device, const SpaceMouseSettings& cap = {});
   OperatorSample sample(std::int64_t now_ns) noexcept override;
   void answer(const OperatorAnswer& answer) noexcept override { state_.answer(answer); }
 
@@ -60,9 +64,12 @@ class EvdevInput final : public OperatorInput {
 };
 
 /// `rest`: the path, as the user wrote it. Throw StartupError; a pedal leads no tool.
-std::unique_ptr<OperatorInput> open_evdev_hand(std::string_view rest);
+std::unique_ptr<OperatorInput> open_evdev_hand(std::string_view rest, const SpaceMouseSettings& cap);
+/// The SpaceMouse at that path, or without one the first that there is.
+std::unique_ptr<OperatorInput> open_space_mouse(std::string_view rest, const SpaceMouseSettings& cap);
 std::unique_ptr<OperatorInput> open_evdev_button(std::string_view rest);
 std::string validate_evdev(std::string_view rest);
+std::string validate_space_mouse(std::string_view rest);
 
 /// Paths of the event devices of this computer, in the order of their numbers.
 std::vector<std::string> event_devices(const std::string& folder = "/dev/input");

@@ -17,6 +17,7 @@ bool is_hold_key(EvdevTraits::Kind kind, int key) noexcept {
       return key == BTN_TL || key == BTN_TR;
     case EvdevTraits::Kind::kPen:
       return key == BTN_TOUCH;
+    case EvdevTraits::Kind::kSpaceMouse:
     case EvdevTraits::Kind::kPedal:
       break;
   }
@@ -29,6 +30,8 @@ bool is_fire_key(EvdevTraits::Kind kind, int key) noexcept {
       return key == BTN_TR2;
     case EvdevTraits::Kind::kPen:
       return key == BTN_STYLUS || key == BTN_STYLUS2;
+    case EvdevTraits::Kind::kSpaceMouse:
+      return key == BTN_0 || key == BTN_1;
     case EvdevTraits::Kind::kPedal:
       return true;
   }
@@ -63,6 +66,8 @@ std::string_view name_of(EvdevTraits::Kind kind) noexcept {
       return "gamepad";
     case EvdevTraits::Kind::kPen:
       return "pen";
+    case EvdevTraits::Kind::kSpaceMouse:
+      return "SpaceMouse";
   }
   return "unknown";
 }
@@ -84,11 +89,13 @@ void EvdevState::hear(int type, int code, int value) noexcept {
   if (type == EV_ABS && code == ABS_X) x_ = value;
   if (type == EV_ABS && code == ABS_Y) y_ = value;
   if (type == EV_ABS && code == ABS_RZ && traits_.trigger) trigger_ = value;
+  if (traits_.kind == EvdevTraits::Kind::kSpaceMouse) cap_.hear(type, code, value);
 }
 
 void EvdevState::lose() noexcept {
   let_go_ = false;
   led_ = false;
+  cap_.lose();
 }
 
 void EvdevState::confirm(bool down) noexcept {
@@ -97,7 +104,19 @@ void EvdevState::confirm(bool down) noexcept {
   fire_keys_ = 0;
 }
 
+OperatorSample EvdevState::sample_cap(std::int64_t now_ns) noexcept {
+  const std::optional<Vec2> pull_m = cap_.pull_m(now_ns);
+  let_go_ = let_go_ || (!pull_m && !firing());
+  OperatorSample sample;
+  if (!let_go_ || !pull_m) return sample;
+  sample.held = true;
+  sample.trigger = firing();
+  sample.pointer_m = tool_m_ + *pull_m;
+  return sample;
+}
+
 OperatorSample EvdevState::sample(std::int64_t now_ns) noexcept {
+  if (traits_.kind == EvdevTraits::Kind::kSpaceMouse) return sample_cap(now_ns);
   const double step_s = std::clamp(static_cast<double>(now_ns - last_ns_) * 1e-9, 0.0, kLongestStep_s);
   last_ns_ = now_ns;
   let_go_ = let_go_ || !any_down();

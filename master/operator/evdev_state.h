@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the events of a gamepad, a pen or a pedal at this computer say of the hand. No device, no clock of its
-// own.
+// What the events of a gamepad, a pen, a SpaceMouse or a pedal at this computer say of the hand. No device,
+// no clock of its own.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "master/operator/operator_input.h"
+#include "master/operator/space_mouse.h"
 
 namespace telekerf::master {
 
@@ -26,12 +27,14 @@ struct EvdevAxis {
 
 struct EvdevTraits {
   enum class Kind : std::uint8_t {
-    kPedal,    ///< keys alone: the laser is wanted while any is down
-    kGamepad,  ///< a shoulder button holds, the left stick leads, the right trigger fires
-    kPen,      ///< touching holds and leads, in true size from where it touched; the barrel's button fires
+    kPedal,       ///< keys alone: the laser is wanted while any is down
+    kGamepad,     ///< a shoulder button holds, the left stick leads, the right trigger fires
+    kPen,         ///< touching holds and leads, in true size from where it touched; the barrel's button fires
+    kSpaceMouse,  ///< the cap pushed off its middle holds and leads; a button fires
   };
   Kind kind = Kind::kPedal;
   EvdevAxis x, y;
+  bool relative = false;             ///< of a SpaceMouse: its axes come as EV_REL
   std::optional<EvdevAxis> trigger;  ///< of a gamepad that has one as an axis
 };
 
@@ -49,7 +52,8 @@ class EvdevState {
   static constexpr double kTriggerPoint = 0.5;     ///< of the trigger's travel
   static constexpr double kUnknownTravel_m = 0.1;  ///< of a pen's tablet that does not say its size
 
-  explicit EvdevState(const EvdevTraits& traits) noexcept : traits_(traits) {}
+  explicit EvdevState(const EvdevTraits& traits, const SpaceMouseSettings& cap = {}) noexcept
+      : traits_(traits), cap_(cap, traits.relative) {}
 
   /// One event; type and code by the kernel's numbers.
   void hear(int type, int code, int value) noexcept;
@@ -67,8 +71,10 @@ class EvdevState {
  private:
   bool holding() const noexcept;
   bool firing() const noexcept;
+  OperatorSample sample_cap(std::int64_t now_ns) noexcept;
 
   EvdevTraits traits_;
+  SpaceMouseCap cap_;
   std::uint32_t hold_keys_ = 0;  ///< how many are down
   std::uint32_t fire_keys_ = 0;
   int x_ = 0, y_ = 0, trigger_ = 0;

@@ -29,15 +29,23 @@ constexpr Registry::Kind kKinds[] = {
 };
 constexpr Registry kInputs("button", kKinds);
 
+/// A hand that nothing is set of.
+template <auto kOpen>
+std::unique_ptr<OperatorInput> plain(std::string_view rest, const SpaceMouseSettings&) {
+  return kOpen(rest);
+}
+
 // A hand of your own: one row.
-constexpr Registry::Kind kHandKinds[] = {
-    {"simulated", "simulated", no_argument, nobody},
-    {"browser", "browser, browser:HOST:PORT", validate_browser_hand, open_browser_hand},
-    {"udp", "udp:HOST:PORT", validate_udp, open_udp_hand},
+using HandRegistry = DeviceRegistry<std::unique_ptr<OperatorInput>, const SpaceMouseSettings&>;
+constexpr HandRegistry::Kind kHandKinds[] = {
+    {"simulated", "simulated", no_argument, plain<nobody>},
+    {"browser", "browser, browser:HOST:PORT", validate_browser_hand, plain<open_browser_hand>},
+    {"udp", "udp:HOST:PORT", validate_udp, plain<open_udp_hand>},
     {"evdev", "evdev:PATH", validate_evdev, open_evdev_hand},
-    {"recorded", "recorded:FILE", validate_recorded_hand, open_recorded_hand},
+    {"spacemouse", "spacemouse, spacemouse:PATH", validate_space_mouse, open_space_mouse},
+    {"recorded", "recorded:FILE", validate_recorded_hand, plain<open_recorded_hand>},
 };
-constexpr Registry kHands("hand", kHandKinds);
+constexpr HandRegistry kHands("hand", kHandKinds);
 
 }  // namespace
 
@@ -51,6 +59,8 @@ std::string hand_forms() { return kHands.forms(); }
 
 std::string validate_hand(const std::string& hand) { return kHands.validate(hand); }
 
-std::unique_ptr<OperatorInput> open_hand(const std::string& hand) { return kHands.open(hand); }
+std::unique_ptr<OperatorInput> open_hand(const std::string& hand, const SpaceMouseSettings& cap) {
+  return kHands.open(hand, cap);
+}
 
 }  // namespace telekerf::master

@@ -52,9 +52,11 @@ std::string operator_input_forms();
 std::string validate_operator_input(const std::string& button);
 std::unique_ptr<OperatorInput> open_operator_input(const std::string& button);
 
-/// The same of the setting `hand`. Null: the simulated operator.
+struct SpaceMouseSettings;
+
+/// The same of the setting `hand`; `cap`: of a SpaceMouse. Null: the simulated operator.
 std::string hand_forms();
 std::string validate_hand(const std::string& hand);
-std::unique_ptr<OperatorInput> open_hand(const std::string& hand);
+std::unique_ptr<OperatorInput> open_hand(const std::string& hand, const SpaceMouseSettings& cap);
 
 }  // namespace telekerf::master

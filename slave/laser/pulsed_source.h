@@ -7,14 +7,11 @@
 #include <cmath>
 #include <cstdint>
 
+#include "common/workpiece/beam.h"
+
 namespace telekerf::laser {
 
-struct PulsedSourceSettings {
-  double max_power_w = 20.0;
-  double repetition_hz = 20e3;
-  double spot_radius_m = 30e-6;  ///< 1/e^2 radius at the focus
-  double rayleigh_m = 1.8e-3;    ///< the spot's area doubles this far from the focus (pi w^2 / (M^2 lambda))
-};
+using workpiece::PulsedSourceSettings;
 
 /// Pulses on demand: each has the energy of full power at the full rate, and the rate follows the power. So
 /// every pulse is equally far above the material's threshold, and depth follows the energy a length. Pulses
@@ -23,7 +20,7 @@ class PulsedSource {
  public:
   explicit PulsedSource(const PulsedSourceSettings& settings) noexcept : settings_(settings) {}
 
-  double pulse_energy_j() const noexcept { return settings_.max_power_w / settings_.repetition_hz; }
+  double pulse_energy_j() const noexcept { return settings_.pulse_energy_j(); }
   /// The pulses of one call: how many, and when, as shares of its time.
   struct Pulses {
     int count = 0;

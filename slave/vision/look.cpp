@@ -19,6 +19,14 @@ namespace {
 /// A line is meant by who points this near to it, as a share of the diagonal of all that is shown.
 constexpr double kFinger = 0.02;
 
+std::optional<double> number_in(std::string_view text) {
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, wrong] = std::from_chars(text.data(), end, number);
+  if (wrong != std::errc() || rest != end) return std::nullopt;
+  return number;
+}
+
 std::optional<Vec2> place_in(std::string_view text) {
   Vec2 place_m;
   const char* const end = text.data() + text.size();
@@ -105,11 +113,21 @@ tl::expected<ContourRequest, std::string> looked_at(std::string_view words, cons
     now.select = 0;
     return now;
   }
+  if (word == "level") {
+    if (!sight.pixels) return tl::unexpected<std::string>("a drawing says its lines itself; it has no level");
+    const auto share = number_in(rest);
+    if (!rest.empty() && !(share && *share >= vision::kLevels.min && *share <= vision::kLevels.max))
+      return tl::unexpected(fmt::format("level = {}: must lie within [{:g}, {:g}]", rest, vision::kLevels.min,
+                                        vision::kLevels.max));
+    now.picture.level = share;
+    now.select = 0;
+    return now;
+  }
   const std::optional<Vec2> place_m = place_in(rest);
   if ((word != "at" && word != "start" && word != "end") || !place_m) {
     return tl::unexpected(
-        fmt::format("'{}' is no look; it is one of at X,Y; start X,Y; end X,Y (metres); mode WORD; draw X,Y "
-                    "X,Y ..; draw open; draw closed; anew",
+        fmt::format("'{}' is no look; it is one of at X,Y; start X,Y; end X,Y (metres); mode WORD; level "
+                    "SHARE; draw X,Y X,Y ..; draw open; draw closed; anew",
                     words));
   }
   if (word == "at") {

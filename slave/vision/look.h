@@ -23,7 +23,8 @@ struct Sight {
 ///   at X,Y     the thing there: one of the contours that were found, or else what GrabCut makes of it
 ///   start X,Y  where the contour begins        end X,Y  and where it ends
 ///   mode WORD  from pixels to points, the words of --mode
-///   anew       as the program was started
+///   level SHARE  where borders lie on the way from background to drawing, as --level; "level" alone: found
+///   by itself anew       as the program was started
 /// with X and Y in metres on the workpiece. `now` is what was asked for the last time, `shown` the contours
 /// of then. The error is one sentence: no such word, or not of this picture.
 tl::expected<ContourRequest, std::string> looked_at(std::string_view words, const ContourRequest& started,

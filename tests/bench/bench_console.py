@@ -2,8 +2,16 @@
 """Latency and cost of the operator's console, with real programs and a real browser without a GPU on this host.
 
 bench_console.py PROGRAMS: a whole cell across thesis-constant, the hand by the page. All stamps are of one clock.
-Exit code 1: a hold outlived its lease by more than the bound, or samples were lost; latencies are only printed."""
+Last, what ten watchers cost the control loops: cells with and without them in turns, the hand simulated, each read by
+a program that draws nothing.
+Exit code 1: a hold outlived its lease by more than the bound, samples were lost, or what was said before a stall was
+done after it; latencies and slack are only printed."""
+import base64
+import json
 import os
+import select
+import socket
+import statistics
 import sys
 import tempfile
 import time
@@ -12,6 +20,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from cell import Cell, Page  # noqa: E402
 
 kFreezes, kReleases, kRestarts = 50, 100, 5
+kStalls, kStall_s, kOldest_ms = 3, 2.0, 150.0
+kTurns, kTurn_s, kWatchers = 5, 8.0, 10
 kLongest_ms = 120.0
 
 
@@ -45,6 +55,97 @@ def load(cell, page, watchers):
     page.js("for (const socket of telekerf.watchers) socket.close(); telekerf.watchers = []")
     each = f", {sum(sizes) / len(sizes) / 5e3:.1f} kB/s each" if sizes else ""
     print(f"  console, one page and {watchers} watchers: {share:.1f} % of a core{each}", flush=True)
+
+
+def stalled(cell, page):
+    """Frames older than the age gate that the console passes on after it stood still: there must be none."""
+    place = page.tool()
+    page.press(place)
+    cell.line.wait(held=True)
+    page.js("telekerf.sent = []; telekerf.frame ??= telekerf.link.frame.bind(telekerf.link); "
+            "telekerf.link.frame = (flags, number, ms, ...rest) => { telekerf.sent.push([number, performance.now()]); "
+            "telekerf.frame(flags, number, ms, ...rest); }")
+    time.sleep(0.3)
+    before = len(cell.line.passed)
+    cell.stall("console", kStall_s)
+    over_ms = page.js("return performance.now()")
+    time.sleep(0.5)
+    sent = dict(page.js("return telekerf.sent"))
+    page.let_go(place)
+    ages_ms = [over_ms - sent[number] for number in cell.line.passed[before:] if number in sent]
+    return sum(kOldest_ms + 50 < age < kStall_s * 1e3 - 50 for age in ages_ms), len(sent)
+
+
+class Watchers:
+    """Pages that read everything and draw nothing."""
+
+    def __init__(self, port, count):
+        self.sockets = []
+        for _ in range(count):
+            s = socket.create_connection(("127.0.0.1", port))
+            key = base64.b64encode(os.urandom(16)).decode()
+            s.sendall((f"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                       f"Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n").encode())
+            self.sockets.append(s)
+
+    def read(self, for_s):
+        until, size = time.monotonic() + for_s, 0
+        while (left := until - time.monotonic()) > 0:
+            if not self.sockets:
+                time.sleep(left)
+                continue
+            for s in select.select(self.sockets, [], [], left)[0]:
+                size += len(s.recv(65536))
+            time.sleep(0.02)
+        return size / for_s / 1e3 / max(1, len(self.sockets))
+
+    def close(self):
+        for s in self.sockets:
+            s.close()
+
+
+def turn(watchers, number):
+    """Overruns and slack of both loops in one cell, and kB/s of each watcher."""
+    folder = tempfile.mkdtemp(prefix=f"telekerf-bench-{os.getpid()}-")
+    cell = Cell(sys.argv[1], folder, 1 + (os.getpid() + number) % 100, hand=False, record=True)
+    try:
+        until = time.monotonic() + 20
+        while "http://" not in open(os.path.join(folder, "console.log")).read():
+            assert time.monotonic() < until, "the console does not come up"
+            time.sleep(0.05)
+        time.sleep(2)
+        pages = Watchers(cell.port, watchers)
+        each = pages.read(kTurn_s)
+        for name in ("master", "slave"):
+            cell.end(name)
+        pages.close()
+    finally:
+        cell.close()
+    return [json.load(open(os.path.join(folder, name, f"{name}.json")))["figures"] for name in ("master", "slave")], each
+
+
+def watched():
+    """Cells with and without watchers in turns; the first is not counted."""
+    turn(0, 0)
+    slack = {(name, watchers): [] for name in ("master", "slave") for watchers in (0, kWatchers)}
+    overruns = dict.fromkeys(slack, 0)
+    each = 0.0
+    for number in range(2 * kTurns):
+        watchers = kWatchers if number % 2 else 0
+        both, size = turn(watchers, number + 1)
+        each = max(each, size)
+        for name, figures in zip(("master", "slave"), both):
+            slack[name, watchers].append(figures["slack_p99_us"])
+            overruns[name, watchers] += int(figures["overruns"])
+    for name in ("master", "slave"):
+        without, with_them = (statistics.median(slack[name, watchers]) for watchers in (0, kWatchers))
+        print(f"  {name}, {kTurns} runs each: slack p99 {without:.0f} us (of its runs {min(slack[name, 0]):.0f} to "
+              f"{max(slack[name, 0]):.0f}), with {kWatchers} watchers {with_them:.0f} us "
+              f"({min(slack[name, kWatchers]):.0f} to {max(slack[name, kWatchers]):.0f}): "
+              f"{100 * (with_them / without - 1):+.1f} %  bar: within 5", flush=True)
+        print(f"  {name}, overruns: {overruns[name, 0]} without, {overruns[name, kWatchers]} with {kWatchers} watchers  "
+              "bar: none more", flush=True)
+    print(f"  a watcher gets at most {each:.1f} kB/s  bar: 25", flush=True)
 
 
 good = True
@@ -113,6 +214,16 @@ try:
     print(f"  a pen's {sent / 8:.0f} samples a second: {100 * min(came, sent) / sent:.2f} % reach the master  bar: 99.9")
     good = good and came >= 0.999 * sent
 
+    late, sent = 0, 0
+    for _ in range(kStalls):
+        more = stalled(cell, page)
+        late, sent = late + more[0], sent + more[1]
+        page.js("telekerf.hand.lease || document.getElementById('take').click()")  # absent for too long
+        page.until("telekerf.hand.lease")
+        time.sleep(0.5)
+    print(f"  of {sent} frames around {kStalls} stalls of {kStall_s:.0f} s, older than {kOldest_ms:.0f} ms and passed on: {late}  bar: 0")
+    good = good and late == 0
+
     for watchers in (0, 1, 10):
         load(cell, page, watchers)
 
@@ -131,4 +242,5 @@ finally:
     if page:
         page.close()
     cell.close()
+watched()
 sys.exit(0 if good else 1)

@@ -35,6 +35,7 @@ class HandLine:
         self.last_held_ns = 0       # console's stamp of the newest held frame
         self.first_free_ns = None   # of the first released frame after it
         self.held_frames = 0
+        self.passed = []            # number of each frame in its lease
         self.release_ms = None      # of the last hold: from its last frame, or from the first that let go, to the
                                     # master's step without a hand
         self.console = None
@@ -59,8 +60,9 @@ class HandLine:
                     pass  # the master does not listen (any more)
 
     def _frame(self, data):
-        _, _, _, flags, _, sent_ns, _, _ = FRAME.unpack(data)
+        _, _, _, flags, number, sent_ns, _, _ = FRAME.unpack(data)
         self.frames += 1
+        self.passed.append(number)
         if flags & HELD:
             self.last_held_ns, self.first_free_ns = sent_ns, None
             self.held_frames += 1
@@ -86,7 +88,9 @@ class HandLine:
 
 
 class Cell:
-    def __init__(self, programs, folder, domain, netem="thesis-constant", hand=True, image="heart"):
+    """`record`: master and slave leave their figures in `folder`/master and /slave when they end."""
+
+    def __init__(self, programs, folder, domain, netem="thesis-constant", hand=True, image="heart", record=False):
         self.programs, self.folder = programs, folder
         os.makedirs(folder, exist_ok=True)
         self.bus = ["--domain", str(domain), "--cell", "cell-1", "--netem", netem]
@@ -95,8 +99,9 @@ class Cell:
         hand_port = free_port()
         self.line = HandLine(hand_port)
         self.start("vision", "--image", image)
-        self.start("slave", "--stop-file", "off")
-        self.start("master", "--stop-file", "off",
+        kept = lambda name: ["--record", os.path.join(folder, name)] if record else []  # noqa: E731
+        self.start("slave", "--stop-file", "off", *kept("slave"))
+        self.start("master", "--stop-file", "off", *kept("master"),
                    *(["--hand", f"browser:127.0.0.1:{hand_port}"] if hand else ["--engage"]))
         self.start_console()
 

@@ -116,6 +116,59 @@ def picture(page):
     said(f"ink under the contour {line:.0f}, picture {whole:.0f}; outlines chosen and taken, and back")
 
 
+def threshold(page):
+    """A slider moves the borders; what comes of it is drawn over the picture, and taken only when that is said."""
+    before = page.js("return telekerf.words.contour")
+    lengths = []
+    for share in ("0.2", "0.8"):
+        waits = page.js("return telekerf.words.waiting")
+        page.js("""
+            const slider = document.getElementById("level");
+            slider.value = arguments[0];
+            slider.dispatchEvent(new Event("input"));""", share)
+        page.until(f"telekerf.words.waiting && telekerf.words.waiting !== {waits}")
+        page.until("telekerf.stage.preview?.id === telekerf.words.waiting")
+        lengths.append(page.js("""
+            const p = telekerf.stage.preview.lines[0].points;
+            let sum = 0;
+            for (let n = 2; n < p.length; n += 2) sum += Math.hypot(p[n] - p[n - 2], p[n + 1] - p[n - 1]);
+            return sum;"""))
+        if share == "0.2":
+            shot(page, "threshold")
+    assert page.js("return telekerf.words.contour") == before, "a contour was taken unasked"
+    off_um = 1e6 * page.js("""
+        const p = telekerf.stage.preview.lines[0].points;
+        let most = 0;
+        for (let n = 0; n < p.length; n += 20) most = Math.max(most, telekerf.stage.nearest(p[n], p[n + 1]).distance_m);
+        return most;""")
+    assert off_um < 500, f"what waits is drawn {off_um:.0f} um off the line that it is of"
+    page.click("level-auto")
+    page.until("!telekerf.words.waiting && !telekerf.stage.preview")
+    said(f"threshold 0.2 and 0.8: {1e3 * lengths[0]:.1f} and {1e3 * lengths[1]:.1f} mm long, drawn over the picture")
+
+
+def another_law(page):
+    """Between two engagements; refused with the reason while engaged."""
+    page.js("document.getElementById('stream').open = true; document.getElementById('work').open = true")
+    for name, value in (("law", "local"), ("codec", "dpcm"), ("block", "32")):
+        page.choose(name, value)
+        page.until(f"String(telekerf.words.stream.{name}) === '{value}'")
+    for name, value in (("law", "anchored"), ("codec", "sdct"), ("block", "16")):
+        page.choose(name, value)
+        page.until(f"String(telekerf.words.stream.{name}) === '{value}'")
+    page.choose("material", "fibreglass")
+    page.until("telekerf.words.material === 'fibreglass'")
+    page.js("const e = document.getElementById('depth'); e.value = 0.1; e.dispatchEvent(new Event('change'))")
+    page.until("telekerf.words.depth_m === 0.0001")
+    text = page.js("return document.getElementById('depth-text').textContent")
+    assert text.startswith("fibreglass gets ") and "mm/s" in text, text
+    targets_are_large(page, 1280)
+    page.js("document.getElementById('work').scrollIntoView()")
+    shot(page, "settings")
+    page.js("document.querySelector('aside').scrollTop = 0; document.getElementById('stream').open = false")
+    said(f"law, codec and block changed and back; {text}")
+
+
 def cut(page):
     page.until("telekerf.words.sentence?.startsWith('You may move')")
     shot(page, "watching")
@@ -126,8 +179,13 @@ def cut(page):
     page.click("take")
     page.until("telekerf.hand.lease")
     picture(page)
+    threshold(page)
+    another_law(page)
     page.click("engage")
     page.until("telekerf.words.sentence.includes('the slave follows')")
+    page.choose("law", "local")
+    page.until("document.getElementById('refusal').textContent.includes('disengage first')")
+    page.until("document.getElementById('law').value === 'anchored'")
     page.click("arm")
     page.until("telekerf.words.armed")
     page.click("burn")
@@ -147,6 +205,8 @@ def cut(page):
     shot(page, "cutting")
     assert grown > 100, f"the mark has grown by {grown} places"
     said(f"the mark has grown by {grown:.0f} places of 40 um")
+    page.until("document.getElementById('depth-now').value.includes('%')")
+    said(f"depth along the contour: {page.js('return document.getElementById(`depth-now`).value')}")
 
     for _ in range(6):
         off = page.beside(5e-3)

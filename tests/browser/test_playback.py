@@ -113,7 +113,7 @@ def the_record_is_played(page):
     page.size(1280, 800)
     page.click("play-end")
     assert not page.js("return document.body.classList.contains('playing')")
-    assert page.js("return document.querySelector('figcaption').textContent").startswith("Speed, mm/s")
+    assert page.js("return document.querySelector('#plots figcaption').textContent").startswith("Speed, mm/s")
 
 
 def one_that_goes_on(page):

@@ -102,10 +102,10 @@ int look(const LookOptions& options) {
   } else if (!present.empty()) {
     fmt::print("{:<10}{:<16}{:<18}{:<12}{}\n", "role", "name", "host", "version", "clock");
     for (const RollCall::Present& one : present)
-      fmt::print("{:<10}{:<16}{:<18}{:<12}{}{}\n", one.who.role, one.who.name, host_of(one.address),
-                 one.who.version, clock_of(one),
-                 one.who.contract == bus.settings().contract ? ""
-                                                             : "  another contract: install the same version");
+      fmt::print(
+          "{:<10}{:<16}{:<18}{:<12}{}{}\n", one.who.role, one.who.name, host_of(one.address), one.who.version,
+          clock_of(one),
+          one.who.contract == bus.settings().contract ? "" : "  another contract: install the same version");
   } else {
     std::set<std::string> cells;
     for (const PresenceMessage& other : bus.elsewhere()) cells.insert(other.cell);
@@ -169,6 +169,19 @@ int main(int argc, char** argv) {
         add_parameters(options, settings);
       },
       run);
+  program.add(
+      "stream", "Changes law, estimator or codec of the command stream, between two engagements",
+      saying(Kind::kSetStream),
+      [](Options& options, Settings& settings) {
+        settings
+            .add("what", options.event.text,
+                 TextForm{.form = "TEXT", .complaint = [](const std::string&) { return std::string(); }},
+                 "'law WORD', 'estimator WORD', 'codec WORD', 'block N', 'keep N' or 'redundancy N', as the "
+                 "master's options")
+            .as_argument();
+        add_parameters(options, settings);
+      },
+      run);
   Options take = saying(Kind::kTakeContour);
   take.roles = {"master", "slave"};
   program.add(
@@ -197,12 +210,14 @@ int main(int argc, char** argv) {
   Options choose = saying(Kind::kLook);
   choose.roles = {"vision"};
   program.add(
-      "choose", "Says what is meant in vision's picture; the contour that comes of it waits to be taken", choose,
+      "choose", "Says what is meant in vision's picture; the contour that comes of it waits to be taken",
+      choose,
       [](Options& options, Settings& settings) {
         settings
             .add("what", options.event.text,
                  TextForm{.form = "TEXT", .complaint = [](const std::string&) { return std::string(); }},
-                 "'at X,Y', 'start X,Y', 'end X,Y' (metres on the workpiece), 'mode WORD' or anew")
+                 "'at X,Y', 'start X,Y', 'end X,Y' (metres on the workpiece), 'mode WORD', 'level SHARE' or "
+                 "anew")
             .as_argument();
         add_parameters(options, settings);
       },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-inspect inputs: which gamepads, pens and pedals are there, and what they say.
+// telekerf-inspect inputs: which gamepads, pens, SpaceMice and pedals are there, and what they say.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -59,8 +59,9 @@ struct Watched {
   }
   /// As master would be told of it.
   std::string serves_as() const {
-    return fmt::format("--{} evdev:{}", device.traits().kind == EvdevTraits::Kind::kPedal ? "button" : "hand",
-                       path);
+    const EvdevTraits::Kind kind = device.traits().kind;
+    if (kind == EvdevTraits::Kind::kSpaceMouse) return fmt::format("--hand spacemouse:{}", path);
+    return fmt::format("--{} evdev:{}", kind == EvdevTraits::Kind::kPedal ? "button" : "hand", path);
   }
 
   std::string path;
@@ -95,7 +96,7 @@ std::vector<std::unique_ptr<Watched>> open_all(std::vector<std::string>& left_ou
 }
 
 void print_inputs(const InputsOptions& options, const std::vector<std::unique_ptr<Watched>>& all,
-           const std::vector<std::string>& left_out, double watched_s) {
+                  const std::vector<std::string>& left_out, double watched_s) {
   Json rows = Json::array();
   for (const auto& watched : all) {
     rows.push_back({{"path", watched->path},
@@ -109,7 +110,8 @@ void print_inputs(const InputsOptions& options, const std::vector<std::unique_pt
     fmt::print("{}\n", Json{{"devices", rows}, {"left_out", left_out}, {"watched_s", watched_s}}.dump(2));
     return;
   }
-  if (all.empty()) fmt::print("no gamepad, no pen and no pedal is at this computer (/dev/input)\n");
+  if (all.empty())
+    fmt::print("no gamepad, no pen, no SpaceMouse and no pedal is at this computer (/dev/input)\n");
   for (const Json& row : rows)
     fmt::print("{}: {} ({})\n    {}\n    {:.0f} reports a second while watched; now: {}\n",
                row["path"].get<std::string>(), row["name"].get<std::string>(), row["kind"].get<std::string>(),
@@ -145,7 +147,7 @@ void add_inputs_parameters(InputsOptions& options, Settings& settings) {
 }  // namespace
 
 void add_inputs_command(Program& program) {
-  program.add("inputs", "Lists gamepads, pens and pedals at this computer, with what they say now",
+  program.add("inputs", "Lists gamepads, pens, SpaceMice and pedals at this computer, with what they say now",
               InputsOptions{}, add_inputs_parameters, watch_inputs);
 }
 

@@ -5,7 +5,7 @@
 
 _telekerf_commands() {
   case $1 in
-    telekerf-ctl) echo 'stop clear-stop look engage disengage beta take-contour zoom refocus choose ' ;;
+    telekerf-ctl) echo 'stop clear-stop look engage disengage beta stream take-contour zoom refocus choose ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
     telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor haptics kinematics lap machine open-contour pictures replay remote-machining robots space-contour ' ;;
     telekerf-inspect) echo 'codec contour drive efd export inputs label recover robot run runs ' ;;
@@ -14,17 +14,18 @@ _telekerf_commands() {
 
 _telekerf_flags() {
   case $1 in
-    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --button --mismatch --seed --control-hz --stream-hz --beam-age-s --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --felt-depth-mm --felt-depth-speed-mm2-per-s --felt-max-n --stop-file --record --engage --duration-s --wait-s --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-master ') echo '--robot --beta --drive --drive-stale-s --hand --spacemouse-mm-per-count --spacemouse-dead-counts --button --mismatch --seed --control-hz --stream-hz --beam-age-s --law --estimator --codec --tracking-rad-s --timing-error-s --thesis-cutoff-rad-s --innovation-gain-per-s --predictor-rad-s --disturbance-rad-s --block --keep --max-rms --redundancy --max-redundancy --half-window --curve --corridor-mm --corridor-stiffness-n-per-m --constraint-rad-s --virtual-mass-kg --virtual-drag-ns-per-m --observer-rad-s --hand-speed-mm-s --hand-sideways-n --felt-depth-mm --felt-depth-speed-mm2-per-s --felt-max-n --stop-file --record --engage --duration-s --wait-s --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --touched --look-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --dose-max-j --dose-max-j-per-mm2 --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-vision ') echo '--image --camera --imaging --imaging-file --law --zoom --focus-region --calibrate --grid-mm --mode --at --not --box --paper --smallest-mm --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --record --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --runs --record --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-vision ') echo '--image --camera --imaging --imaging-file --law --zoom --focus-region --calibrate --grid-mm --mode --at --not --box --paper --smallest-mm --level --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --record --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --runs --laser-w --laser-speed-mm-s --record --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl look') echo '--wait-s --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl engage') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl disengage') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl beta') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-ctl stream') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl take-contour') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl zoom') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl refocus') echo '--domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
@@ -58,7 +59,7 @@ _telekerf_flags() {
     'telekerf-experiment robots') echo '--runs --seed --quick --duration-s --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment space-contour') echo '--speed-mm-s --radius-mm --curvature-mm --seed --quick --out --config --print-config --help --version' ;;
     'telekerf-inspect codec') echo '--codec --block --keep --max-rms --quantum --threshold --rate-hz --columns --anchored --redundancy --loss --burst --seed --decoded --config --print-config --help --version' ;;
-    'telekerf-inspect contour') echo '--mode --start --end --at --not --box --paper --smallest-mm --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --speed-mm-s --travel-mm-s --power --passes --overlap-mm --kerf-um --origin-mm --arcs --join-mm --dpi --units --layers --colours --out --config --print-config --help --version' ;;
+    'telekerf-inspect contour') echo '--mode --start --end --at --not --box --paper --smallest-mm --level --width-mm --height-mm --workspace-mm --anchor --harmonics --tolerance-mm --select --speed-mm-s --travel-mm-s --power --passes --overlap-mm --kerf-um --origin-mm --arcs --join-mm --dpi --units --layers --colours --out --config --print-config --help --version' ;;
     'telekerf-inspect drive') echo '--robot --drive --drive-stale-s --mismatch --seed --control-hz --force-n --travel-mm --duration-s --move --json --out --config --print-config --help --version' ;;
     'telekerf-inspect efd') echo '--harmonics --config --print-config --help --version' ;;
     'telekerf-inspect export') echo '--out --config --print-config --help --version' ;;
@@ -79,7 +80,9 @@ _telekerf_values() {
     'telekerf-master  --beta') echo "" ;;
     'telekerf-master  --drive') echo "-W 'simulated udp:'" ;;
     'telekerf-master  --drive-stale-s') echo "" ;;
-    'telekerf-master  --hand') echo "-W 'simulated browser browser: udp: evdev: recorded:'" ;;
+    'telekerf-master  --hand') echo "-W 'simulated browser browser: udp: evdev: spacemouse spacemouse: recorded:'" ;;
+    'telekerf-master  --spacemouse-mm-per-count') echo "" ;;
+    'telekerf-master  --spacemouse-dead-counts') echo "" ;;
     'telekerf-master  --button') echo "-W 'hand pressed udp: evdev:'" ;;
     'telekerf-master  --mismatch') echo "" ;;
     'telekerf-master  --seed') echo "" ;;
@@ -206,6 +209,7 @@ _telekerf_values() {
     'telekerf-vision  --box') echo "" ;;
     'telekerf-vision  --paper') echo "-W 'none a4 a5 letter'" ;;
     'telekerf-vision  --smallest-mm') echo "" ;;
+    'telekerf-vision  --level') echo "" ;;
     'telekerf-vision  --anchor') echo "-W 'box first image lower-left'" ;;
     'telekerf-vision  --select') echo "" ;;
     'telekerf-vision  --width-mm') echo "" ;;
@@ -234,6 +238,8 @@ _telekerf_values() {
     'telekerf-console  --hand') echo "" ;;
     'telekerf-console  --as') echo "" ;;
     'telekerf-console  --runs') echo "-d" ;;
+    'telekerf-console  --laser-w') echo "" ;;
+    'telekerf-console  --laser-speed-mm-s') echo "" ;;
     'telekerf-console  --record') echo "-W 'off'" ;;
     'telekerf-console  --domain') echo "" ;;
     'telekerf-console  --cell') echo "" ;;
@@ -289,6 +295,14 @@ _telekerf_values() {
     'telekerf-ctl beta --security') echo "-d" ;;
     'telekerf-ctl beta --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
     'telekerf-ctl beta --netem-seed') echo "" ;;
+    'telekerf-ctl stream ') echo "" ;;
+    'telekerf-ctl stream --domain') echo "" ;;
+    'telekerf-ctl stream --cell') echo "" ;;
+    'telekerf-ctl stream --name') echo "" ;;
+    'telekerf-ctl stream --peers') echo "" ;;
+    'telekerf-ctl stream --security') echo "-d" ;;
+    'telekerf-ctl stream --netem') echo "-f -W '4g 5g geo hostile ideal lan leo lindbergh sydney thesis-constant thesis-tcp transatlantic wifi wifi-lossy wifi-quiet'" ;;
+    'telekerf-ctl stream --netem-seed') echo "" ;;
     'telekerf-ctl take-contour ') echo "" ;;
     'telekerf-ctl take-contour --domain') echo "" ;;
     'telekerf-ctl take-contour --cell') echo "" ;;
@@ -668,6 +682,7 @@ _telekerf_values() {
     'telekerf-inspect contour --box') echo "" ;;
     'telekerf-inspect contour --paper') echo "-W 'none a4 a5 letter'" ;;
     'telekerf-inspect contour --smallest-mm') echo "" ;;
+    'telekerf-inspect contour --level') echo "" ;;
     'telekerf-inspect contour --width-mm') echo "" ;;
     'telekerf-inspect contour --height-mm') echo "" ;;
     'telekerf-inspect contour --workspace-mm') echo "" ;;

@@ -103,7 +103,7 @@ tl::expected<Contours, std::string> outline_mode(const Field& field, Outlines fo
                found.cut_off > 0 ? kAllCutOff : "the picture holds specks only, no shape with an outline");
   if (contours) {
     for (PixelContour& contour : *contours) {
-      move_to_local_level(field, blur_px, contour.points_px);
+      if (!settings.level) move_to_local_level(field, blur_px, contour.points_px);
       sharpen_corners(contour.points_px, true, {.blur_px = blur_px});
     }
   }
@@ -157,7 +157,7 @@ tl::expected<Contours, std::string> thesis_mode(const Field& field, const Outlin
                                                 const ExtractionSettings& settings, SmallParts& left_out) {
   const double width = found.width_px;
   const bool is_stroke = found.thin();
-  const cv::Mat band = edge_band(field, width, is_stroke);
+  const cv::Mat band = edge_band(field, width, is_stroke, settings.level.value_or(kHalfWay));
   std::optional<cv::Point> start = first_in_evolving_square(band);
   if (!start) return tl::unexpected<std::string>("Canny finds no edge in the picture");
   if (settings.start_px) {
@@ -251,7 +251,7 @@ DrawingEvidence evidence_of(const Separation& found) {
 tl::expected<Contours, std::string> followed(const Field& field, Outlines outlines,
                                              const ExtractionSettings& settings, Extraction& out) {
   out.mode = settings.mode;
-  out.why = "asked for";
+  out.why = settings.level ? fmt::format("level {:.2f} asked for", *settings.level) : "asked for";
   ShapeKinds kinds;
   if (settings.mode == ExtractionMode::kAuto) {
     kinds = kinds_of(field, outlines);
@@ -283,11 +283,12 @@ tl::expected<Contours, std::string> followed(const Field& field, Outlines outlin
 tl::expected<Extraction, std::string> extract(const cv::Mat& image, const ExtractionSettings& settings) {
   const auto grey = grey_plane(image);
   if (!grey) return tl::unexpected(grey.error());
-  auto found = separated(*grey);
+  auto found = settings.level ? separated_at(*grey, *settings.level) : separated(*grey);
   std::string cleared;
   cv::Mat hidden;
-  if (settings.mode == ExtractionMode::kAuto || settings.mode == ExtractionMode::kOutline ||
-      settings.mode == ExtractionMode::kStroke) {
+  if (!settings.level &&
+      (settings.mode == ExtractionMode::kAuto || settings.mode == ExtractionMode::kOutline ||
+       settings.mode == ExtractionMode::kStroke)) {
     auto without = on_sheet(*grey, found);
     if (!without && settings.mode != ExtractionMode::kStroke) without = under_hair(*grey, found);
     if (without) {

@@ -8,10 +8,15 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "common/runtime/bounds.h"
 #include "common/runtime/enum_table.h"
 #include "common/vision/extraction/pixel_contour.h"
 
 namespace telekerf::vision {
+
+/// Share of the way from background to drawing at which a border may lie.
+inline constexpr Bounds kLevels{.min = 0.02, .max = 0.98};
+inline constexpr double kHalfWay = 0.5;
 
 enum class ExtractionMode {
   kAuto,     ///< outline for filled regions, stroke for thin drawn lines
@@ -37,6 +42,9 @@ struct ExtractionSettings {
   double min_size_fraction = 0.05;
   /// Smaller ones, by the diagonal of their box; in place of the fraction.
   std::optional<double> min_size_px = std::nullopt;
+  /// Where borders lie, within kLevels; of mode thesis how clear an edge must be. None: half way there, or
+  /// wherever the picture is explained best, each border moved to the light around it.
+  std::optional<double> level = std::nullopt;
 };
 
 /// What speaks for a picture being a drawing, one ink on one paper.

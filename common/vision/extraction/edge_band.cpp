@@ -7,11 +7,11 @@
 
 namespace telekerf::vision {
 
-cv::Mat edge_band(const Field& field, double stroke_width_px, bool is_stroke) {
+cv::Mat edge_band(const Field& field, double stroke_width_px, bool is_stroke, double level) {
   // Sobel's gain is 8; a border blurred by sigma s has the slope contrast / (2.5 s).
   const double strong = 8.0 * field.contrast / (2.5 * std::hypot(field.sigma_px, 1.0));
   cv::Mat edges;
-  cv::Canny(field.smooth, edges, 0.15 * strong, 0.35 * strong, 3, true);
+  cv::Canny(field.smooth, edges, 0.3 * level * strong, 0.7 * level * strong, 3, true);
   int size = 3;
   if (is_stroke) size = 2 * (static_cast<int>(std::ceil(0.5 * stroke_width_px)) + 1) + 1;
   const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_ELLIPSE, {size, size});

@@ -14,8 +14,9 @@ inline constexpr float kFaintWeight = 0.08F;
 
 /// Canny's edges, dilated and eroded until they are continuous. For a stroke the kernel is wider than the
 /// stroke, so that its two edges become one band. Values are weights: the ink's darkness (strokes) or the
-/// edge's strength (regions).
-cv::Mat edge_band(const Field& field, double stroke_width_px, bool is_stroke);
+/// edge's strength (regions). `level`: share of the whole contrast that an edge must have, 0.5 for most
+/// pictures.
+cv::Mat edge_band(const Field& field, double stroke_width_px, bool is_stroke, double level = 0.5);
 
 /// The first pixel of the band that a square meets which shrinks from the picture's border (closed
 /// contours, 3.1.2).

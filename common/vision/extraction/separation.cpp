@@ -166,4 +166,14 @@ tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
                         [](const Separation& a, const Separation& b) { return a.score() < b.score(); })));
 }
 
+tl::expected<Separation, std::string> separated_at(const cv::Mat& grey, double share) {
+  auto field = make_field(grey);
+  if (!field) return tl::unexpected(field.error());
+  Separation out = judged(at_share(*field, share));
+  if (out.complaint)
+    return tl::unexpected(
+        fmt::format("level = {:.2f}: {}; another level may show it", share, *out.complaint));
+  return out;
+}
+
 }  // namespace telekerf::vision

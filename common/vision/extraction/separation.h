@@ -39,5 +39,7 @@ struct Separation {
 /// over, a better one if there is any, or lines across shadows, whichever scores best.
 /// The error is one sentence that says why the picture is no drawing on a background.
 tl::expected<Separation, std::string> separated(const cv::Mat& grey);
+/// At that share of the way from background to drawing, and at no other level.
+tl::expected<Separation, std::string> separated_at(const cv::Mat& grey, double share);
 
 }  // namespace telekerf::vision

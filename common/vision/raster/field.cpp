@@ -151,6 +151,16 @@ tl::expected<Field, std::string> make_field(const cv::Mat& grey) {
   return field;
 }
 
+Field at_share(const Field& field, double share) {
+  Field out = field;
+  const double nearer = (0.5 - share) * field.contrast;  // to the background
+  out.level = std::floor(std::clamp(field.level + (field.dark ? nearer : -nearer), 1.0, 254.0)) + 0.5;
+  out.drawn = cv::Mat();  // a copied field shares its planes
+  cv::threshold(out.smooth, out.drawn, std::floor(out.level), 255,
+                out.dark ? cv::THRESH_BINARY_INV : cv::THRESH_BINARY);
+  return out;
+}
+
 Field inverted(const Field& field) {
   Field out = field;
   out.dark = !field.dark;

@@ -15,7 +15,7 @@ namespace telekerf::vision {
 struct Field {
   cv::Mat smooth;         ///< CV_8U, Gaussian filtered
   cv::Mat drawn;          ///< CV_8U, 255 where the value is positive
-  double level = 0.0;     ///< half way between drawing and background
+  double level = 0.0;     ///< half way between drawing and background, unless another share is asked for
   bool dark = true;       ///< the drawing is darker than its background
   double contrast = 0.0;  ///< grey levels between drawing and background
   double noise = 0.0;     ///< standard deviation of the picture's noise, grey levels, before smoothing
@@ -47,6 +47,9 @@ double noise_of(const cv::Mat& grey);
 bool border_is_dark(const cv::Mat& smooth, double level);
 /// Smooths and separates; the error says why the picture holds no drawing.
 tl::expected<Field, std::string> make_field(const cv::Mat& grey);
+
+/// The same picture with the border at that share of the way from background to drawing; 0.5 is half way.
+Field at_share(const Field& field, double share);
 
 /// Drawing and background swapped.
 Field inverted(const Field& field);

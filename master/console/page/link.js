@@ -3,7 +3,7 @@ const kRetry_ms = 300;
 
 export class Link {
   constructor(heard) {
-    this.heard = heard;       // {state, mark, words, hello, lease, refused, pong, open, closed}
+    this.heard = heard;       // {state, mark, depths, words, hello, lease, refused, pong, open, closed}
     this.fields = [];
     this.stopWaits = false;   // a stop that was said while nobody could hear it
     this.state_ms = -Infinity;
@@ -36,6 +36,10 @@ export class Link {
   numbers(buffer) {
     const view = new DataView(buffer);
     const count = view.getUint16(2, true);
+    if (view.getUint8(0) === 3) {
+      this.heard.depths(new Float32Array(buffer, 8, count));
+      return;
+    }
     if (view.getUint8(0) === 2) {
       this.heard.mark(view.getUint32(4, true), new Float32Array(buffer, 8, 2 * count));
       return;

@@ -2,10 +2,10 @@
 import { Link } from "./link.js";
 import { Hand } from "./hand.js";
 import { Stage } from "./stage.js";
-import { Plot } from "./plots.js";
+import { DepthStrip, Plot } from "./plots.js";
 import { Player } from "./play.js";
 
-const kStale_ms = 250;
+const kStale_ms = 250, kLook_ms = 300;
 const $ = (id) => document.getElementById(id);
 let token = document.querySelector("meta[name=token]").content || location.hash.slice(1);
 const mm = (m) => (m * 1e3).toFixed(Math.abs(m) < 1e-2 ? 1 : 0);
@@ -19,6 +19,7 @@ let words = { driver: "nobody", stopped: false, engaged: false, armed: false, co
 let shownContour = -1;
 let shownPicture = 0;
 let showWaiting = false;
+let shownStream = "";
 let newest = null;
 let echo_ms = NaN;
 const trips_ms = [], drawn_ms = [], step_ms = [], trip_ms = [], frame_ms = [], script_ms = [];
@@ -36,12 +37,17 @@ const link = new Link({
     const chosen = $("profile").value;
     $("profile").replaceChildren(new Option("as it is", ""), ...m.profiles.map((name) => new Option(name, name)));
     $("profile").value = chosen;
+    $("material").replaceChildren(...m.materials.map((word) => new Option(word)));
+    if (words.material) $("material").value = words.material;
+    for (const [name, all] of Object.entries(m.stream)) $(name).replaceChildren(...all.map((word) => new Option(word)));
+    showStream();
   },
   words: setWords,
   lease(m) { hand.setLease(m.lease); refusalEnds = 0; },
-  refused(m) { say(m.why); },
+  refused(m) { say(m.why); showStream(); showDepth(words); },
   pong(m) { remember(trip_ms, performance.now() - m.at); },
   mark(first, places) { stage.addMark(first, places); },
+  depths(all) { depths.show(all, words.depth_m); },
   state(s) {
     newest = stage.state = s;
     const t = performance.now() / 1e3;
@@ -66,6 +72,8 @@ const trip = new Plot(...figures[2], [line("#56b4e9"), line("#cc79a7", [6, 3])],
   () => `p50 ${quantile(trips_ms, 0.5).toFixed(1)} · p99 ${quantile(trips_ms, 0.99).toFixed(1)}`);
 const bytes = new Plot(...figures[3], [line("#56b4e9"), line("#e69f00", [6, 3])], ([a, b]) => `${a.toFixed(1)} · ${b.toFixed(1)}`);
 
+const depths = new DepthStrip($("depths"), $("depth-now"));
+$("work").addEventListener("toggle", () => depths.draw());
 const player = new Player(figures, () => (hand.lease ? "Let go of the hand first: who drives looks at the cell" : ""), say);
 
 function setWords(m) {
@@ -86,6 +94,8 @@ function setWords(m) {
   document.body.classList.toggle("stopped", m.stopped);
   $("clear-stop").hidden = !m.stopped;
   if (m.profile) $("profile").value = m.profile;
+  showDepth(m);
+  if (JSON.stringify(m.stream) !== shownStream) { shownStream = JSON.stringify(m.stream); showStream(); }
   if (m.waiting === undefined || !link.open) return;
   $("waiting").hidden = !m.waiting;
   showWaiting = showWaiting && m.waiting !== 0;
@@ -96,19 +106,46 @@ function setWords(m) {
   const id = showWaiting ? m.waiting : m.contour;
   if (id !== shownContour) loadContour(id);
   loadPicture(id, m.pictures[id] ?? m.pictures[0]);
-  if (m.waiting) nameWaiting(m.waiting);
+  nameWaiting(m.waiting);
+}
+
+function showDepth(m) {
+  if (m.depth === undefined) return;
+  $("material").value = m.material;
+  if (document.activeElement !== $("depth")) $("depth").value = m.depth_m * 1e3;
+  $("depth-shown").value = m.depth_m ? `${(m.depth_m * 1e3).toFixed(2)} mm` : "none";
+  $("depth-text").textContent = m.depth;
+  depths.show(null, m.depth_m);
+}
+
+// What is in force, whatever was asked for.
+const kStream = ["law", "estimator", "codec", "block", "keep", "redundancy"];
+function showStream() {
+  for (const name of kStream) {
+    const value = String(words.stream?.[name] ?? "");
+    if (value && ![...$(name).options].some((o) => o.value === value)) $(name).add(new Option(value));
+    $(name).value = value;
+  }
 }
 
 const title = (contour) => `${contour.source.split("/").pop()}, ${contour.mode}, ${contour.closed ? "closed" : "open"}`;
 
-let namedWaiting = 0;
+// The contour that waits: its name, and its lines dashed over the one that is shown.
+let waitingContour = null, askedWaiting = 0;
 async function nameWaiting(id) {
-  if (id === namedWaiting) return;
-  namedWaiting = id;
-  try {
-    const contour = await (await fetch(`contour?id=${id}`)).json();
-    $("waiting-text").textContent = contour.id ? title(contour) : "";
-  } catch { namedWaiting = 0; }
+  if (id !== askedWaiting) {
+    askedWaiting = id;
+    waitingContour = null;
+    try {
+      if (id) waitingContour = await (await fetch(`contour?id=${id}`)).json();
+    } catch { askedWaiting = 0; }
+    if (waitingContour && waitingContour.id !== words.waiting) return;  // another one waits meanwhile
+    $("waiting-text").textContent = waitingContour?.id ? title(waitingContour) : "";
+  }
+  // Each contour has a frame of its own; the picture lies in both.
+  const from = words.pictures?.[id], to = words.pictures?.[shownContour];
+  const same = waitingContour?.id && from && to && !showWaiting;
+  stage.setPreview(same ? waitingContour : null, same && { scale: to.width_m / from.width_m, from, to });
 }
 
 // A newer picture replaces the shown one when it is there.
@@ -172,6 +209,11 @@ $("clear-stop").addEventListener("click", () => link.command("clear-stop"));
 $("beta").addEventListener("input", () => { $("beta-shown").value = Number($("beta").value).toFixed(2); });
 $("beta").addEventListener("change", () => { link.command("beta", { value: Number($("beta").value) }); $("beta").blur(); });
 $("profile").addEventListener("change", () => { if ($("profile").value) link.command("netem", { text: $("profile").value }); $("profile").blur(); });
+for (const name of kStream)
+  $(name).addEventListener("change", () => { link.command("stream", { text: `${name} ${$(name).value}` }); $(name).blur(); });
+$("material").addEventListener("change", () => { link.command("material", { text: $("material").value }); $("material").blur(); });
+$("depth").addEventListener("input", () => { $("depth-shown").value = `${Number($("depth").value).toFixed(2)} mm`; });
+$("depth").addEventListener("change", () => { link.command("depth", { value: Number($("depth").value) / 1e3 }); $("depth").blur(); });
 $("burn").addEventListener("change", () => { hand.burnWhilePulling = $("burn").checked; });
 $("press").addEventListener("change", () => { hand.burnByPressure = $("press").checked; });
 // A pointer that pans or chooses pulls nothing.
@@ -225,9 +267,27 @@ stage.canvas.addEventListener("pointerup", () => {
 stage.canvas.addEventListener("pointercancel", () => { if (stage.drawing) stage.drawing = []; });
 $("mode").addEventListener("change", () => {
   if ($("mode").value) link.command("look", { text: $("mode").value });
+  if ($("mode").value === "anew") showNoLevel();
   $("mode").value = "";
   $("mode").blur();
 });
+// The threshold: one look at a time is on its way, and the newest place of the slider is said next. What comes of it
+// waits, and is drawn over the picture.
+let levelWanted = null, levelSaid_ms = -Infinity;
+function sayLevel() {
+  if (levelWanted === null || performance.now() - levelSaid_ms < kLook_ms) return;
+  link.command("look", { text: `level ${levelWanted}`.trim() });
+  levelSaid_ms = performance.now();
+  levelWanted = null;
+}
+setInterval(sayLevel, 50);
+$("level").addEventListener("input", () => {
+  levelWanted = Number($("level").value).toFixed(2);
+  $("level-shown").value = levelWanted;
+});
+$("level").addEventListener("change", () => $("level").blur());
+function showNoLevel() { $("level").value = 0.5; $("level-shown").value = "by itself"; }
+$("level-auto").addEventListener("click", () => { levelWanted = ""; showNoLevel(); });
 $("show-waiting").addEventListener("click", () => { showWaiting = !showWaiting; setWords(words); });
 $("take-contour").addEventListener("click", () => { showWaiting = false; link.command("take-contour"); });
 $("show-picture").addEventListener("change", () => setWords(words));

@@ -87,3 +87,37 @@ export class Plot {
     if (this.newest && ++this.drawn % 10 === 0) this.output.value = this.format(this.newest);
   }
 }
+
+// How deep the contour is cut, piece by piece along it, and the depth that is wished.
+export class DepthStrip {
+  constructor(canvas, output) {
+    Object.assign(this, { canvas, output, depths: [], wished_m: 0 });
+  }
+
+  // `depths`: metres, or null: as before.
+  show(depths, wished_m = 0) {
+    if (!depths && wished_m === this.wished_m) return;
+    this.depths = depths ?? this.depths;
+    this.wished_m = wished_m;
+    this.draw();
+  }
+
+  draw() {
+    const ratio = Plot.prototype.fit.call(this), { width, height } = this.canvas;
+    const cut = [...this.depths].filter((depth) => depth > 0);
+    const mean = cut.reduce((sum, depth) => sum + depth, 0) / (cut.length || 1);
+    this.output.value = cut.length ? `${(mean * 1e3).toFixed(2)} on ${Math.round(100 * cut.length / this.depths.length)} %` : "";
+    if (!width) return;
+    const context = this.canvas.getContext("2d");
+    const top = 1.15 * Math.max(this.wished_m, ...this.depths, 1e-6), y = (depth) => (depth / top) * (height - 2);
+    context.clearRect(0, 0, width, height);
+    context.fillStyle = "#e69f00";
+    this.depths.forEach((depth, n) => {
+      context.fillRect(n * width / this.depths.length, 0, Math.max(1, width / this.depths.length), y(depth));
+    });
+    context.strokeStyle = "#eef1f4";
+    context.setLineDash([6 * ratio, 4 * ratio]);
+    context.lineWidth = 1.5 * ratio;
+    if (this.wished_m) { context.beginPath(); context.moveTo(0, y(this.wished_m)); context.lineTo(width, y(this.wished_m)); context.stroke(); }
+  }
+}

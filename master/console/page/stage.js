@@ -1,6 +1,6 @@
 // The workpiece: contour, corridor, growing mark, tools. What rarely changes is drawn once, on a layer below.
 const kCorridor_m = 0.5e-3, kKerf_m = 0.2e-3;
-const kColour = { tool: "#56b4e9", predicted: "#f0e442", slave: "#e69f00", contour: "#0072b2", mark: "#1d1208" };
+const kColour = { tool: "#56b4e9", predicted: "#f0e442", slave: "#e69f00", contour: "#0072b2", mark: "#1d1208", waiting: "#f5a3d7" };
 
 export class Stage {
   constructor(canvas) {
@@ -8,6 +8,7 @@ export class Stage {
     this.layer = document.createElement("canvas");
     this.contour = null;
     this.picture = null;     // {image, left_m, top_m, width_m, height_m}
+    this.preview = null;     // {lines: [{points, closed}]} of the contour that waits, in the shown one's frame
     this.mark = [];          // x, y of every place, metres
     this.drawn = 0;          // of these on the layer
     this.dirty = true;
@@ -53,6 +54,16 @@ export class Stage {
     this.contour = contour.id ? contour : null;
     this.dirty = true;
     this.fit();
+  }
+
+  // The contour that waits, or none; `map`: from its frame to the shown one's.
+  setPreview(contour, map) {
+    if (contour?.id === this.preview?.id && (!contour || map.scale === this.preview.scale && map.to.left_m === this.preview.left_m)) return;
+    const moved = (points) => points.map((value, n) => (n % 2
+      ? map.to.top_m + (value - map.from.top_m) * map.scale : map.to.left_m + (value - map.from.left_m) * map.scale));
+    this.preview = contour && { id: contour.id, scale: map.scale, left_m: map.to.left_m,
+      lines: [contour, ...contour.further].map((line) => ({ points: moved(line.points), closed: line.closed })) };
+    this.dirty = true;
   }
 
   // The camera's picture under the contour, or none.
@@ -165,6 +176,19 @@ export class Stage {
         context.strokeStyle = kColour.contour;
         context.lineWidth = 2.2 / this.scale;
         context.stroke();
+      }
+      if (this.preview) {
+        this.place(context, ratio);
+        this.preview.lines.forEach((line, n) => {
+          this.path(context, line.points, line.closed);
+          for (const [colour, width, dash] of [["#111", 4, []], [kColour.waiting, 2.4, n ? [3, 5] : [9, 5]]]) {
+            context.strokeStyle = colour;
+            context.lineWidth = width / this.scale;
+            context.setLineDash(dash.map((d) => d / this.scale));
+            context.stroke();
+          }
+        });
+        context.setLineDash([]);
       }
       this.dirty = false;
     }

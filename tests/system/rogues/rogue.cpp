@@ -50,9 +50,7 @@ int run(int argc, char** argv) {
   dds::Log::SetVerbosity(dds::Log::Error);
   dds::DomainParticipantQos qos;
   qos.transport().use_builtin_transports = false;
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList.emplace_back("127.0.0.1");
-  qos.transport().user_transports = {udp};
+  qos.transport().user_transports = {std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>()};
   qos.user_data().data_vec(lie(cell));
   for (int i = 4; i < argc; ++i) {
     const std::string word = argv[i];

@@ -30,6 +30,23 @@ class CellViewTest : public ::testing::Test {
   std::int64_t now_ns = 1000 * kMs;
 };
 
+TEST_F(CellViewTest, WhatIsInForceSeenAgainEndsTheWaitingOfAnother) {
+  view.hear(contour(4));
+  view.hear(contour(9));
+  ASSERT_NE(view.waiting(), nullptr);
+  view.hear(contour(4));
+  EXPECT_EQ(view.waiting(), nullptr);
+}
+
+TEST_F(CellViewTest, DepthsAreOfTheContourThatIsWorkedOn) {
+  ContourMessage line = contour(4);
+  line.points_m = {{0.0, 0.0}, {0.01, 0.0}};
+  view.hear(line);
+  const auto before = view.depths().version();
+  view.hear(contour(9));
+  EXPECT_EQ(view.depths().version(), before) << "what waits is not cut";
+}
+
 TEST_F(CellViewTest, SaysWhatIsMissingOneAfterTheOther) {
   EXPECT_EQ(sentence(), "The master is not heard: is telekerf-master running in this cell?");
   tell(MasterMode::kIdle);

@@ -187,7 +187,7 @@ TEST(Evdev, WhatIsNoInputDeviceIsRefusedWithASentence) {
             "input device /dev/input/none: No such file or directory; telekerf-inspect inputs lists those "
             "that are there");
   EXPECT_NE(refusal("/dev/null").find("input device /dev/null: no event device"), std::string::npos);
-  EXPECT_THROW((void)open_evdev_hand("/dev/null"), StartupError);
+  EXPECT_THROW((void)open_evdev_hand("/dev/null", {}), StartupError);
   EXPECT_THROW((void)open_evdev_button("/dev/null"), StartupError);
 }
 

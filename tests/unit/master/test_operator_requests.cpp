@@ -31,6 +31,17 @@ TEST(OperatorRequests, TheLastWordOnEngagingHolds) {
   EXPECT_FALSE(requests.engage());
 }
 
+TEST(OperatorRequests, NobodyEngagesWhileTheCommandStreamIsBeingChanged) {
+  OperatorRequests requests(false, 0.5);
+  EventMessage event;
+  event.kind = Kind::kEngage;
+  EXPECT_STREQ(requests.hear({&event, 1}, {.stream_changes = true}).refusal,
+               "refused: law, estimator or codec are just being changed; engage when they are");
+  EXPECT_FALSE(requests.engage());
+  EXPECT_EQ(requests.hear({&event, 1}, {}).refusal, nullptr);
+  EXPECT_TRUE(requests.engage());
+}
+
 TEST(OperatorRequests, AScaleIsAskedForOnceAndWithinBounds) {
   OperatorRequests requests(false, 0.5);
   EXPECT_FALSE(hear(requests, Kind::kSetBeta, 0.5)) << "it is so already";

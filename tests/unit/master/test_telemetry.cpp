@@ -27,7 +27,8 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   out.slave_force = {.force_n = {0.0, -1.5, 0.0}, .tick = 12, .known = true};
   Snapshot snapshot;
   EXPECT_FALSE(snapshot.load()) << "nothing stored yet";
-  snapshot.store(42, master_values(out, 0.25, {-3.5, 1e-5, 2e-4}, 0.1));
+  snapshot.store(42,
+                 master_values(out, 0.25, {-3.5, 1e-5, 2e-4}, 0.1, {.law = 2, .estimator = 3, .block = 32}));
   const auto message = snapshot.load();
   ASSERT_TRUE(message);
   EXPECT_EQ(message->role, "master");
@@ -57,6 +58,9 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
   EXPECT_EQ(value("hand_x_n"), 1.25);
   EXPECT_EQ(value("force_known"), 1.0);
   EXPECT_EQ(value("force_y_n"), -1.5);
+  EXPECT_EQ(value("law"), 2.0);
+  EXPECT_EQ(value("estimator"), 3.0);
+  EXPECT_EQ(value("block"), 32.0);
 }
 
 // All values of one store are the same number: a reader that sees two of them has read across a writing.

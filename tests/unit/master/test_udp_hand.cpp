@@ -9,6 +9,7 @@
 #include "common/runtime/startup_error.h"
 #include "experiments/simulation/simulation.h"
 #include "master/operator/recorded_hand.h"
+#include "master/operator/space_mouse.h"
 #include "master/operator/udp_hand.h"
 #include "master/station.h"
 #include "tests/unit/allocations.h"
@@ -22,14 +23,15 @@ TEST(HandSetting, WhatIsNoneIsRefusedWithWhatItMustBe) {
   for (const char* wrong : {"", "mouse", "browsers"})
     EXPECT_NE(
         validate_hand(wrong).find(
-            "must be one of simulated, browser, browser:HOST:PORT, udp:HOST:PORT, evdev:PATH, recorded:FILE"),
+            "must be one of simulated, browser, browser:HOST:PORT, udp:HOST:PORT, evdev:PATH, spacemouse, "
+            "spacemouse:PATH, recorded:FILE"),
         std::string::npos)
         << wrong;
   EXPECT_EQ(validate_hand("browser"), "");
   EXPECT_NE(validate_hand("browser:here"), "");
   EXPECT_NE(validate_hand("recorded"), "");
-  EXPECT_EQ(open_hand("simulated"), nullptr);
-  EXPECT_THROW((void)open_hand("recorded:nowhere.csv"), StartupError);
+  EXPECT_EQ(open_hand("simulated", SpaceMouseSettings{}), nullptr);
+  EXPECT_THROW((void)open_hand("recorded:nowhere.csv", SpaceMouseSettings{}), StartupError);
 }
 
 class UdpHandTest : public ::testing::Test {

@@ -3,6 +3,7 @@
 // is.
 #include <gtest/gtest.h>
 
+#include "common/workpiece/line_depth.h"
 #include "experiments/haptics/felt_cut_trial.h"
 #include "experiments/haptics/port_trial.h"
 #include "slave/laser/pulsed_beam.h"
@@ -25,8 +26,8 @@ TEST(DepthSpeed, IsWhatAStraightLineComesTo) {
       double depth_m = 0.0;
       constexpr int kPlaces = 100;
       for (int i = 0; i < kPlaces; ++i) depth_m += piece.depth_m({(i - 50) * 1e-5, 0.0}) / kPlaces;
-      EXPECT_NEAR(depth_m * speed_m_per_s, depth_speed_m2_per_s(*material, kPower_w),
-                  0.03 * depth_speed_m2_per_s(*material, kPower_w))
+      EXPECT_NEAR(depth_m * speed_m_per_s, workpiece::depth_speed_m2_per_s(*material, kPower_w),
+                  0.03 * workpiece::depth_speed_m2_per_s(*material, kPower_w))
           << material->name << " at " << speed_m_per_s;
     }
   }

@@ -108,6 +108,25 @@ TEST_F(PacketizerTest, OtherSettingsApplyFromTheNextBlock) {
   EXPECT_EQ(PacketizerSettings{}.epoch, 1u);
 }
 
+TEST_F(PacketizerTest, AnotherOneGoesOnWithItsNumbers) {
+  ASSERT_TRUE(fill());
+  ASSERT_TRUE(fill());
+  const std::uint32_t number = block_.sequence;
+  Packetizer next({.codec = {.block = 8, .sample_period_ns = 1'000'000, .anchored = false},
+                   .ticks_per_sample = 1,
+                   .sample_period_ns = 1'000'000,
+                   .epoch = 1});
+  next.take_over(packets_);
+  next.begin(index_, {});
+  for (int n = 0; n < 8; ++n) (void)next.add(place(index_++), false);
+  ASSERT_TRUE(next.pack(0, block_));
+  EXPECT_EQ(block_.sequence, number + 1);
+  const auto packet = decoder_.decode(block_.payload.view(), {});
+  ASSERT_TRUE(packet) << "the decoder of before takes it";
+  EXPECT_FALSE((*packet)->head.anchored);
+  EXPECT_EQ((*packet)->blocks, 1) << "stands alone";
+}
+
 TEST_F(PacketizerTest, ABlockThatCannotBeCodedCostsItsNumberAndNothingElse) {
   ASSERT_TRUE(fill());
   EXPECT_FALSE(fill(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), 3));

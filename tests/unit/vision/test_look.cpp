@@ -78,13 +78,44 @@ TEST_F(Looking, AnotherModeFindsOtherLines) {
             "no mode of the name 'sideways' (telekerf-vision --help has the names at --mode)");
 }
 
+TEST_F(Looking, ALevelMovesTheBordersThroughTheirBlur) {
+  // A disc out of focus: at the share q of its contrast its border lies sigma probit(q) further in.
+  cv::Mat blurred(480, 640, CV_8UC1, cv::Scalar(230));
+  cv::circle(blurred, {320, 240}, 100, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  cv::GaussianBlur(blurred, blurred, {}, 4.0);
+  cv::imwrite(folder.file("blurred.png"), blurred);
+  ASSERT_TRUE(node.step(Frame{"blurred.png", folder.file("blurred.png")}).publish);
+  const double whole = looked("mode outline");
+  ASSERT_NEAR(whole, 201.0, 1.5);
+  const double sigma = std::hypot(4.0, 1.0);  // and of the filter
+  for (const auto& [share, probit] : {std::pair{0.1, -1.2816}, {0.3, -0.5244}, {0.5, 0.0}, {0.8, 0.8416}}) {
+    const double expected = whole - 2.0 * sigma * probit;
+    EXPECT_NEAR(looked("level " + std::to_string(share)), expected, 1.0) << share;
+  }
+  EXPECT_NEAR(looked("mode auto"), whole - 2.0 * sigma * 0.8416, 1.0) << "it stays in another mode";
+  EXPECT_NEAR(looked("level"), whole, 0.5) << "found by itself again";
+}
+
+TEST_F(Looking, ALevelSaysWhatOfAFaintDrawingCounts) {
+  cv::Mat tones(480, 640, CV_8UC1, cv::Scalar(230));
+  cv::circle(tones, {200, 240}, 100, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  cv::circle(tones, {470, 240}, 120, cv::Scalar(170), cv::FILLED, cv::LINE_AA);  // fainter and larger
+  cv::imwrite(folder.file("tones.png"), tones);
+  ASSERT_TRUE(node.step(Frame{"tones.png", folder.file("tones.png")}).publish);
+  EXPECT_NEAR(looked("level 0.2"), 241.0, 2.0);
+  EXPECT_NEAR(looked("level 0.7"), 201.0, 2.0);
+}
+
 TEST_F(Looking, WhatIsNoLookIsRefusedAndChangesNothing) {
   ASSERT_NEAR(looked(at(480, 160)), 121.0, 1.0);
-  for (const char* const words : {"", "at", "at 1", "at 1,", "at 1,2,3", "at x,y", "at nan,0", "at inf,0",
-                                  "anew 1", "start", "look", "at  0,0", "mode"}) {
+  for (const char* const words :
+       {"", "at", "at 1", "at 1,", "at 1,2,3", "at x,y", "at nan,0", "at inf,0", "anew 1", "start", "look",
+        "at  0,0", "mode", "level 0", "level 1.5", "level nan", "level x", "level  0.5"}) {
     EXPECT_EQ(looked(words), 0.0) << words;
     EXPECT_FALSE(refusal.empty()) << words;
   }
+  EXPECT_EQ(looked("level 0.99"), 0.0);
+  EXPECT_EQ(refusal, "level = 0.99: must lie within [0.02, 0.98]");
   EXPECT_EQ(looked("at 0.5,0.5"), 0.0) << "beyond the picture";
   EXPECT_NE(refusal.find("lies beyond the picture"), std::string::npos) << refusal;
   const auto again = node.look("mode auto");
