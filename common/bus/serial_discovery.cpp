@@ -16,14 +16,9 @@ using middleware::rtps::LocatorsIterator;
 using middleware::rtps::octet;
 using middleware::rtps::SenderResource;
 
-struct SerialDescriptor : dds_rtps::ChainingTransportDescriptor {
-  using ChainingTransportDescriptor::ChainingTransportDescriptor;
-  dds_rtps::TransportInterface* create_transport() const override;
-};
-
 class SerialTransport : public dds_rtps::ChainingTransport {
  public:
-  explicit SerialTransport(const SerialDescriptor& descriptor)
+  explicit SerialTransport(const dds_rtps::ChainingTransportDescriptor& descriptor)
       : ChainingTransport(descriptor), descriptor_(descriptor.low_level_descriptor) {}
 
   dds_rtps::TransportDescriptorInterface* get_configuration() override { return descriptor_.get(); }
@@ -45,7 +40,10 @@ class SerialTransport : public dds_rtps::ChainingTransport {
   std::mutex turns_;
 };
 
-dds_rtps::TransportInterface* SerialDescriptor::create_transport() const { return new SerialTransport(*this); }
+struct SerialDescriptor : dds_rtps::ChainingTransportDescriptor {
+  using ChainingTransportDescriptor::ChainingTransportDescriptor;
+  dds_rtps::TransportInterface* create_transport() const override { return new SerialTransport(*this); }
+};
 
 }  // namespace
 
