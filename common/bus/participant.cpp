@@ -240,6 +240,10 @@ void Bus::Participant::discovered(const Discovered& participant) {
 void Bus::Participant::meet_again(const std::vector<bus::Unproven::Waiting>& strange) {
   const std::lock_guard lock(endpoints_mutex_);
   if (participant_ == nullptr) return;
+  {
+    const std::lock_guard neighbours(mutex_);
+    for (const auto& other : strange) strangers_[other.key] = unproven(other.key);
+  }
   for (const auto& other : strange)
     bus::send_datagram(bus::farewell(key_of(participant_->guid()), other.key), other.places);
 }
@@ -260,6 +264,7 @@ void Bus::Participant::authenticated(const rtps::GUID_t& guid, bool proven) {
   const std::lock_guard lock(mutex_);
   if (proven) {
     authenticated_.insert(key);
+    strangers_.erase(key);  // it may have been slow
   } else {
     authenticated_.erase(key);
   }
@@ -294,23 +299,6 @@ void Bus::Participant::announce_protected() {
     throw environment_error("the middleware refused a writer of " + std::string(security::kPresenceTopic));
 }
 
-std::vector<PresenceMessage> Bus::Participant::others() const {
-  const std::lock_guard lock(mutex_);
-  std::vector<PresenceMessage> list;
-  for (const auto& [key, other] : others_) list.push_back(other.presence);
-  return list;
-}
-
-std::vector<Bus::Seen> Bus::Participant::seen() const {
-  const std::lock_guard lock(mutex_);
-  std::vector<Bus::Seen> list;
-  for (const auto& [key, other] : others_) {
-    const auto address = addresses_.find(key);
-    list.push_back({other.presence, address == addresses_.end() ? "unknown" : address->second});
-  }
-  return list;
-}
-
 bool Bus::Participant::wait_for_role(const std::string& role, std::chrono::nanoseconds timeout) const {
   std::unique_lock lock(mutex_);
   return changed_.wait_for(lock, timeout, [&] {
@@ -318,41 +306,6 @@ bool Bus::Participant::wait_for_role(const std::string& role, std::chrono::nanos
       return entry.second.presence.role == role && entry.second.presence.joined;
     });
   });
-}
-
-BusCounters Bus::Participant::counters() const {
-  const std::lock_guard lock(mutex_);
-  return {.incompatible = incompatible_.size(),
-          .strangers = strangers_.size(),
-          .refused = protection_.on() ? protection_.gate()->refused() : 0};
-}
-
-std::vector<std::string> Bus::Participant::strangers() const {
-  const std::lock_guard lock(mutex_);
-  std::vector<std::string> sentences;
-  for (const auto& [key, sentence] : strangers_) sentences.push_back(sentence);
-  if (protection_.on() && protection_.gate()->refused() > 0)
-    sentences.push_back(
-        fmt::format("somebody without keys of cell '{}' sends to it, and is not let in", settings_.cell));
-  return sentences;
-}
-
-std::optional<Bus::Rival> Bus::Participant::rival() const {
-  const std::lock_guard lock(mutex_);
-  for (const auto& [key, other] : others_) {
-    // This start's own participant of before a change of the network may not be forgotten yet.
-    if (!other.presence.joined || other.presence.epoch == self_.presence.epoch) continue;
-    if (auto reason = incompatibility(self_.presence, other.presence))
-      return Rival{*reason, comes_second(self_, other)};
-  }
-  return std::nullopt;
-}
-
-std::vector<PresenceMessage> Bus::Participant::elsewhere() const {
-  const std::lock_guard lock(mutex_);
-  std::vector<PresenceMessage> list;
-  for (const auto& [key, presence] : elsewhere_) list.push_back(presence);
-  return list;
 }
 
 bool Bus::Participant::may_say(const rtps::GUID_t& writer, const char* topic, const char* role,
@@ -371,19 +324,6 @@ bool Bus::Participant::may_say(const rtps::GUID_t& writer, const char* topic, co
   if (strangers_.size() < kMostStrangers && !strangers_.contains(key))
     strangers_[key] = stranger(key, topic, role);
   return false;
-}
-
-std::string Bus::Participant::stranger(const Key& key, const char* topic, const char* role) const {
-  std::string who = "a participant that has not announced itself";
-  if (const auto here = others_.find(key); here != others_.end()) {
-    who = fmt::format("{} '{}'", here->second.presence.role, here->second.presence.name);
-  } else if (const auto there = elsewhere_.find(key); there != elsewhere_.end()) {
-    who = fmt::format("{} '{}' of cell '{}'", there->second.role, there->second.name, there->second.cell);
-  }
-  const auto address = addresses_.find(key);
-  return fmt::format("what {} ({}) says on {} is not heard: it is no {} of cell '{}'", who,
-                     address == addresses_.end() ? "of an unknown address" : address->second, topic,
-                     role == nullptr ? "process" : role, settings_.cell);
 }
 
 dds::Topic* Bus::Participant::topic(const char* name, const dds::TypeSupport& type) {

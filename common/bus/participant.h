@@ -87,6 +87,10 @@ class Bus::Participant : private middleware::Discovery {
   /// Both sites are seen.
   bool whole() const;
   std::string stranger(const Key& key, const char* topic, const char* role) const;
+  /// Of one who has not proved who it is, for people.
+  std::string unproven(const Key& key) const;
+  /// Where it is, for people.
+  std::string place(const Key& key) const;
 
   BusSettings settings_;
   bus::Protection protection_;

@@ -19,7 +19,7 @@ std::array<Probability, kMaxLossStates - 1> cumulative(
   double sum = 0.0;
   for (int i = 0; i < kMaxLossStates - 1; ++i) {
     sum += probabilities[i];
-    up_to[i] = Probability(std::min(sum, 1.0));
+    up_to[i] = Probability(std::clamp(sum, 0.0, 1.0));  // what is left of 1 may be a rounding below 0
   }
   return up_to;
 }

@@ -69,6 +69,16 @@ TEST_F(SecuredCell, ManyWhoStartAtTheSameMomentAllFindEachOther) {
   }
 }
 
+TEST_F(SecuredCell, KeysThatDoNotFitAreToldWithTheRemedy) {
+  const Store ours, others;
+  Program slave("telekerf-slave", secured(ours, {}));
+  Program master("telekerf-master", secured(others, {}));
+  for (const Program* const each : {&slave, &master})
+    EXPECT_TRUE(
+        each->says("and does not prove it: both sides need keys of the same ./telekerf keys", seconds(30)))
+        << each->output();
+}
+
 TEST_F(SecuredCell, WithoutKeysTheStartSaysSoAndOtherComputersAreNotReached) {
   Program slave("telekerf-slave", {"--domain", own_domain(), "--cell", "bare"});
   ASSERT_TRUE(slave.says("slave: not secured", seconds(20))) << slave.output();

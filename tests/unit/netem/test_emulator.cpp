@@ -8,6 +8,7 @@
 #include <cstring>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace telekerf::netem {
@@ -62,6 +63,21 @@ TEST(Emulator, PayloadOfEverySizeComesOutAsItWentIn) {
   receive(10'000 * kMs);
   EXPECT_EQ(received, sent.size());
   EXPECT_EQ(emulator.counters().overflowed, 0U);
+}
+
+TEST(Emulator, ABurstLawThatNearlyAlwaysGoesBackToLossesLosesAsMuchAsItSays) {
+  // Rounded, the way from good to bad is taken a hair more often than always.
+  using Law = std::pair<const char*, const char*>;
+  for (const auto& [share, burst] :
+       {Law{"0.8", "4.0"}, {"0.9", "9.0"}, {"0.6666666666666667", "2.0"}, {"0.75", "3.0"}}) {
+    const std::string keys =
+        std::string("loss_model = \"gilbert-elliott\"\nloss = ") + share + "\nloss_burst_packets = " + burst;
+    const double loss = std::stod(share);
+    Emulator emulator(both(keys), {1});
+    constexpr int kPackets = 20'000;
+    for (int i = 0; i < kPackets; ++i) emulator.push(i * kMs, 100U, 1);
+    EXPECT_NEAR(static_cast<double>(emulator.counters().lost) / kPackets, loss, 0.03) << keys;
+  }
 }
 
 TEST(Emulator, OverflowIsCountedAndTheStoreStaysUsable) {

@@ -56,7 +56,7 @@ TEST(Keystore, WhatIsMadeIsGoodForEveryRoleAndForItsOwnerAlone) {
       EXPECT_EQ(entry.status().permissions() & fs::perms::owner_exec, fs::perms::none);
     }
   }
-  EXPECT_EQ(files, 7 + static_cast<int>(2 * 3 * roles().size()));
+  EXPECT_EQ(files, 6 + static_cast<int>(2 * (1 + 3 * roles().size())));
 }
 
 TEST(Keystore, AnIdentityThatIsNotItsRolesIsFound) {
