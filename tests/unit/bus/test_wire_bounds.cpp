@@ -128,7 +128,7 @@ TEST(WireBounds, TheLastOfEachEnumerationIsTakenAndTheNextIsDamage) {
     EventMessage message;
     return from_wire(wire, kContract, message);
   };
-  const auto last_kind = static_cast<std::uint8_t>(EventMessage::Kind::kLook);
+  const auto last_kind = static_cast<std::uint8_t>(EventMessage::Kind::kSetStream);
   EXPECT_EQ(event(last_kind), Verdict::kGood);
   EXPECT_EQ(event(last_kind + 1), Verdict::kDamaged);
   EXPECT_EQ(event(0, std::numeric_limits<double>::quiet_NaN()), Verdict::kDamaged);
