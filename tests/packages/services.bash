@@ -36,9 +36,12 @@ sleep 2
 systemctl stop telekerf-operator@cell-1.target telekerf-cell@cell-1.target
 telekerf-inspect run /var/lib/telekerf/run || bad "there is no report"
 grep -q '"lost": 0,' /var/lib/telekerf/run/report.json || bad "blocks were lost during the upgrade"
+sed -i 's/^record = .*/#&/' /etc/telekerf/cell-1.toml # a folder is of one run
 systemctl start telekerf-cell@cell-1.target
 sleep 5
-kill -STOP "$(systemctl show -p MainPID --value telekerf-slave@cell-1)"
+slave=$(systemctl show -p MainPID --value telekerf-slave@cell-1)
+((slave > 0)) || bad "the slave does not start again"
+kill -STOP "$slave"
 sleep 5
 [[ $(systemctl show -p Result --value telekerf-slave@cell-1) == watchdog ]] || bad "a slave that hangs is not killed"
 [[ $(systemctl is-active telekerf-slave@cell-1) == failed ]] || bad "a slave that was killed has come back"
