@@ -10,6 +10,7 @@
 #     demo      the programs as the demo builds them, several sources a call   build-demo/
 #     processes faults of real processes while they cut, judged by the plant   build/
 #     rogues    10,000 tries of each kind to command a secured cell            build/
+#     secured   the tests of real processes, each of them with keys            build/
 #     headers   every header compiles alone
 #     examples  the examples
 #     fuzz      libFuzzer, 60 s a target
@@ -26,7 +27,7 @@
 #   Not among the parts, as it takes hours: puts N small faults (100) into the code, one at a time, and counts those
 #   that the tests notice. The last line is `score NN %`.
 
-readonly check_parts="werror demo processes rogues headers examples fuzz bench asan tsan tidy packages chaos"
+readonly check_parts="werror demo processes rogues secured headers examples fuzz bench asan tsan tidy packages chaos"
 
 # Benchmarks, all of them if none is named, on standard output.
 bench() {
@@ -68,6 +69,11 @@ check_demo() {
 }
 check_processes() { ninja -C "$build" chaos_processes && "$build/bin/chaos_processes"; }
 check_rogues() { ninja -C "$build" test_rogues && TELEKERF_TRIES=10000 "$build/bin/test_rogues"; }
+# One of them asks for the sentence that a start without keys says.
+check_secured() {
+  ninja -C "$build" && TELEKERF_TEST_SECURITY=1 ctest --test-dir "$build" --output-on-failure -L integration \
+    -E 'Machine.WithoutVisionItSaysWhatItWaitsFor'
+}
 check_headers() { ninja -C "$build" all_verify_interface_header_sets; }
 check_examples() { ninja -C "$build" && ctest --test-dir "$build" --output-on-failure --no-tests=error -L examples; }
 check_fuzz() {
