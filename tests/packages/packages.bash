@@ -168,7 +168,12 @@ across() {
   ns=$right within "bare-$2" 'exec telekerf-slave --insecure --record /root/record' & pids+=($!)
   (sleep 8; ns=$left within "bare-$1" 'telekerf-ctl look --insecure') &
   ns=$left within "bare-$1" 'telekerf-master --insecure --engage --duration-s 20 --record /root/record' || bad "the master of $1 failed"
-  kill -TERM "${pids[@]}" || true
+  # What was started is a child of these; all of it is in the namespace.
+  ip netns pids $right | xargs -r kill -TERM
+  for _ in {1..50}; do
+    [[ -n $(ip netns pids $right) ]] || break
+    sleep 0.2
+  done
   wait "${pids[@]}" || true
   rm -rf "$out"
   mkdir -p "$out"
