@@ -106,8 +106,7 @@ std::string Bus::Participant::unproven(const Key& key) const {
   const auto* const identity = protection_.identity(key);
   return fmt::format(
       "{} at {} says that it is of cell '{}', and does not prove it: both sides need keys of the same "
-      "./telekerf "
-      "keys that have not ended, and --wan on both sides or on neither",
+      "./telekerf keys that have not ended, and --wan on both sides or on neither",
       identity == nullptr ? "somebody" : identity->role, place(key), settings_.cell);
 }
 

@@ -102,31 +102,27 @@ Gate::Gate(std::vector<security::SubjectPrefix> known) {
 }
 
 bool Gate::admits(std::span<const std::byte> datagram, std::uint32_t from, std::int64_t now_ns) noexcept {
-  if (Identity* const identity = identity_of(datagram); identity != nullptr) {
-    Prefix prefix;
-    std::memcpy(prefix.data(), datagram.data() + kRtpsPrefix, prefix.size());
-    if (has_left(*identity, prefix, now_ns)) return false;
-    if (!is_protected(datagram) && comes_before_keys(datagram) && holds_farewell(datagram)) {
-      take_leave(*identity, prefix, now_ns);
-      return false;
-    }
+  const Verdict verdict = judge(datagram, now_ns);
+  if (verdict == Verdict::kRefused) {
+    refused_.fetch_add(1, std::memory_order_relaxed);
+    refused_from_.store(from, std::memory_order_relaxed);
   }
-  if (lets_in(datagram, now_ns)) return true;
-  refused_.fetch_add(1, std::memory_order_relaxed);
-  refused_from_.store(from, std::memory_order_relaxed);
-  return false;
+  return verdict == Verdict::kAdmitted;
 }
 
-bool Gate::lets_in(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept {
+Gate::Verdict Gate::judge(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept {
   Identity* const identity = identity_of(datagram);
-  if (identity == nullptr) return false;
-  if (datagram.size() < kRtpsHeader + kSubmessageHeader) return false;
-  // The middleware has the keys, and judges it whole.
-  if (is_protected(datagram)) return true;
-  if (!comes_before_keys(datagram)) return false;
+  if (identity == nullptr || datagram.size() < kRtpsHeader + kSubmessageHeader) return Verdict::kRefused;
   Prefix prefix;
   std::memcpy(prefix.data(), datagram.data() + kRtpsPrefix, prefix.size());
-  return has_room(*identity, prefix, now_ns);
+  if (has_left(*identity, prefix, now_ns)) return Verdict::kLeft;
+  if (is_protected(datagram)) return Verdict::kAdmitted;  // the middleware has the keys, and judges it whole
+  if (!comes_before_keys(datagram)) return Verdict::kRefused;
+  if (holds_farewell(datagram)) {
+    take_leave(*identity, prefix, now_ns);
+    return Verdict::kLeft;
+  }
+  return has_room(*identity, prefix, now_ns) ? Verdict::kAdmitted : Verdict::kRefused;
 }
 
 Gate::Identity* Gate::identity_of(std::span<const std::byte> datagram) noexcept {

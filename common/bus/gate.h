@@ -58,7 +58,8 @@ class Gate {
   /// Whether it has said farewell a short while ago.
   bool has_left(const Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
   void take_leave(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
-  bool lets_in(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
+  enum class Verdict { kAdmitted, kLeft, kRefused };
+  Verdict judge(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
   Identity* identity_of(std::span<const std::byte> datagram) noexcept;
   bool has_room(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
 
