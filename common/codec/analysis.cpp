@@ -203,8 +203,8 @@ void Analyser::try_run_length(std::span<const double> samples, const CodingTarge
   }
 }
 
-AxisCode Analyser::analyse(std::span<const double> samples, const CodingTarget& target,
-                           const AxisContext& context, const Grid& grid) const noexcept {
+PricedCode Analyser::analyse(std::span<const double> samples, const CodingTarget& target,
+                             const AxisContext& context, const Grid& grid) const noexcept {
   Coefficients shifted;
   Coefficients transformed;
   const auto size = samples.size();
@@ -260,8 +260,11 @@ AxisCode Analyser::analyse(std::span<const double> samples, const CodingTarget& 
   if (!context.truncated && !(integrated_ && !adaptive)) try_run_length(samples, target, context, grid, best);
   const double bits =
       !best.found ? 0 : (adaptive ? best.cost : newest_axis_bits(best.code, context, grid, block_));
-  if (best.found && bits <= kRawSampleBits * block_) return best.code;
-  return raw_code(samples);
+  if (best.found && bits <= kRawSampleBits * block_) {
+    return {best.code, adaptive ? best.cost : best.cost / kEnergyPerBit};
+  }
+  const AxisCode raw = raw_code(samples);
+  return {raw, static_cast<double>(newest_axis_bits(raw, context, grid, block_))};
 }
 
 }  // namespace telekerf::codec

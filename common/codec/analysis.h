@@ -14,6 +14,13 @@ struct CodingTarget {
   double max_rms = 0.0;
 };
 
+/// A code and what it costs: bits, and without a promised RMS error the error's energy as the bits that it is
+/// worth.
+struct PricedCode {
+  AxisCode code;
+  double cost_bits = 0.0;
+};
+
 /// Precomputed for one block length: the polynomials in the transform's domain, so that every prediction is
 /// tried on the coefficients of one single transform (the transform is linear).
 class Analyser {
@@ -24,8 +31,8 @@ class Analyser {
   /// The cheapest code that keeps `target.max_rms` (bits decide), or the best with `target.keep` coefficients
   /// (error energy decides, bits break near-ties). Samples are finite and within kMaxMagnitude. With
   /// `context.truncated` it is the predecessor: no prediction, the lowest coefficients.
-  AxisCode analyse(std::span<const double> samples, const CodingTarget& target, const AxisContext& context,
-                   const Grid& grid) const noexcept;
+  PricedCode analyse(std::span<const double> samples, const CodingTarget& target, const AxisContext& context,
+                     const Grid& grid) const noexcept;
 
  private:
   using Coefficients = std::array<double, kMaxBlock>;

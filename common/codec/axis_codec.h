@@ -14,8 +14,9 @@ namespace telekerf::codec {
 /// An axis as its encoder keeps it for the packets to come.
 struct CodedAxis {
   AxisCode code;
-  ShapeEnds ends;   ///< transforms only, as is
-  Successor start;  ///< ... this
+  ShapeEnds ends;          ///< transforms only, as is
+  Successor start;         ///< ... this
+  double cost_bits = 0.0;  ///< ... and this: PricedCode
 };
 
 /// What an encoder has at hand.
@@ -27,9 +28,12 @@ struct EncoderTools {
 
 /// Functions without state, allocation or exceptions: they run in control loops, and `read` meets any bytes.
 struct AxisCodec {
-  CodecKind kind{};           ///< its number on the wire
-  int min_block = 1;          ///< samples
-  bool transforms = false;    ///< its packets announce a context model learnt from earlier blocks
+  CodecKind kind{};         ///< its number on the wire
+  int min_block = 1;        ///< samples
+  bool transforms = false;  ///< its packets announce a context model learnt from earlier blocks
+  /// In the long run its stream costs no more than what `encode` gives with context.truncated: the encoder
+  /// keeps account.
+  bool bounded_by_truncation = false;
   double step_per_rms = 1.0;  ///< finest step of an adaptive stream, in units of its max_rms
 
   /// Codes `samples` and puts in their place what every receiver decodes.

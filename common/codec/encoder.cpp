@@ -19,11 +19,25 @@ int quantum_exponent_of(const StreamSettings& settings, const AxisCodec& codec) 
                     kMaxQuantumExponent);
 }
 
-/// A block that is kept for the packets to come.
-struct Block {
+/// The three axes of a block: their codes, and the samples that every receiver decodes.
+struct CodedSamples {
   std::array<CodedAxis, kAxes> axes;
-  std::uint64_t button = 0;
   std::array<Vec3, kMaxBlock> decoded;
+};
+
+/// A block that is kept for the packets to come.
+struct Block : CodedSamples {
+  std::uint64_t button = 0;
+};
+
+/// A stream that has spared more than this is trusted no longer for it, bits.
+constexpr double kMostSpared = 64.0;
+
+/// The same samples by truncation alone, as if the stream had never known anything else.
+struct Truncation {
+  ContextModel model;
+  CodedSamples coded;
+  double spared_bits = 0.0;  ///< by which the stream has been cheaper so far
 };
 
 }  // namespace
@@ -35,7 +49,8 @@ struct BlockEncoder::State {
         exponent(quantum_exponent_of(settings, *codec)),
         grid(settings.block, exponent, weighs_integral()),
         analyser(std::max(settings.block, kMinTransform), settings.integrated),
-        model(first_model()) {}
+        model(first_model()),
+        truncation{.model = first_model(), .coded = {}} {}
 
   StreamSettings settings;
   const AxisCodec* codec;  // never null
@@ -48,6 +63,7 @@ struct BlockEncoder::State {
   int copies = 0;  // in the last packet
   std::uint16_t sequence = 0;
   ContextModel model;
+  Truncation truncation;
   std::size_t newest_bits = 0;
   CodecCounters counters;
 
@@ -79,22 +95,60 @@ struct BlockEncoder::State {
     }
     return result;
   }
-  void code(std::span<const Vec3> samples, const Trend& trend, Block& block) const noexcept;
+  /// Codes the samples with that model; returns what they cost, bits (PricedCode).
+  double code(std::span<const Vec3> samples, const Trend& trend, const ContextModel& habits, bool truncated,
+              CodedSamples& coded) const noexcept;
+  void bound_by_truncation(std::span<const Vec3> samples, const Trend& trend, double cost_bits,
+                           CodedSamples& coded) noexcept;
   void write_block(BitWriter& out, int age, const Trend& trend) noexcept;
-  void learn(const Block& block) noexcept;
+  ContextModel learnt_from(const CodedSamples& coded, const ContextModel& before) const noexcept;
 };
 
-void BlockEncoder::State::code(std::span<const Vec3> samples, const Trend& trend,
-                               Block& block) const noexcept {
+double BlockEncoder::State::code(std::span<const Vec3> samples, const Trend& trend,
+                                 const ContextModel& habits, bool truncated,
+                                 CodedSamples& coded) const noexcept {
   std::array<double, kMaxBlock> room;
   const auto values = std::span(room).first(samples.size());
-  for (std::size_t n = 0; n < values.size(); ++n) block.decoded[n].setZero();
+  for (std::size_t n = 0; n < values.size(); ++n) coded.decoded[n].setZero();
+  double cost_bits = 0.0;
   for (int a = 0; a < settings.axes; ++a) {
     for (std::size_t n = 0; n < values.size(); ++n) values[n] = samples[n][a];
-    block.axes[static_cast<std::size_t>(a)] =
-        codec->encode(values, {settings, grid, analyser}, newest_context(trend, a));
-    for (std::size_t n = 0; n < values.size(); ++n) block.decoded[n][a] = values[n];
+    AxisContext known = newest_context(trend, a);
+    known.model = habits;
+    known.truncated = truncated;
+    auto& axis = coded.axes[static_cast<std::size_t>(a)];
+    axis = codec->encode(values, {settings, grid, analyser}, known);
+    cost_bits += axis.cost_bits;
+    for (std::size_t n = 0; n < values.size(); ++n) coded.decoded[n][a] = values[n];
   }
+  return cost_bits;
+}
+
+/// Each block's choice is the cheapest by the habits of its stream, but habits may be bad ones: a choice that
+/// was cheapest once makes itself the usual. So the stream is compared with truncation, which has habits of
+/// its own, and once it would be the dearer one in all, the block is what truncation makes of it.
+void BlockEncoder::State::bound_by_truncation(std::span<const Vec3> samples, const Trend& trend,
+                                              double cost_bits, CodedSamples& coded) noexcept {
+  const double truncated_bits = code(samples, trend, truncation.model, true, truncation.coded);
+  double taken_bits = cost_bits;
+  if (truncation.spared_bits + truncated_bits < cost_bits) {
+    double rewritten_bits = truncated_bits;  // in this codec's words
+    for (int a = 0; a < settings.axes; ++a) {
+      const AxisCode& axis = truncation.coded.axes[static_cast<std::size_t>(a)].code;
+      AxisContext known = newest_context(trend, a);
+      known.model = truncation.model;
+      rewritten_bits += newest_axis_bits(axis, known, grid, settings.block);
+      known.truncated = true;
+      rewritten_bits -= newest_axis_bits(axis, known, grid, settings.block);
+    }
+    if (rewritten_bits < cost_bits) {
+      coded = truncation.coded;
+      model = truncation.model;
+      taken_bits = rewritten_bits;
+    }
+  }
+  truncation.spared_bits = std::min(truncation.spared_bits + truncated_bits - taken_bits, kMostSpared);
+  truncation.model = learnt_from(truncation.coded, truncation.model);
 }
 
 void BlockEncoder::State::write_block(BitWriter& out, int age, const Trend& trend) noexcept {
@@ -111,12 +165,13 @@ void BlockEncoder::State::write_block(BitWriter& out, int age, const Trend& tren
   }
 }
 
-void BlockEncoder::State::learn(const Block& block) noexcept {
-  if (!codec->transforms) return;
+ContextModel BlockEncoder::State::learnt_from(const CodedSamples& coded,
+                                              const ContextModel& before) const noexcept {
+  if (!codec->transforms) return before;
   std::array<const AxisCode*, kAxes> codes{};
   const auto axes = static_cast<std::size_t>(settings.axes);
-  for (std::size_t a = 0; a < axes; ++a) codes[a] = &block.axes[a].code;
-  model = learnt(model, std::span(codes).first(axes), settings.anchored);
+  for (std::size_t a = 0; a < axes; ++a) codes[a] = &coded.axes[a].code;
+  return learnt(before, std::span(codes).first(axes), settings.anchored);
 }
 
 BlockEncoder::BlockEncoder(const StreamSettings& settings) : state_(std::make_unique<State>(settings)) {}
@@ -143,7 +198,8 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
   s.held = std::min(s.held + 1, kMaxBlocks);
   auto& block = s.back(0);
   block.button = button;
-  s.code(samples, trend, block);
+  const double cost_bits = s.code(samples, trend, s.model, false, block);
+  if (s.codec->bounded_by_truncation) s.bound_by_truncation(samples, trend, cost_bits, block);
 
   BitWriter writer(out);
   PacketHead head;
@@ -175,7 +231,7 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
   }
   patch_blocks(out, written);
   s.copies = written - 1;
-  s.learn(block);
+  s.model = s.learnt_from(block, s.model);
   ++s.sequence;
   ++s.counters.good;
   return writer.bytes();
@@ -196,6 +252,7 @@ void BlockEncoder::change(const StreamSettings& settings) {
   s.grid = Grid(s.settings.block, s.exponent, s.weighs_integral());
   s.analyser = Analyser(std::max(s.settings.block, kMinTransform), s.settings.integrated);
   s.model = s.first_model();
+  s.truncation = {.model = s.first_model(), .coded = {}};
   s.held = 0;
 }
 void BlockEncoder::repeat(int copies) noexcept {

@@ -8,8 +8,10 @@ namespace telekerf::codec {
 CodedAxis encode_sdct(std::span<double> samples, const EncoderTools& tools,
                       const AxisContext& context) noexcept {
   CodedAxis axis;
-  axis.code =
+  const PricedCode priced =
       tools.analyser.analyse(samples, {tools.settings.keep, tools.settings.max_rms}, context, tools.grid);
+  axis.code = priced.code;
+  axis.cost_bits = priced.cost_bits;
   std::array<double, kMaxBlock> shape_room;
   const auto shape = std::span(shape_room).first(samples.size());
   shape_of(axis.code, tools.grid, Dct::of_size(static_cast<int>(samples.size())), shape);

@@ -21,6 +21,7 @@ inline constexpr double kTransformStepPerRms = 2.0;
 inline constexpr AxisCodec kSdctCodec{.kind = kSdct,
                                       .min_block = kMinTransform,
                                       .transforms = true,
+                                      .bounded_by_truncation = true,
                                       .step_per_rms = kTransformStepPerRms,
                                       .encode = encode_sdct,
                                       .write = write_sdct,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What DDS Security costs: round trips of blocks with and without it, in turns within one run, and the
 // processor's share at the blocks' rate. Both ends in one process, over loopback; whoever hears a block
-// answers from the middleware's thread. Usage: bench_security [STORE]   a folder made by telekerf-keys;
-// without: one is made for the run
+// answers from the middleware's thread; on idle processors and again with a busy thread on each.
+// Usage: bench_security [STORE]   a folder made by telekerf-keys; without: one is made for the run
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -117,24 +117,31 @@ double share(Pair* pair) {
   return (processor_s() - before_s) / kRate_s;
 }
 
-int run(std::string store) {
-  std::filesystem::path made;
-  if (store.empty()) {
-    made = std::filesystem::temp_directory_path() / fmt::format("telekerf-bench-keys-{}", ::getpid());
-    security::make_keystore(made, {"cell-1"}, 24h);
-    store = made.string();
+/// A thread on each processor that never sleeps, while it lives.
+class Load {
+ public:
+  Load() {
+    for (unsigned i = 0; i < std::thread::hardware_concurrency(); ++i) {
+      threads_.emplace_back([](const std::stop_token& stop) {
+        while (!stop.stop_requested()) {
+        }
+      });
+    }
   }
-  struct Way {
-    const char* name;
-    std::unique_ptr<Pair> pair;
-    std::vector<double> trips, writes;
-    int lost = 0;
-    std::vector<double> shares;
-  };
-  const int domain = 100 + ::getpid() % 100;
-  std::vector<Way> ways;
-  ways.push_back({"none", std::make_unique<Pair>(domain, ""), {}, {}, 0, {}});
-  ways.push_back({"signed", std::make_unique<Pair>(domain, store), {}, {}, 0, {}});
+
+ private:
+  std::vector<std::jthread> threads_;
+};
+
+struct Way {
+  const char* name;
+  std::unique_ptr<Pair> pair;
+  std::vector<double> trips, writes;
+  int lost = 0;
+  std::vector<double> shares;
+};
+
+void make_trips(std::vector<Way>& ways) {
   for (int round = 0; round < kRounds; ++round) {
     for (Way& way : ways) {
       for (int i = 0; i < kTrips; ++i) {
@@ -148,6 +155,20 @@ int run(std::string store) {
       }
     }
   }
+}
+
+int run(std::string store) {
+  std::filesystem::path made;
+  if (store.empty()) {
+    made = std::filesystem::temp_directory_path() / fmt::format("telekerf-bench-keys-{}", ::getpid());
+    security::make_keystore(made, {"cell-1"}, 24h);
+    store = made.string();
+  }
+  const int domain = 100 + ::getpid() % 100;
+  std::vector<Way> ways;
+  ways.push_back({"none", std::make_unique<Pair>(domain, ""), {}, {}, 0, {}});
+  ways.push_back({"signed", std::make_unique<Pair>(domain, store), {}, {}, 0, {}});
+  make_trips(ways);
   for (int round = 0; round < 2; ++round) {
     for (Way& way : ways) way.shares.push_back(share(way.pair.get()));
   }
@@ -158,7 +179,15 @@ int run(std::string store) {
     fmt::print("{:<8} {:>9.1f} {:>9.1f} {:>11.1f} {:>6} {:>22.2f}\n", way.name, quantile(way.trips, 0.5),
                quantile(way.trips, 0.99), quantile(way.writes, 0.5), way.lost,
                100 * (quantile(way.shares, 0.0) - idle));
-  fmt::print("p50 with it / without: {:.2f}\n", quantile(ways[1].trips, 0.5) / quantile(ways[0].trips, 0.5));
+  const auto ratio = [&] { return quantile(ways[1].trips, 0.5) / quantile(ways[0].trips, 0.5); };
+  fmt::print("p50 with it / without, idle: {:.2f}\n", ratio());
+  for (Way& way : ways) way.trips.clear();
+  {
+    const Load load;
+    make_trips(ways);
+  }
+  fmt::print("... with a busy thread on each processor: {:.1f} / {:.1f} us = {:.2f}\n",
+             quantile(ways[1].trips, 0.5), quantile(ways[0].trips, 0.5), ratio());
   ways.clear();
   if (!made.empty()) std::filesystem::remove_all(made);
   return 0;
