@@ -86,7 +86,6 @@ int run(Flags& flags) {
   RunRecording recording(flags.record,
                          flags.netem.with_network(run_identity(settings, "telekerf-master", flags.config)),
                          station, status);
-  process.ready();
 
   std::vector<Received<StateBlock>> arrived_states;
   std::vector<EventMessage> arrived_events;

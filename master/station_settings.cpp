@@ -116,6 +116,7 @@ void StationSettings::add_stream_parameters(Settings& settings) {
   settings.only_with({"thesis_cutoff_rad_s"}, "estimator", {"thesis", "thesis-convergent"});
   settings.only_with({"innovation_gain_per_s"}, "estimator", {"delayed-innovation", "thesis-convergent"});
   settings.only_with({"predictor_rad_s", "disturbance_rad_s"}, "estimator", {"predictor"});
+  settings.not_with({"tracking_rad_s"}, "law", {"local"});
   settings.only_with({"timing_error_s", "predictor_rad_s", "disturbance_rad_s"}, "law",
                      {"remote-acceleration"});
 }

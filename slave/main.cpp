@@ -84,7 +84,6 @@ int run(Flags& flags) {
   RunRecording recording(
       flags.record, flags.netem.with_network(run_identity(settings, "telekerf-slave", flags.config)), station,
       process.status());
-  process.ready();
   process.status().say(fmt::format("commands older than {:g} s, there and back, give no light (--beam-age-s)",
                                    flags.station.node.interlock.beam_age_s));
 

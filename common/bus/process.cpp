@@ -26,6 +26,7 @@ Process::Process(const BusSettings& settings, const std::string& who, const char
 }
 
 void Process::look() {
+  if (turns_.load(std::memory_order_relaxed) && !ready_said_) ready();
   lookout_.look();
   supervision_.tell();
   clock_.tell();
@@ -41,13 +42,18 @@ std::string Process::place() const {
   return fmt::format("cell '{}' of domain {}", bus_.settings().cell, bus_.settings().domain);
 }
 
-void Process::ready() { status_.say(fmt::format("ready in {}", bus_.settings().cell)); }
+void Process::ready() {
+  ready_said_ = true;
+  status_.say(fmt::format("ready in {}", bus_.settings().cell));
+}
 
 LoopStatistics Process::run(double rate_hz, const std::function<bool(std::int64_t)>& step) {
   for (const std::string& remark : real_time_remarks()) status_.say(remark);
   const LoopStatistics loop = run_loop(rate_hz, [&](std::int64_t now_ns) {
     supervision_.step();
-    return step(now_ns) && !stop_requested() && !ended();
+    const bool goes_on = step(now_ns);
+    turns_.store(true, std::memory_order_relaxed);
+    return goes_on && !stop_requested() && !ended();
   });
   supervision_.over();
   return loop;

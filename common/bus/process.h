@@ -37,7 +37,8 @@ class Process {
 
   /// Says that everything is there.
   void ready();
-  /// Steps at `rate_hz` until `step` returns false, a signal comes, or this process' keys end.
+  /// Says so after its first turn, for locking the memory takes its time. Steps at `rate_hz` until `step`
+  /// returns false, a signal comes, or this process' keys end.
   LoopStatistics run(double rate_hz, const std::function<bool(std::int64_t now_ns)>& step);
   /// Its keys have ended: nothing is to go on. Wait-free.
   bool ended() const noexcept { return ended_.load(std::memory_order_relaxed); }
@@ -56,6 +57,8 @@ class Process {
   StatusReporter status_;
   Lookout lookout_;
   std::atomic<bool> ended_{false};
+  std::atomic<bool> turns_{false};  ///< the loop of run()
+  bool ready_said_ = false;         ///< by the thread that looks, or before that by whoever has no such loop
   Supervision supervision_;
   ClockTeller clock_;
   Periodic looking_;  ///< last: starts when everything else is there, ends first

@@ -99,6 +99,8 @@ std::string drawing_of(const Line& line, std::size_t panel, std::size_t place) {
                      line.label.empty() ? std::string("notitle") : "title " + quoted(line.label));
 }
 
+constexpr const char* kWithAxes = "set tics\nset border\nset grid lc rgb '#e4e4e4' lt 1\n";
+
 void add_picture(std::string& script, const Panel& panel) {
   script += "unset key\nunset grid\nunset logscale\n";
   std::string place;
@@ -117,7 +119,7 @@ void add_picture(std::string& script, const Panel& panel) {
   }
   script +=
       "plot " + quoted(panel.picture.string()) + " binary filetype=png" + place + " with rgbimage notitle\n";
-  script += "set tics\nset border\nset grid lc rgb '#e4e4e4' lt 1\n";
+  script += kWithAxes;
 }
 
 void add_panel(std::string& script, const Figure& figure, std::size_t index) {
@@ -145,10 +147,12 @@ void add_panel(std::string& script, const Figure& figure, std::size_t index) {
   const bool shown = shows_something(panel);
   script +=
       range_of("x", panel.x_range, panel.log_x, shown) + range_of("y", panel.y_range, panel.log_y, shown);
+  if (!panel.axes) script += "unset tics\nunset border\nunset grid\n";
   script += "plot ";
   for (std::size_t n = 0; n < panel.lines.size(); ++n)
     script += drawing_of(panel.lines[n], index, n) + ", \\\n  ";
   script += "NaN notitle\n";
+  if (!panel.axes) script += kWithAxes;
 }
 
 using Scratch = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;

@@ -28,6 +28,7 @@ struct Panel {
   std::optional<std::array<double, 2>> y_range = {};
   bool log_x = false;
   bool log_y = false;
+  bool axes = true;                    ///< false: a legend, whose lines stand for no values
   bool equal_axes = false;             ///< one unit is as long in x as in y (paths in the plane)
   /// A PNG instead of lines; with x_range and y_range its edges are there, without them it has no axes.
   std::filesystem::path picture = {};

@@ -38,11 +38,11 @@ ConfigValue value_of(const Setting& setting, const std::vector<std::string>& wor
   switch (setting.type) {
     case Type::kSwitch:
       if (words.front() == "true" || words.front() == "false") return words.front() == "true";
-      return words.front();
+      break;
     case Type::kNumber:
     case Type::kInteger:
       if (const auto number = number_in(words.front())) return *number;
-      return words.front();
+      break;
     case Type::kNumbers: {
       std::vector<double> numbers;
       for (const std::string& word : words) {
@@ -63,8 +63,7 @@ ConfigValue value_of(const Setting& setting, const std::vector<std::string>& wor
       }
       return texts;
     }
-    case Type::kText:
-    case Type::kChoice:
+    default:
       break;
   }
   return words.front();
@@ -221,8 +220,8 @@ void Settings::load_keys(const ConfigFile& file, const std::string& table) {
     if (entry.setting.positional || !file.has(key)) continue;
     const Type type = entry.setting.type;
     // What no setting can be, a date for instance, is refused as another kind.
-    ConfigValue value = file.value(key).value_or(type == Type::kNumbers ? ConfigValue(std::string())
-                                                                         : std::vector<double>{});
+    ConfigValue value =
+        file.value(key).value_or(type == Type::kNumbers ? ConfigValue(std::string()) : std::vector<double>{});
     // An empty list does not say of what.
     if (type == Type::kTexts && file.value(key) == ConfigValue(std::vector<double>{}))
       value = std::vector<std::string>{};
@@ -349,6 +348,7 @@ std::optional<std::string> Settings::word_of(const Setting& setting, const std::
       if (!now) return std::nullopt;
       if (const auto* number = std::get_if<double>(&*now)) return fmt::format("{:g}", *number);
       if (const auto* text = std::get_if<std::string>(&*now)) return *text;
+      if (const auto* set = std::get_if<bool>(&*now)) return *set ? "true" : "false";
     }
   }
   return std::nullopt;

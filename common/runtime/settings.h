@@ -83,9 +83,9 @@ class Settings {
   /// same name.
   void prefix(const std::string& word) { prefix_ = word; }
 
-  /// These have no effect unless (or if) another setting is one of the words, a number written "0": then they
-  /// are refused, if they are given and not the default. Where there is no such other setting, or none is
-  /// given, they are read.
+  /// No effect unless (or if) another setting is one of the words ("0" of a number, "true" of a switch): then
+  /// these are refused, if they are given and not the default. Where there is no such other setting, or none
+  /// is given, they are read.
   void only_with(const std::vector<std::string>& names, const std::string& other,
                  const std::vector<std::string>& words);
   void not_with(const std::vector<std::string>& names, const std::string& other,

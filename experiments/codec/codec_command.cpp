@@ -67,7 +67,7 @@ int colour_of(std::size_t contender) { return kContenders[contender].held ? 4 : 
 /// The legend has a panel to itself: inside the others it would hide lines. From above in its order, each
 /// line as it is drawn.
 Panel legend() {
-  Panel panel{.title = "what is what"};
+  Panel panel{.title = "what is what", .axes = false};
   const auto add = [&](const char* label, Line::Style style, int colour) {
     const double place = -static_cast<double>(panel.lines.size());
     panel.lines.push_back({label, {0, 1, 2}, {place, place, place}, style, colour});

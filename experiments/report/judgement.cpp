@@ -147,7 +147,14 @@ bool all_held(const std::vector<Judged>& judged) {
 }
 
 std::string value_text(const Judged& judged) {
-  return judged.value ? fmt::format("{:.3g}", *judged.value) : "-";
+  if (!judged.value) return "-";
+  // What misses its bound by little must not read as if it met it.
+  std::string text;
+  for (int digits = 3; digits <= 9; ++digits) {
+    text = fmt::format("{:.{}g}", *judged.value, digits);
+    if (holds(judged.claim, std::stod(text)) == holds(judged.claim, *judged.value)) break;
+  }
+  return text;
 }
 
 ordered_json claims_json(const std::vector<Judged>& judged) {

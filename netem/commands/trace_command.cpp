@@ -54,10 +54,16 @@ int print_trace(const TraceOptions& options) {
   Emulator emulator(forward ? profile.forward : profile.backward, {options.seed, 0, options.direction},
                     roomy());
   fmt::print("{}\n", kTraceHeader);
+  if (const std::string note = trace_note(profile); !note.empty())
+    fmt::print(stderr, "telekerf-netem: {}\n", note);
   for (std::uint64_t i = 0; i < options.packets; ++i) {
     const auto now_ns =
         static_cast<std::int64_t>(std::llround(static_cast<double>(i) * 1e9 / options.rate_hz));
     fmt::print("{}\n", trace_row(i, send(emulator, now_ns, options.bytes, i)));
+  }
+  if (const auto after = emulator.counters().after_trace; after > 0) {
+    fmt::print(stderr, "telekerf-netem: {} packets were sent after the recording's end and count as lost\n",
+               after);
   }
   return 0;
 }
@@ -109,6 +115,9 @@ void add_replay_command(Program& program) {
         s.add("trace", o.link.profile, kFile, "CSV as printed by `telekerf-netem trace`").as_argument();
         s.add("link", o.linked, "drive the TUN link with it, both directions");
         add_link_parameters(o.link, s);
+        s.only_with({"seed", "operator_dev", "slave_dev", "operator_netns", "slave_netns", "operator_address",
+                     "slave_address", "operator_default_route", "slave_default_route", "record", "seconds"},
+                    "link", {"true"});
       },
       [](const TraceOptions& o) { return o.linked ? run_link(o.link) : print_replay(o.link.profile); });
 }

@@ -84,7 +84,7 @@ void add_codec_parameters(CodecOptions& o, Settings& s) {
   s.add("max_rms", o.max_rms, {.min = 0, .max = 1e6},
         "RMS error that no block exceeds, in the trace's unit, instead of keep");
   s.add("quantum", stream.quantum, {.min = 1e-15, .max = 1e6},
-        "finest step (with keep, and of the time-domain codecs)");
+        "finest step; with max_rms it follows from that");
   s.add("threshold", stream.threshold, {.min = 0, .max = 1e6}, "dead-band: absolute, or weber's fraction");
   s.add("rate_hz", o.rate_hz, {.min = 1, .max = 1e6, .unit = "Hz"}, "samples a second");
   s.add("columns", o.columns, kName, "of the columns to take; without it all");
@@ -97,6 +97,7 @@ void add_codec_parameters(CodecOptions& o, Settings& s) {
   codec::refuse_unread(s, {""});
   s.only_with({"threshold"}, "codec", {"deadband", "weber"});
   s.not_with({"quantum"}, "codec", {"raw", "batched"});
+  s.only_with({"quantum", "threshold"}, "max_rms", {"0"});
   s.only_with({"anchored"}, "codec", {"sdct"});
   s.not_with({"burst", "seed"}, "loss", {"0"});
 }

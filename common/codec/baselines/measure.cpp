@@ -221,6 +221,12 @@ std::vector<bool> lose(std::size_t packets, const PacketLoss& link) {
   if (!(link.burst >= 1 && link.burst <= 1e6)) {
     throw configuration_error(fmt::format("burst = {}: must lie within [1, 1e6] packets", link.burst));
   }
+  // Two bursts have a packet between them that arrives.
+  if (const double most = link.burst / (link.burst + 1.0); link.loss > most) {
+    throw configuration_error(
+        fmt::format("loss = {:g} is too much for bursts of {:g} packets: at most {:g}; use a longer burst",
+                    link.loss, link.burst, most));
+  }
   std::mt19937_64 random(link.seed);
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   const double to_good = 1.0 / link.burst;

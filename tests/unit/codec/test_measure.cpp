@@ -94,6 +94,9 @@ TEST(Measure, DeadBandEventsAreSentWhenAColumnLeavesItsBand) {
 
 TEST(Lose, AsManyInARowAsItsBoundsAllow) {
   EXPECT_NO_THROW((void)lose(9, {.loss = 0.9, .burst = 1e6}));
+  EXPECT_NO_THROW((void)lose(9, {.loss = 0.5, .burst = 1}));
+  EXPECT_THROW((void)lose(9, {.loss = 0.51, .burst = 1}), StartupError);
+  EXPECT_THROW((void)lose(9, {.loss = 0.76, .burst = 3}), StartupError);
   for (const PacketLoss& wrong :
        {PacketLoss{.loss = 0.91}, PacketLoss{.loss = -0.01}, PacketLoss{.burst = 0.99},
         PacketLoss{.burst = 1.1e6}, PacketLoss{.loss = NAN}})

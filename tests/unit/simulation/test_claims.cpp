@@ -75,6 +75,17 @@ TEST(Judge, HeldNotHeldAndNotAssessed) {
   EXPECT_EQ(verdicts({}), "not assessed,not assessed,not assessed,not assessed,");
 }
 
+TEST(Judge, AMissByLittleDoesNotReadAsHeld) {
+  const auto words = [](const std::string& relation, double value) {
+    const Manifest manifest = load_manifest(file_with(kExperiment + claim("c", relation)));
+    return value_text(judge(manifest, {{"lap", {{"a", value}}}}, false).front());
+  };
+  EXPECT_EQ(words("relation = \"at_most\"\nbound = 1\n", 1.003), "1.003");
+  EXPECT_EQ(words("relation = \"at_most\"\nbound = 1\n", 0.99996), "1");
+  EXPECT_EQ(words("relation = \"at_most\"\nbound = 1\n", 1.04), "1.04");
+  EXPECT_EQ(words("relation = \"at_least\"\nbound = 99.5\n", 99.4996), "99.4996");
+}
+
 TEST(Judge, WhatIsKnownToMissDoesNotFailTheRun) {
   const auto all = [&](const char* more) {
     const Manifest manifest =
