@@ -23,6 +23,8 @@ constexpr int kMostInASecond = 1500;
 constexpr std::size_t kMarksAtOnce = 1000;
 /// The master's answer may come before a state is due, but no sooner after the last one than this.
 constexpr std::int64_t kSoonest_ns = 7'000'000;
+/// A state is sent when its time comes before the next look at the clock.
+constexpr std::int64_t kEarly_ns = 1'000'000;
 /// A master that listens answers every frame at its next step.
 constexpr std::int64_t kUnanswered_ns = 500'000'000;
 /// A contour is prepared for another scale within this time.
@@ -328,7 +330,7 @@ std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) 
   }
   const std::int64_t since_ns = now_ns - page.state_ns;
   const bool news = page.answered != answers_ && seat_.drives(id) && since_ns >= kSoonest_ns;
-  if (since_ns < page.period_ns && !news) return std::nullopt;
+  if (since_ns < page.period_ns - kEarly_ns && !news) return std::nullopt;
   page.state_ns = now_ns;
   page.answered = answers_;
   return state(now_ns);
