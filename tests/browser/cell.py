@@ -134,8 +134,11 @@ class Cell:
         for name in list(self.running):
             self.end(name)
 
-    def cpu_s(self, name):
-        fields = open(f"/proc/{self.running[name].pid}/stat").read().rsplit(")", 1)[1].split()
+    def cpu_s(self, name, first_thread=False):
+        """Processor time of a program, or of its first thread alone."""
+        pid = self.running[name].pid
+        place = f"/proc/{pid}/task/{pid}" if first_thread else f"/proc/{pid}"
+        fields = open(f"{place}/stat").read().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
