@@ -36,7 +36,7 @@ def quantiles(name, numbers, bar="", unit="ms"):
 
 
 def load(cell, page, watchers):
-    """Core share of the console's server, and of the process with the bus, and bytes a second and client, over five seconds."""
+    """Core shares of the server and of the whole process, bytes a second and client; over five seconds."""
     page.js("""
         const all = telekerf.watchers ?? (telekerf.watchers = []);
         while (all.length < arguments[0]) {
