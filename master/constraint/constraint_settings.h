@@ -68,7 +68,7 @@ struct ConstraintSettings {
 
 /// No bend of the guide is tighter than this, in the master's size: a hand's push displaces the tool by as
 /// much, and where that is more than the radius the guide has no side any more.
-inline constexpr double kTightest_m = 8e-6;
+inline constexpr double kTightest_m = 7e-6;
 
 /// The same for a master whose motion is scaled by `beta`: all lengths in the master's size.
 inline ConstraintSettings in_masters_size(ConstraintSettings settings, double beta) noexcept {
