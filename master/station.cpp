@@ -154,10 +154,8 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
   engaged_ = out.mode == MasterMode::kEngaged;
   if (out.engage_spent) requests_.spend_engage();
-  out.let_go = requests_.wait(now_ns, {.led = engaged_,
-                                       .guiding = out.mode == MasterMode::kGuiding,
-                                       .slave_gone = node_.slave_gone(now_ns),
-                                       .most_s = settings_.beam_age_s});
+  out.let_go = requests_.wait(now_ns, {.led = engaged_, .guiding = out.mode == MasterMode::kGuiding,
+                                       .slave_gone = node_.slave_gone(now_ns), .most_s = settings_.beam_age_s});
   if (out.clock_wrong) out.let_go = kClockWrong;
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
   if (inputs.joints.valid) machine_.watch(out.tool_m);
@@ -167,17 +165,9 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   } else {
     hand.force_n = out.hand_n;
   }
-  const MasterRow row{tick,
-                      static_cast<double>(now_ns) * 1e-9,
-                      true_tool_m.value_or(out.tool_m),
-                      hand.force_n,
-                      out.constraint_n,
-                      guided_,
-                      out.mode == MasterMode::kEngaged,
-                      inputs.button,
-                      out.observed.slave.position_m,
-                      out.observed.aligned,
-                      beta,
+  const MasterRow row{tick, static_cast<double>(now_ns) * 1e-9, true_tool_m.value_or(out.tool_m), hand.force_n,
+                      out.constraint_n, guided_, out.mode == MasterMode::kEngaged, inputs.button,
+                      out.observed.slave.position_m, out.observed.aligned, beta,
                       out.slave_force.known ? static_cast<double>(out.slave_force.tick) : -1.0,
                       out.slave_force.force_n};
   ring_ != nullptr ? ring_->push(master_columns(), row) : recorder_.push(row);
