@@ -133,6 +133,9 @@ int run(Flags& flags) {
     if (out.let_go != nullptr) verdicts.push({0, out.let_go});  // nobody has asked
     for (std::size_t n = 0; n < out.verdict_count; ++n) verdicts.push(EventVerdict(out.verdicts[n]));
     netem_switch.beam(slave != nullptr && slave->laser_on);
+    process.lookout().refused(Lookout::Device::kDrive, station.machine().refused());
+    process.lookout().refused(Lookout::Device::kButton, station.button_refused());
+    process.lookout().refused(Lookout::Device::kHand, station.hand_refused());
     // What was refused with a sentence has come.
     process.lookout().missing(missing_of(task != nullptr || contour.refused(), slave != nullptr, out.mode));
     if (flags.duration_s > 0.0) status.progress(engaged_s / flags.duration_s, flags.duration_s);

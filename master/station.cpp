@@ -200,6 +200,9 @@ void Station::report_contours(std::span<const ContourMessage> adopted, RunRecord
 void Station::report(RunRecord& record) const {
   record.master = recorder_.rows();
   record.master_drive = {settings_.machine.drive, machine_.plant() != nullptr};
+  record.master_figures["drive_refused"] = static_cast<double>(machine_.refused());
+  record.master_figures["button_refused"] = static_cast<double>(button_refused());
+  record.master_figures["hand_refused"] = static_cast<double>(hand_refused());
   record.master_figures["readings_missed"] = static_cast<double>(machine_.readings_missed());
   record.master_figures["dropped_rows"] = static_cast<double>(recorder_.dropped());
   report_stream(settings_, node_, record);

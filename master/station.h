@@ -80,6 +80,9 @@ class Station {
   /// Law, estimator and codec of the command stream, by the rows of their tables.
   StreamChoice stream() const noexcept { return streams_.in_force(); }
   const robot::RobotSupervisor& machine() const { return machine_; }
+  /// What came in the place of the button's and the hand's datagrams, see OperatorInput::refused().
+  std::uint64_t button_refused() const noexcept { return operator_ ? operator_->refused() : 0; }
+  std::uint64_t hand_refused() const noexcept { return hand_.refused(); }
   /// After the last step: leaves the robot without current.
   void release() noexcept { machine_.release(); }
   double control_period_s() const { return 1.0 / settings_.node.control_hz; }

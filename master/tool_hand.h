@@ -28,6 +28,8 @@ class ToolHand {
   void answer(const OperatorAnswer& answer) noexcept {
     if (device_) device_->answer(answer);
   }
+  /// See OperatorInput::refused().
+  std::uint64_t refused() const noexcept { return device_ ? device_->refused() : 0; }
   /// A device says, and its lease grants, that somebody holds the tool.
   bool held() const noexcept { return held_; }
 

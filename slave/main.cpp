@@ -81,9 +81,9 @@ int run(Flags& flags) {
       process.bus(), [&](const ContourMessage& message) { return station.prepare(message); });
   if (station.machine().plant() == nullptr)
     process.status().say(flags.station.machine.drive + " is not simulated: the measured tool is recorded");
-  RunRecording recording(
-      flags.record, flags.netem.with_network(run_identity(settings, "telekerf-slave", flags.config)), station,
-      process.status());
+  RunRecording recording(flags.record,
+                         flags.netem.with_network(run_identity(settings, "telekerf-slave", flags.config)),
+                         station, process.status());
   process.status().say(fmt::format("commands older than {:g} s, there and back, give no light (--beam-age-s)",
                                    flags.station.node.interlock.beam_age_s));
 
@@ -103,9 +103,7 @@ int run(Flags& flags) {
   std::vector<Received<CommandBlock>> arrived_commands;
   arrived_commands.reserve(64);
   std::optional<Explainer> explainer(std::in_place, process.status());
-  const Periodic beside(std::chrono::milliseconds(500), [&] {
-    recording.contours(contour.adopted());
-  });
+  const Periodic beside(std::chrono::milliseconds(500), [&] { recording.contours(contour.adopted()); });
   const LoopStatistics loop = process.run(flags.station.node.control_hz, [&](std::int64_t now_ns) {
     drain(commands, arrived_commands);
     const Corridor* const corridor = contour.current();
@@ -118,6 +116,8 @@ int run(Flags& flags) {
     process.status().state(text_of(out.mode, out.reason));
     explainer->step(out);
     netem_switch.beam(out.laser_w > 0.0);
+    process.lookout().refused(Lookout::Device::kDrive, station.machine().refused());
+    process.lookout().refused(Lookout::Device::kLaser, station.beam().refused());
     // What was refused with a sentence has come.
     process.lookout().missing(missing_of(corridor != nullptr || contour.refused(), out.reason));
     return !station.machine().failed() && !station.beam().failed();

@@ -201,6 +201,8 @@ void Station::report(RunRecord& record) const {
   f["laser_clipped"] = static_cast<double>(beam_.clipped());
   f["laser_unpermitted"] = static_cast<double>(beam_.unpermitted());
   f["laser_untold"] = static_cast<double>(beam_.write_failures());
+  f["laser_refused"] = static_cast<double>(beam_.refused());
+  f["drive_refused"] = static_cast<double>(machine_.refused());
   f["readings_missed"] = static_cast<double>(machine_.readings_missed());
   f["dropped_rows"] = static_cast<double>(recorder_.dropped());
 }

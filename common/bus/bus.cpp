@@ -31,6 +31,7 @@ const std::vector<std::string>& Bus::notes() const { return participant_->notes(
 std::vector<std::string> Bus::strangers() const { return participant_->strangers(); }
 std::optional<Bus::Rival> Bus::rival() const { return participant_->rival(); }
 std::vector<PresenceMessage> Bus::elsewhere() const { return participant_->elsewhere(); }
+std::string Bus::unheard() const { return participant_->unheard(); }
 std::string Bus::protection() const { return participant_->protection().sentence(); }
 std::vector<std::string> Bus::dates() { return participant_->protection().dates(); }
 bool Bus::lets_go() const noexcept { return participant_->protection().lets_go(); }
@@ -70,7 +71,19 @@ std::vector<std::string> Bus::Participant::strangers() const {
   if (protection_.on() && protection_.gate()->refused() > 0)
     sentences.push_back(
         fmt::format("somebody without keys of cell '{}' sends to it, and is not let in", settings_.cell));
+  if (protection_.on())
+    if (std::string otherwise = protection_.otherwise(); !otherwise.empty())
+      sentences.push_back(std::move(otherwise));
   return sentences;
+}
+
+std::string Bus::Participant::unheard() const {
+  if (protection_.on()) return protection_.otherwise();
+  const std::lock_guard lock(mutex_);
+  if (with_keys_.empty()) return "";
+  return fmt::format(
+      "{} of domain {} with keys cannot be heard without: if this cell has some, give --security DIR",
+      with_keys_.size() == 1 ? "a process" : "processes", settings_.domain);
 }
 
 std::optional<Bus::Rival> Bus::Participant::rival() const {

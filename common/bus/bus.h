@@ -79,6 +79,9 @@ class Bus {
   std::optional<Rival> rival() const;
   /// Processes that have announced themselves in other cells of the domain.
   std::vector<PresenceMessage> elsewhere() const;
+  /// Who is there but cannot be heard, because it protects its messages otherwise, in a sentence with the
+  /// remedy; empty: nobody.
+  std::string unheard() const;
   /// Who is let in, in one sentence.
   std::string protection() const;
   /// What is to be told of the dates of this cell's keys, each once. For one thread.

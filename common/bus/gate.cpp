@@ -10,7 +10,7 @@ namespace telekerf::bus {
 namespace {
 
 // DDS Security 1.1, 7.3.
-constexpr std::uint32_t kAnnouncements = 0x000100c2, kHandshakes = 0x000201c3, kKeys = 0xff0202c3;
+constexpr std::uint32_t kHandshakes = 0x000201c3, kKeys = 0xff0202c3;
 
 /// Where in a submessage the writer's entity id stands; 0: it names none.
 std::size_t writer_at(std::uint8_t kind) {
@@ -35,66 +35,54 @@ std::uint32_t entity_at(std::span<const std::byte> bytes, std::size_t at) {
   return entity;
 }
 
-/// A submessage that tells of a participant's end (RTPS 2.x, 9.6.3.9: the status in DATA's inline QoS).
-bool is_farewell(std::span<const std::byte> part) {
-  constexpr std::uint8_t kData = 0x15, kHasQos = 0x02;
-  constexpr std::size_t kToQos = kSubmessageHeader + 2;
-  constexpr std::size_t kWriter = kSubmessageHeader + 8;
-  constexpr unsigned kSentinel = 1, kStatus = 0x71, kEnded = 0x03;
-  if (octet_at(part, 0) != kData || part.size() < kWriter + 4 || entity_at(part, kWriter) != kAnnouncements)
-    return false;
-  const std::uint8_t flags = octet_at(part, 1);
-  if ((flags & kHasQos) == 0) return false;
-  const bool little = (flags & 1U) != 0;
-  const auto half = [&](std::size_t at) -> unsigned {
-    const unsigned first = octet_at(part, at), second = octet_at(part, at + 1);
-    return little ? first | second << 8 : second | first << 8;
-  };
-  for (std::size_t at = kToQos + 2 + half(kToQos); at + 4 <= part.size();) {
-    const unsigned parameter = half(at), length = half(at + 2);
-    if (parameter == kSentinel) return false;
-    if (parameter == kStatus && at + 8 <= part.size()) return (octet_at(part, at + 7) & kEnded) != 0;
-    at += 4 + length;
-  }
-  return false;
-}
-
-bool holds_farewell(std::span<const std::byte> datagram) {
-  for (std::size_t at = kRtpsHeader; at < datagram.size();) {
-    const auto part = submessage(datagram, at);
-    if (!part) return false;
-    if (is_farewell(*part)) return true;
-    at += part->size();
-  }
-  return false;
-}
-
 /// May stand unprotected: it addresses, stamps or fills; a vendor's own; or it is protected by itself.
 bool is_harmless(std::uint8_t kind) {
   return kind == 0x01 || kind == 0x09 || kind == 0x0e || kind >= 0x80 || (kind >= 0x30 && kind <= 0x32);
 }
 
-/// All of it is what must be sent before there are keys.
-bool comes_before_keys(std::span<const std::byte> datagram) {
-  for (std::size_t at = kRtpsHeader; at < datagram.size();) {
+/// What a datagram is that is not protected.
+struct Clear {
+  bool refused = false;   ///< not all of it must be sent before there are keys, or it is not whole
+  bool farewell = false;  ///< tells of a participant's end
+  std::optional<Announcement> announcement;
+};
+
+Clear read_clear(std::span<const std::byte> datagram) {
+  constexpr std::uint8_t kData = 0x15, kDataFrag = 0x16;
+  Clear found;
+  for (std::size_t at = kRtpsHeader; at < datagram.size() && !found.refused;) {
     const auto part = submessage(datagram, at);
-    if (!part) return false;
+    if (!part) {
+      found.refused = true;
+      break;
+    }
     const std::uint8_t kind = octet_at(*part, 0);
-    if (const std::size_t writer = writer_at(kind); writer != 0) {
-      if (writer + 4 > part->size()) return false;
-      const std::uint32_t entity = entity_at(*part, writer);
-      if (entity != kAnnouncements && entity != kHandshakes && entity != kKeys) return false;
-    } else if (!is_harmless(kind)) {
-      return false;
+    const std::size_t writer = writer_at(kind);
+    const std::uint32_t entity = writer != 0 && writer + 4 <= part->size() ? entity_at(*part, writer) : 0;
+    if (entity == kAnnouncements && kind == kData) {
+      found.farewell = found.farewell || is_farewell(*part);
+      if (!found.farewell) found.announcement = announcement_in(*part);
+      found.refused = !found.farewell && !found.announcement;
+    } else if (entity == kAnnouncements) {
+      found.refused = kind == kDataFrag;  // nobody's is so long
+    } else {
+      found.refused = entity != kHandshakes && entity != kKeys && !is_harmless(kind);
     }
     at += part->size();
   }
-  return true;
+  return found;
+}
+
+template <class Seen>
+auto longest_ago(Seen& seen) {
+  return std::min_element(seen.begin(), seen.end(), [](const auto& first, const auto& second) {
+    return first.heard_ns < second.heard_ns;
+  });
 }
 
 }  // namespace
 
-Gate::Gate(std::vector<security::SubjectPrefix> known) {
+Gate::Gate(std::vector<security::SubjectPrefix> known, MessageProtection own) : own_(own) {
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
   identities_.resize(known.size());
@@ -117,10 +105,21 @@ Gate::Verdict Gate::judge(std::span<const std::byte> datagram, std::int64_t now_
   std::memcpy(prefix.data(), datagram.data() + kRtpsPrefix, prefix.size());
   if (has_left(*identity, prefix, now_ns)) return Verdict::kLeft;
   if (is_protected(datagram)) return Verdict::kAdmitted;  // the middleware has the keys, and judges it whole
-  if (!comes_before_keys(datagram)) return Verdict::kRefused;
-  if (holds_farewell(datagram)) {
+  const Clear clear = read_clear(datagram);
+  if (clear.refused) return Verdict::kRefused;
+  if (clear.farewell) {
     take_leave(*identity, prefix, now_ns);
     return Verdict::kLeft;
+  }
+  if (clear.announcement) {
+    const MessageProtection said = clear.announcement->protection;
+    if (said == MessageProtection::kNone || clear.announcement->lease_s > kLongestLease_s)
+      return Verdict::kRefused;
+    if (said != own_) {
+      const std::lock_guard lock(mutex_);
+      identity->otherwise_ns = now_ns;
+      return Verdict::kOtherwise;
+    }
   }
   return has_room(*identity, prefix, now_ns) ? Verdict::kAdmitted : Verdict::kRefused;
 }
@@ -145,38 +144,66 @@ bool Gate::has_left(const Identity& identity, const Prefix& prefix, std::int64_t
 
 void Gate::take_leave(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept {
   const std::lock_guard lock(mutex_);
-  auto* const oldest = std::min_element(
-      identity.left.begin(), identity.left.end(),
-      [](const Seen& first, const Seen& second) { return first.heard_ns < second.heard_ns; });
-  *oldest = {prefix, now_ns};
+  *longest_ago(identity.left) = {prefix, now_ns};
   deaf_until_ns_.store(now_ns + kDeaf_ns, std::memory_order_release);
 }
 
 bool Gate::has_room(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept {
   const std::lock_guard lock(mutex_);
-  if (identity.proven == prefix) return true;
-  Seen* room = nullptr;
-  for (Seen& seen : identity.unproven) {
-    if (seen.heard_ns != 0 && seen.prefix == prefix) {
-      seen.heard_ns = now_ns;
+  for (Seen& seen : identity.proven) {
+    if (seen.heard_ns == 0 || seen.prefix != prefix) continue;
+    seen.heard_ns = now_ns;
+    return true;
+  }
+  Trial* room = nullptr;
+  for (Trial& trial : identity.unproven) {
+    const bool free = trial.heard_ns == 0 || now_ns - trial.heard_ns > kForgotten_ns;
+    if (trial.heard_ns != 0 && trial.prefix == prefix) {
+      trial.heard_ns = now_ns;
       return true;
     }
-    if (seen.heard_ns == 0 || now_ns - seen.heard_ns > kForgotten_ns) room = &seen;
+    if (free) room = &trial;
   }
-  if (room == nullptr) return false;
-  *room = {prefix, now_ns};
+  const auto had_its_time = [&](const Seen& seen) {
+    return seen.heard_ns != 0 && now_ns - seen.heard_ns < kForgotten_ns;
+  };
+  auto& rejected = identity.rejected;
+  if (std::any_of(rejected.begin(), rejected.end(),
+                  [&](const Seen& seen) { return seen.prefix == prefix && had_its_time(seen); }))
+    return false;
+  if (room == nullptr) {
+    room = std::min_element(
+        identity.unproven.begin(), identity.unproven.end(),
+        [](const Trial& first, const Trial& second) { return first.began_ns < second.began_ns; });
+    const auto mark = std::find_if_not(rejected.begin(), rejected.end(), had_its_time);
+    if (now_ns - room->began_ns < kTrial_ns || mark == rejected.end()) return false;
+    *mark = {room->prefix, now_ns};
+  }
+  *room = {prefix, now_ns, now_ns};
   return true;
 }
 
-void Gate::proven(const Prefix& prefix) {
+void Gate::proven(const Prefix& prefix, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   for (Identity& identity : identities_) {
     if (!std::equal(identity.subject.begin(), identity.subject.end(), prefix.begin())) continue;
-    identity.proven = prefix;
-    for (Seen& seen : identity.unproven) {
-      if (seen.prefix == prefix) seen = {};
+    const auto known = std::find_if(identity.proven.begin(), identity.proven.end(),
+                                    [&](const Seen& seen) { return seen.prefix == prefix; });
+    *(known != identity.proven.end() ? known : longest_ago(identity.proven)) = {prefix, now_ns};
+    for (Trial& trial : identity.unproven) {
+      if (trial.prefix == prefix) trial = {};
     }
   }
+}
+
+std::vector<security::SubjectPrefix> Gate::otherwise(std::int64_t now_ns) {
+  const std::lock_guard lock(mutex_);
+  std::vector<security::SubjectPrefix> subjects;
+  for (const Identity& identity : identities_) {
+    if (identity.otherwise_ns != 0 && now_ns - identity.otherwise_ns < kForgotten_ns)
+      subjects.push_back(identity.subject);
+  }
+  return subjects;
 }
 
 }  // namespace telekerf::bus

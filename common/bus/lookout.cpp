@@ -51,7 +51,22 @@ std::string waiting_sentence(const Bus& bus, const std::string& what, const std:
   return sentence;
 }
 
+void Lookout::look_at_devices() {
+  constexpr std::array<const char*, kDevices> kNames{"drive", "laser", "button", "hand"};
+  constexpr std::uint64_t kMore = 10;
+  for (std::size_t n = 0; n < kDevices; ++n) {
+    const std::uint64_t refused = refused_[n].load(std::memory_order_relaxed);
+    if (refused == 0 || refused < kMore * told_[n]) continue;
+    told_[n] = refused;
+    status_.say(fmt::format(
+        "{0}: refused {1} {2} so far: another sender, another or no key, another length or version, or what "
+        "is no number; who sends to it, and have both ends the same key and version?",
+        kNames[n], refused, refused == 1 ? "datagram" : "datagrams"));
+  }
+}
+
 void Lookout::look() {
+  look_at_devices();
   for (const std::string& stranger : bus_.strangers()) {
     if (strangers_.insert(stranger).second) status_.say(stranger);
   }

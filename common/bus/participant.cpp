@@ -14,6 +14,7 @@
 #include "common/bus/serial_discovery.h"
 #include "common/bus/trimming_transport.h"
 #include "common/bus/wire_messages.h"
+#include "common/runtime/clock.h"
 #include "common/runtime/real_time.h"
 #include "common/runtime/say.h"
 #include "common/runtime/startup_error.h"
@@ -36,6 +37,10 @@ std::array<std::uint8_t, 12> key_of(const rtps::GUID_t& guid) {
   std::copy(std::begin(guid.guidPrefix.value), std::end(guid.guidPrefix.value), key.begin());
   return key;
 }
+
+/// A prefix that follows from a certificate begins with a bit that no other has (DDS Security 1.1, 9.3.3); a
+/// vendor's own begins with its number.
+bool is_of_keys(const std::array<std::uint8_t, 12>& key) { return (key[0] & 0x80) != 0; }
 
 }  // namespace
 
@@ -172,6 +177,7 @@ void Bus::Participant::addresses_changed(bool lost) {
     const std::lock_guard neighbours(mutex_);
     others_.clear();
     authenticated_.clear();
+    with_keys_.clear();
     elsewhere_.clear();
     addresses_.clear();
   }
@@ -220,8 +226,10 @@ void Bus::Participant::discovered(const Discovered& participant) {
       authenticated_.erase(key);
       elsewhere_.erase(key);
       addresses_.erase(key);
+      with_keys_.erase(key);
     } else if (addresses_.size() < kMostAddresses) {
       addresses_[key] = bus::address_of(participant);
+      if (!protection_.on() && is_of_keys(key)) with_keys_.insert(key);
     }
     if (told) announce(key, presence);
   }
@@ -259,7 +267,7 @@ void Bus::Participant::announce(const Key& key, const PresenceMessage& presence)
 
 void Bus::Participant::authenticated(const rtps::GUID_t& guid, bool proven) {
   const Key key = key_of(guid);
-  if (proven && protection_.on()) protection_.gate()->proven(key);
+  if (proven && protection_.on()) protection_.gate()->proven(key, monotonic_ns());
   if (proven && reunion_) reunion_->proved(key);
   const std::lock_guard lock(mutex_);
   if (proven) {

@@ -40,6 +40,7 @@ class Bus::Participant : private middleware::Discovery {
   BusCounters counters() const;
   std::vector<std::string> strangers() const;
   std::vector<PresenceMessage> elsewhere() const;
+  std::string unheard() const;
   std::optional<Rival> rival() const;
   bus::Protection& protection() { return protection_; }
 
@@ -114,6 +115,7 @@ class Bus::Participant : private middleware::Discovery {
   std::mutex endpoints_mutex_;
   std::set<Endpoint*> endpoints_;
   std::set<Key> authenticated_;  // with security
+  std::set<Key> with_keys_;      // without security: those that have some
   std::map<Key, PresenceMessage> elsewhere_;
   std::map<Key, std::string> addresses_;   // of everyone seen in the domain, for people
   std::map<Key, std::string> strangers_;   // a sentence each

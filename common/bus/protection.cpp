@@ -2,6 +2,7 @@
 #include "common/bus/protection.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include "common/bus/interfaces.h"
 #include "common/bus/security/keystore.h"
 #include "common/bus/security/roles.h"
+#include "common/runtime/clock.h"
 #include "common/runtime/startup_error.h"
 
 namespace telekerf::bus {
@@ -50,14 +52,17 @@ void Protection::read_keys() {
       identities_[prefix] = {cell, role.name, role.site, security::certificate_end(file)};
     }
   }
-  gate_ = std::make_shared<Gate>(std::move(known));
-  read_dates(report.first_to_end->end);
+  gate_ = std::make_shared<Gate>(std::move(known),
+                                 settings_.wan ? MessageProtection::kEncrypted : MessageProtection::kSigned);
+  read_dates(*report.first_to_end);
 }
 
-void Protection::read_dates(security::Time own_end) {
-  until_ = security::text_of(own_end);
-  std::vector<Expiry::Date> dates{
-      {fmt::format("the identity of this {}", settings_.role), own_end, true, true}};
+void Protection::read_dates(const security::Validity& own) {
+  until_ = security::text_of(own.end);
+  const std::string who = own.authority
+                              ? fmt::format("the authority {}", fs::path(own.file).filename().string())
+                              : fmt::format("the identity of this {}", settings_.role);
+  std::vector<Expiry::Date> dates{{who, own.end, true, true}};
   // Keys that were made together end together, and are told of in one sentence.
   for (const auto& [prefix, identity] : identities_) {
     if (identity.cell != settings_.cell || identity.role == settings_.role || !identity.end) continue;
@@ -113,6 +118,20 @@ const Protection::Identity* Protection::identity(const Key& prefix) const {
   std::copy_n(prefix.begin(), subject.size(), subject.begin());
   const auto found = identities_.find(subject);
   return found == identities_.end() ? nullptr : &found->second;
+}
+
+std::string Protection::otherwise() const {
+  std::vector<std::string> others;
+  for (const security::SubjectPrefix& subject : gate_->otherwise(monotonic_ns())) {
+    const Identity& one = identities_.at(subject);
+    if (one.cell == settings_.cell) others.push_back(one.role);
+  }
+  if (others.empty()) return "";
+  return fmt::format("messages of {} of cell '{}' are {}, so they are not heard here: {}",
+                     fmt::join(others, ", "), settings_.cell,
+                     settings_.wan ? "signed and not encrypted" : "encrypted",
+                     settings_.wan ? "leave --wan out, or give it to all processes"
+                                   : "give this process --wan, too, or leave it out everywhere");
 }
 
 bool Protection::fits(const Key& prefix, const PresenceMessage& presence) const {

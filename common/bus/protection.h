@@ -48,6 +48,10 @@ class Protection {
   /// Whether this presence may be told under this prefix.
   bool fits(const Key& prefix, const PresenceMessage& presence) const;
 
+  /// Who of the cell is not heard because its messages are protected otherwise, in a sentence with the
+  /// remedy; empty: nobody. Only if on().
+  std::string otherwise() const;
+
   std::string sentence() const;
   std::vector<std::string> dates();
   bool lets_go() const noexcept { return lets_go_.load(std::memory_order_relaxed); }
@@ -55,7 +59,7 @@ class Protection {
 
  private:
   void read_keys();
-  void read_dates(security::Time own_end);
+  void read_dates(const security::Validity& own);
 
   BusSettings settings_;
   std::map<security::SubjectPrefix, Identity> identities_;

@@ -54,10 +54,14 @@ std::vector<std::string> present(const Bus& bus, const std::vector<std::string>&
 }  // namespace
 
 StartupError nobody_listens(const Bus& bus) {
+  if (const std::string unheard = bus.unheard(); !unheard.empty())
+    return environment_error(fmt::format("nobody listens in cell '{}' of domain {}: {}", bus.settings().cell,
+                                         bus.settings().domain, unheard));
   return environment_error(
-      fmt::format("nobody listens in cell '{}' of domain {}: start its processes first, or give "
-                  "their --cell and --domain",
-                  bus.settings().cell, bus.settings().domain));
+      fmt::format("nobody listens in cell '{}' of domain {}: start its processes first, or give their --cell "
+                  "and --domain{}",
+                  bus.settings().cell, bus.settings().domain,
+                  bus.settings().security.empty() ? ", and --security DIR if they have keys" : ""));
 }
 
 std::vector<std::string> tell(Bus& bus, EventMessage event, const std::vector<std::string>& roles) {

@@ -83,11 +83,13 @@ std::vector<std::string> insist(Bus& bus, const Answers& answers, const StopMess
   }
   const std::string place = fmt::format("cell '{}' of domain {}", bus.settings().cell, bus.settings().domain);
   if (now.told.empty() && now.missing.empty()) throw nobody_listens(bus);
-  if (now.missing.empty())
+  if (now.missing.empty()) {
+    const std::string unheard = bus.unheard();
     throw environment_error(fmt::format(
         "{} has confirmed it, but no slave is seen in {}: see to it at the machine; a slave that comes back "
-        "hears of it",
-        fmt::join(now.told, ", "), place));
+        "hears of it{}{}",
+        fmt::join(now.told, ", "), place, unheard.empty() ? "" : "; ", unheard));
+  }
   throw environment_error(
       fmt::format("{} of {} has not confirmed it within {} s{}: see to it at the machine",
                   fmt::join(now.missing, ", "), place, kPatience.count(),

@@ -34,6 +34,8 @@ class Robot {
   virtual JointReading read() noexcept = 0;
   virtual void write(const Vec3& currents_a) noexcept = 0;
   virtual Capabilities capabilities() const = 0;
+  /// What has come under its address and was not a reading of it, so that nothing was made of it.
+  virtual std::uint64_t refused() const noexcept { return 0; }
 };
 
 }  // namespace telekerf::robot

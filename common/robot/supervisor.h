@@ -68,6 +68,8 @@ class RobotSupervisor {
 
   /// Steps without a reading, all in all.
   std::uint64_t readings_missed() const noexcept { return missed_; }
+  /// What came in the drive's place and was refused, see Robot::refused().
+  std::uint64_t refused() const noexcept { return drive_.robot->refused(); }
 
   /// Null unless the robot is simulated in this process: its hand's force, its time, its truth.
   SimulatedRobot* plant() const noexcept { return drive_.plant; }

@@ -37,9 +37,10 @@ class DatagramSeal {
     static_assert(sizeof(Sealed<Datagram>) == sizeof(Datagram) + kBytes);
     return close(std::as_writable_bytes(std::span(&sealed, 1)), sizeof(Datagram));
   }
-  /// Octets of the datagram in `size` octets that have come; 0: it is not sealed as it must be.
+  /// Octets of the datagram in `size` octets that have come; 0: it is not sealed as it must be, or longer.
   template <class Datagram>
   std::size_t open(const Sealed<Datagram>& sealed, std::size_t size) noexcept {
+    if (size > sizeof(sealed)) return 0;
     return open(std::as_bytes(std::span(&sealed, 1)).first(size));
   }
 

@@ -3,7 +3,9 @@
 // datagrams, and a socket that never waits.
 #pragma once
 
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/ip/udp.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -21,6 +23,15 @@ UdpAddress udp_address(std::string_view text);
 /// What an address must be, if it is not; empty: it is. validate_udp(): of a device that knows no seal.
 std::string validate_udp(std::string_view text);
 std::string validate_sealed_udp(std::string_view text);
+
+/// A datagram that arrives, with room for an octet more than it may have: a longer one would be cut to its
+/// length, and taken for it.
+template <class Datagram>
+struct Arrival {
+  Datagram datagram;
+  std::byte more{};
+  auto room() noexcept { return boost::asio::buffer(static_cast<void*>(this), sizeof(Datagram) + 1); }
+};
 
 /// Opens `socket` so that it never waits, and finds the address (IPv4). `key`: the setting that names the
 /// device. Throws StartupError.

@@ -43,6 +43,8 @@ class OperatorInput {
   virtual OperatorSample sample(std::int64_t now_ns) noexcept = 0;
   /// At the end of the same step. Neither allocates nor waits.
   virtual void answer(const OperatorAnswer& /*answer*/) noexcept {}
+  /// What has come under its address and was not of it, so that nothing was made of it.
+  virtual std::uint64_t refused() const noexcept { return 0; }
 };
 
 /// How the setting `button` may be written, one form after the other; what is wrong with one as a user wrote

@@ -37,11 +37,14 @@ class UdpFootSwitch final : public OperatorInput {
   /// `address`: of this host, where the pedal's datagrams arrive; port 0: any free one. Throws StartupError.
   explicit UdpFootSwitch(const UdpAddress& address);
   OperatorSample sample(std::int64_t now_ns) noexcept override;
+  /// Datagrams of another seal, length or kind, or of a second pedal.
+  std::uint64_t refused() const noexcept override { return refused_; }
 
   std::uint16_t port() const { return socket_.local_endpoint().port(); }
 
  private:
-  void hear(const UdpButton& told, const boost::asio::ip::udp::endpoint& from, std::int64_t now_ns) noexcept;
+  /// False: it is a stranger's.
+  bool hear(const UdpButton& told, const boost::asio::ip::udp::endpoint& from, std::int64_t now_ns) noexcept;
 
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
@@ -51,6 +54,7 @@ class UdpFootSwitch final : public OperatorInput {
   std::uint32_t newest_ = 0;  ///< what it said last
   bool squeezed_ = false;     ///< since it was released
   bool stop_ = false;         ///< of this step
+  std::uint64_t refused_ = 0;
 };
 
 /// `rest`: HOST:PORT, as the user wrote it. Throws StartupError.

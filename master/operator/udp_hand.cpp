@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <boost/asio/buffer.hpp>
+#include <cmath>
 
 namespace telekerf::master {
 namespace {
@@ -26,14 +27,20 @@ OperatorSample UdpHand::sample(std::int64_t now_ns) noexcept {
   constexpr int kMostAtOnce = 64;  // bounds the step, whatever is in the queue
   news_ = false;
   for (int i = 0; i < kMostAtOnce; ++i) {
-    UdpHandFrame frame;
+    Arrival<UdpHandFrame> arrived;
+    const UdpHandFrame& frame = arrived.datagram;
     udp::endpoint from;
     boost::system::error_code error;
-    const std::size_t size = socket_.receive_from(boost::asio::buffer(&frame, sizeof(frame)), from, 0, error);
+    const std::size_t size = socket_.receive_from(arrived.room(), from, 0, error);
     if (error == boost::asio::error::would_block) break;
-    if (!error && size == sizeof(frame) && frame.magic == UdpHandFrame::kMagic &&
-        frame.version == UdpHandFrame::kVersion) {
-      news_ = hear(frame, from, now_ns) || news_;
+    if (error) continue;
+    const bool good = size == sizeof(frame) && frame.magic == UdpHandFrame::kMagic &&
+                      frame.version == UdpHandFrame::kVersion && std::isfinite(frame.x_m) &&
+                      std::isfinite(frame.y_m) && is_of_hand(frame, from, now_ns);
+    if (good) {
+      news_ = hear(frame, now_ns) || news_;
+    } else {
+      ++refused_;
     }
   }
   const bool held = lease_.held(now_ns);
@@ -47,12 +54,15 @@ OperatorSample UdpHand::sample(std::int64_t now_ns) noexcept {
   return sample;
 }
 
-bool UdpHand::hear(const UdpHandFrame& frame, const udp::endpoint& from, std::int64_t now_ns) noexcept {
-  if (from != hand_ || frame.session != newest_.session) {
-    if (!lease_.silent(now_ns)) return false;  // a stranger's
-    hand_ = from;
-    lease_.begin();
-  }
+bool UdpHand::is_of_hand(const UdpHandFrame& frame, const udp::endpoint& from, std::int64_t now_ns) noexcept {
+  if (from == hand_ && frame.session == newest_.session) return true;
+  if (!lease_.silent(now_ns)) return false;
+  hand_ = from;
+  lease_.begin();
+  return true;
+}
+
+bool UdpHand::hear(const UdpHandFrame& frame, std::int64_t now_ns) noexcept {
   const bool held = (frame.flags & (UdpHandFrame::kHeld | UdpHandFrame::kTrigger)) != 0;
   newest_.session = frame.session;
   if (!lease_.hear({frame.sequence, frame.sent_ns, held}, now_ns)) return false;

@@ -60,11 +60,14 @@ class UdpHand final : public OperatorInput {
 
   std::uint16_t port() const { return socket_.local_endpoint().port(); }
   const OperatorLease::Counters& counters() const noexcept { return lease_.counters(); }
+  /// Datagrams of another length or kind, that pull to what is no place, or of a second hand.
+  std::uint64_t refused() const noexcept override { return refused_; }
 
  private:
+  bool is_of_hand(const UdpHandFrame& frame, const boost::asio::ip::udp::endpoint& from,
+                  std::int64_t now_ns) noexcept;
   /// True: it counts.
-  bool hear(const UdpHandFrame& frame, const boost::asio::ip::udp::endpoint& from,
-            std::int64_t now_ns) noexcept;
+  bool hear(const UdpHandFrame& frame, std::int64_t now_ns) noexcept;
 
   boost::asio::io_context context_;
   boost::asio::ip::udp::socket socket_;
@@ -73,6 +76,7 @@ class UdpHand final : public OperatorInput {
   UdpHandFrame newest_;
   bool news_ = false;  ///< of this step
   bool held_ = false;
+  std::uint64_t refused_ = 0;
 };
 
 /// `rest`: HOST:PORT, as the user wrote it; of the console's hand it may be left out. Throw StartupError.

@@ -30,6 +30,8 @@ class Laser {
   /// The newest measurement of the light: there is some, though the laser had been told to be off, or more
   /// than half as much again as it had been told. A laser that measures nothing never says so.
   virtual bool stray() noexcept { return false; }
+  /// What has come under its address and was no measurement of it, so that nothing was made of it.
+  virtual std::uint64_t refused() const noexcept { return 0; }
 };
 
 /// Opened with the control rate, Hz: how often emit() will be called.

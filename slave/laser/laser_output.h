@@ -55,6 +55,8 @@ class LaserOutput {
   std::uint64_t unpermitted() const noexcept { return unpermitted_; }
   /// Steps in which the laser was not told, as far as is known.
   std::uint64_t write_failures() const noexcept { return write_failures_; }
+  /// What came in the laser's place and was refused, see Laser::refused().
+  std::uint64_t refused() const noexcept { return laser_->refused(); }
 
   /// The laser gives light only where it was told to, as far as it measures it; for good once it has not in
   /// two steps in a row.

@@ -61,20 +61,22 @@ bool UdpLaser::emit(const Emission& emission) noexcept {
 bool UdpLaser::stray() noexcept {
   bool stray = false;
   for (int n = 0; n < kMostAnswers; ++n) {
-    SealedEmission sealed;
-    const UdpEmission& answer = sealed.datagram;
+    Arrival<SealedEmission> arrived;
+    const UdpEmission& answer = arrived.datagram.datagram;
     boost::system::error_code error;
-    const std::size_t size = socket_.receive(boost::asio::buffer(&sealed, sizeof(sealed)), 0, error);
+    const std::size_t size = socket_.receive(arrived.room(), 0, error);
     if (error) {
       // Of the datagram before, which nobody has got; send() will not hear of it any more.
       refused_ = error == boost::asio::error::connection_refused;
       break;
     }
-    const bool known = seal_.open(sealed, size) == sizeof(answer) && answer.magic == UdpEmission::kMagic &&
-                       answer.version == UdpPower::kVersion && answer.sequence > answered_ &&
-                       answer.sequence <= outgoing_.sequence &&
-                       outgoing_.sequence - answer.sequence < told_w_.size();
-    if (!known) continue;
+    if (seal_.open(arrived.datagram, size) != sizeof(answer) || answer.magic != UdpEmission::kMagic ||
+        answer.version != UdpPower::kVersion || answer.sequence > outgoing_.sequence) {
+      ++refused_answers_;
+      continue;
+    }
+    const bool late = answer.sequence <= answered_ || outgoing_.sequence - answer.sequence >= told_w_.size();
+    if (late) continue;
     answered_ = answer.sequence;
     // Written so that what is not a number is light.
     stray = !(answer.emission_w <= kDark_w + kTolerance * told_w_[answer.sequence % told_w_.size()]);

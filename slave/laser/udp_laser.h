@@ -65,6 +65,8 @@ class UdpLaser final : public Laser {
   /// The newest answer says so: more than kTolerance times what its datagram asked for, and more than
   /// kDark_w.
   bool stray() noexcept override;
+  /// Datagrams of another seal, length, kind or number. What is no number under the right seal is light.
+  std::uint64_t refused() const noexcept override { return refused_answers_; }
   static constexpr double kDark_w = 1e-3;
   static constexpr double kTolerance = 1.5;
 
@@ -77,9 +79,10 @@ class UdpLaser final : public Laser {
   SealedPower sealed_;
   UdpPower& outgoing_ = sealed_.datagram;
   std::int64_t (*clock_)() noexcept;
-  std::int64_t sent_ns_ = 0;         ///< the datagram before
-  bool refused_ = false;             ///< the datagram before, as was learned meanwhile
-  std::uint64_t answered_ = 0;       ///< newest datagram that was
+  std::int64_t sent_ns_ = 0;    ///< the datagram before
+  bool refused_ = false;        ///< the datagram before, as was learned meanwhile
+  std::uint64_t answered_ = 0;  ///< newest datagram that was
+  std::uint64_t refused_answers_ = 0;
   std::array<double, 64> told_w_{};  ///< by the last datagrams, by their number
 };
 

@@ -141,6 +141,8 @@ int run(Flags& flags) {
     recording.step(now_ns, out, station.last().tool_m, station.last().laser_w, stop);
     status.state(text_of(out.phase));
     status.progress(out.progress, station.time_s());
+    process.lookout().refused(Lookout::Device::kDrive, station.machine().refused());
+    process.lookout().refused(Lookout::Device::kLaser, station.beam().refused());
     return !station.ended();
   });
   station.release();

@@ -3,10 +3,16 @@
 // its keys.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/bus/security/keystore.h"
 #include "common/bus/security/keystore_check.h"
 #include "tests/system/machine_noise.h"
 #include "tests/system/programs.h"
@@ -79,9 +85,42 @@ TEST_F(SecuredCell, KeysThatDoNotFitAreToldWithTheRemedy) {
         << each->output();
 }
 
+TEST_F(SecuredCell, WhoSpeaksAnotherProtectionIsToldWhichOneTheCellHas) {
+  const Store store;
+  const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+    words.insert(words.end(), {"--domain", own_domain()});
+    Program ctl("telekerf-ctl", words);
+    EXPECT_EQ(ctl.wait(seconds(30)), words.front() == "look" ? 1 : 2) << ctl.output();
+    EXPECT_NE(ctl.output().find(why), std::string::npos) << ctl.output();
+  };
+  const std::string keys = store.folder().string();
+  {
+    Program slave("telekerf-slave", secured(store, {"--wan"}));
+    ASSERT_TRUE(slave.says("ready in", seconds(20))) << slave.output();
+    refused({"stop", "--security", keys}, "messages of slave of cell 'cell-1' are encrypted");
+    refused({"stop", "--security", keys}, "give this process --wan, too");
+    refused({"look", "--security", keys, "--wait-s", "5"},
+            "messages of slave of cell 'cell-1' are encrypted");
+    refused({"engage", "--security", keys}, "messages of slave of cell 'cell-1' are encrypted");
+    refused({"stop", "--insecure"},
+            "with keys cannot be heard without: if this cell has some, give --security DIR");
+  }
+  Program slave("telekerf-slave", secured(store, {}));
+  ASSERT_TRUE(slave.says("ready in", seconds(20))) << slave.output();
+  refused({"stop", "--security", keys, "--wan"},
+          "messages of slave of cell 'cell-1' are signed and not encrypted");
+  EXPECT_TRUE(slave.says("messages of ctl of cell 'cell-1' are encrypted", seconds(5))) << slave.output();
+  Program stop("telekerf-ctl", secured(store, {"stop"}));
+  EXPECT_EQ(stop.wait(seconds(20)), 0) << stop.output();
+  EXPECT_EQ(stop.output().find("not secured"), std::string::npos) << stop.output();
+}
+
 TEST_F(SecuredCell, WithoutKeysTheStartSaysSoAndOtherComputersAreNotReached) {
   Program slave("telekerf-slave", {"--domain", own_domain(), "--cell", "bare"});
   ASSERT_TRUE(slave.says("slave: not secured", seconds(20))) << slave.output();
+  Program ctl("telekerf-ctl", {"stop", "--domain", own_domain(), "--cell", "bare"});
+  EXPECT_EQ(ctl.wait(seconds(20)), 0) << ctl.output();
+  EXPECT_TRUE(ctl.says("ctl: not secured", seconds(1))) << ctl.output();
   const auto refused = [](std::vector<std::string> words, const std::string& why) {
     words.insert(words.end(), {"--domain", own_domain(), "--cell", "bare"});
     Program program("telekerf-master", words);
@@ -92,6 +131,27 @@ TEST_F(SecuredCell, WithoutKeysTheStartSaysSoAndOtherComputersAreNotReached) {
   refused({"--insecure", "--security", "."}, "--insecure and --security do not go together");
   const Store store;
   refused({"--security", store.folder().string()}, "cells/bare/master/cert.pem is not there");
+}
+
+TEST_F(SecuredCell, WhatComesInADevicesPlaceIsRefusedInWordsAndCounted) {
+  using boost::asio::ip::udp;
+  const Store store;
+  boost::asio::io_context context;
+  udp::socket stranger(context, {boost::asio::ip::address_v4::loopback(), 0});
+  const std::string out = (Program::scratch() / "pedal").string();
+  const auto pedal = udp::socket(context, {boost::asio::ip::address_v4::loopback(), 0}).local_endpoint();
+  Program master("telekerf-master",
+                 secured(store, {"--record", out, "--button",
+                                 fmt::format("udp:127.0.0.1:{},key={}", pedal.port(),
+                                             security::device_key_file(store.folder(), "cell-1").string())}));
+  ASSERT_TRUE(master.says("ready in", seconds(20))) << master.output();
+  stranger.send_to(boost::asio::buffer(std::string(24, 'x')), pedal);
+  EXPECT_TRUE(master.says("button: refused 1 datagram so far", seconds(10))) << master.output();
+  for (int n = 0; n < 9; ++n) stranger.send_to(boost::asio::buffer(std::string(41, 'x')), pedal);
+  EXPECT_TRUE(master.says("button: refused 10 datagrams so far", seconds(10))) << master.output();
+  master.interrupt();
+  EXPECT_EQ(master.wait(seconds(20)), 0) << master.output();
+  EXPECT_EQ(master.output().find("drive: refused"), std::string::npos) << master.output();
 }
 
 TEST_F(SecuredCell, AWorkEndsInOrderBeforeItsKeysDo) {

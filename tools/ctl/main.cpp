@@ -16,6 +16,7 @@
 #include "common/bus/send_event.h"
 #include "common/bus/send_stop.h"
 #include "common/runtime/program.h"
+#include "common/runtime/say.h"
 #include "netem/drivers/netem_flags.h"
 
 namespace telekerf {
@@ -28,10 +29,16 @@ struct Options {
   std::vector<std::string> roles = {"master"};  ///< who has to take it up
 };
 
+/// Who speaks without keys says so, beside what is asked of it.
+void say_unsecured(const Bus& bus) {
+  if (bus.settings().security.empty()) write_line(stderr, fmt::format("ctl: {}", bus.protection()));
+}
+
 int run(const Options& options) {
   BusSettings bus_settings = options.bus.bus_settings(Site::kOperator, "ctl");
   bus_settings.receive_filter = options.netem.emulator(bus_settings.site);
   Bus bus(bus_settings);
+  say_unsecured(bus);
   fmt::print("taken up by {} of cell '{}'\n", fmt::join(tell(bus, options.event, options.roles), ", "),
              bus.settings().cell);
   return 0;
@@ -54,12 +61,15 @@ BusSettings at_once(const StopOptions& options) {
 
 int stop(const StopOptions& options) {
   Bus bus(at_once(options));
-  fmt::print("stopped: {} confirmed it\n", fmt::join(send_stop(bus, options.as, options.reason), ", "));
+  const std::vector<std::string> told = send_stop(bus, options.as, options.reason);
+  say_unsecured(bus);
+  fmt::print("stopped: {} confirmed it\n", fmt::join(told, ", "));
   return 0;
 }
 
 int clear(const StopOptions& options) {
   Bus bus(at_once(options));
+  say_unsecured(bus);
   fmt::print("cleared: {} confirmed it; engage anew to go on\n",
              fmt::join(clear_stop(bus, options.as), ", "));
   return 0;
@@ -94,6 +104,7 @@ void print_json(const std::vector<RollCall::Present>& present) {
 
 int look(const LookOptions& options) {
   Bus bus(at_once(options));
+  say_unsecured(bus);
   const RollCall roll_call(bus);
   std::this_thread::sleep_for(std::chrono::duration<double>(options.wait_s));
   const auto present = roll_call.present();
@@ -109,8 +120,10 @@ int look(const LookOptions& options) {
   } else {
     std::set<std::string> cells;
     for (const PresenceMessage& other : bus.elsewhere()) cells.insert(other.cell);
-    fmt::print("nobody in cell '{}' of domain {}{}\n", bus.settings().cell, bus.settings().domain,
-               cells.empty() ? "" : fmt::format("; there are cells {}", fmt::join(cells, ", ")));
+    const std::string unheard = bus.unheard();
+    fmt::print("nobody in cell '{}' of domain {}{}{}{}\n", bus.settings().cell, bus.settings().domain,
+               cells.empty() ? "" : fmt::format("; there are cells {}", fmt::join(cells, ", ")),
+               unheard.empty() ? "" : "; ", unheard);
   }
   return present.empty() ? 1 : 0;
 }

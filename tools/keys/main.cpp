@@ -58,12 +58,14 @@ std::string lasting(const KeystoreReport& report) {
 }
 
 int look(const Options& options) {
-  if (!std::filesystem::is_directory(options.dir))
+  std::error_code error;
+  if (!std::filesystem::is_directory(options.dir, error) && error != std::errc::permission_denied)
     throw input_error(
         fmt::format("{}: is no folder; ./telekerf keys {} makes the keys", options.dir, options.dir));
   const KeystoreReport report = check_keystore(options.dir, std::chrono::system_clock::now());
   for (const std::string& fault : report.faults) fmt::print("keys: {}\n", fault);
   for (const std::string& note : report.notes) fmt::print("keys: {}\n", note);
+  if (report.identities == 0) return 1;
   const std::string state = fmt::format("{} identities in cells {}, {}", report.identities,
                                         fmt::join(cells_of(options.dir), ", "), lasting(report));
   if (!report.faults.empty()) {
@@ -80,8 +82,9 @@ int run(const Options& options) {
   if (options.check) return look(options);
   const auto life = std::chrono::hours(24) * options.days;
   std::vector<std::string> cells = names_in(options.cells);
+  std::vector<std::filesystem::path> authorities;
   if (options.renew) {
-    renew_keystore(options.dir, cells, life);
+    authorities = renew_keystore(options.dir, cells, life);
   } else {
     if (cells.empty()) cells.emplace_back("cell-1");
     make_keystore(options.dir, cells, life);
@@ -90,6 +93,11 @@ int run(const Options& options) {
   if (!report.faults.empty()) throw environment_error(report.faults.front());
   fmt::print("keys: {} identities in cells {} are in {}, {}\n", report.identities,
              fmt::join(cells_of(options.dir), ", "), options.dir, lasting(report));
+  for (const std::filesystem::path& file : authorities)
+    fmt::print(
+        "keys: {} would have ended before them and is renewed, too: copy it with the rest, and start "
+        "every process of every cell anew, for those with the old one do not hear those with the new\n",
+        file.string());
   fmt::print(
       "keys: keep {0}/*.key here; copy the rest to each computer, of the private keys "
       "(cells/CELL/ROLE/key.pem) only "
@@ -111,7 +119,9 @@ void add_parameters(Options& options, Settings& settings) {
   settings.add("check", options.check,
                "looks for what the middleware would fail on without a message; changes nothing");
   settings.add("renew", options.renew,
-               "new identities and permissions from the authorities that are in the folder");
+               "new identities and permissions from the authorities that are in the folder; an authority "
+               "that would end "
+               "before them is renewed, too");
 }
 
 }  // namespace

@@ -61,6 +61,8 @@ int run(const Flags& flags) {
     steps += drive.serve_for(0.02);
     laser.book_until(monotonic_ns());
     process.status().state(laser.lit() ? kLit : kDark);
+    process.lookout().refused(Lookout::Device::kDrive, drive.refused());
+    process.lookout().refused(Lookout::Device::kLaser, laser.ignored());
   }
 
   const LightBook& book = laser.book();
@@ -68,6 +70,7 @@ int run(const Flags& flags) {
     nlohmann::ordered_json report = book.report();
     report["robot_steps"] = steps;
     report["robot_broken"] = robot.broken();
+    report["drive_refused"] = drive.refused();
     report["laser_obeyed"] = laser.obeyed();
     report["laser_ignored"] = laser.ignored();
     report["laser_stuck"] = laser.stuck();

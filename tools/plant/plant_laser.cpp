@@ -45,15 +45,14 @@ PlantLaser::PlantLaser(asio::io_context& context, const PlantLaserSettings& sett
 }
 
 void PlantLaser::receive() {
-  socket_.async_receive_from(asio::buffer(&incoming_, sizeof(incoming_)), from_,
+  socket_.async_receive_from(incoming_.room(), from_,
                              [this](boost::system::error_code error, std::size_t size) {
                                // What waits came at one time: of a queue from a sleep the newest alone gives
                                // light.
                                const std::int64_t now_ns = monotonic_ns();
                                while (!error) {
                                  hear(size, now_ns);
-                                 size = socket_.receive_from(asio::buffer(&incoming_, sizeof(incoming_)),
-                                                             from_, 0, error);
+                                 size = socket_.receive_from(incoming_.room(), from_, 0, error);
                                }
                                receive();
                              });
@@ -62,7 +61,8 @@ void PlantLaser::receive() {
 void PlantLaser::hear(std::size_t size, std::int64_t now_ns) {
   book_until(now_ns);
   const bool lit = device_.power_w(now_ns) > 0.0;
-  if (!device_.hear(incoming_.datagram, seal_.open(incoming_, size), from_, now_ns)) {
+  const laser::SealedPower& sealed = incoming_.datagram;
+  if (!device_.hear(sealed.datagram, seal_.open(sealed, size), from_, now_ns)) {
     ++ignored_;
     return;
   }

@@ -54,7 +54,7 @@ class PlantLaser {
   boost::asio::ip::udp::socket socket_;
   boost::asio::ip::udp::endpoint from_;
   DatagramSeal seal_;
-  laser::SealedPower incoming_;
+  Arrival<laser::SealedPower> incoming_;
   laser::UdpLaserDevice device_;
   LightBook book_;
   std::int64_t booked_ns_;

@@ -33,7 +33,7 @@ int run(const Flags& flags) {
   std::fflush(stdout);
   std::uint64_t steps = 0;
   while (!stop_requested() && !plant.broken()) steps += drive.serve_for(0.1);
-  fmt::print("robot: {} steps\n", steps);
+  fmt::print("robot: {} steps, {} datagrams refused\n", steps, drive.refused());
   if (plant.broken())
     throw hardware_error("the robot left the poses that it can take; is its controller stable?");
   return 0;

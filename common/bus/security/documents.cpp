@@ -3,10 +3,14 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fnmatch.h>
 #include <openssl/pkcs7.h>
 #include <tinyxml2.h>
 
+#include <algorithm>
+#include <array>
 #include <ctime>
+#include <regex>
 
 #include "common/bus/security/keystore.h"
 #include "common/bus/security/openssl.h"
@@ -56,19 +60,95 @@ std::vector<std::string> texts_of(const tinyxml2::XMLElement* list, const char* 
   return texts;
 }
 
-int highest_domain(const tinyxml2::XMLElement* rule) {
-  int highest = -1;
-  const auto* const all = rule->FirstChildElement("domains");
-  if (all == nullptr) return highest;
-  for (const auto* range = all->FirstChildElement(); range != nullptr; range = range->NextSiblingElement()) {
-    int value = -1;
-    if (range->QueryIntText(&value) != tinyxml2::XML_SUCCESS) {
-      const auto* const max = range->FirstChildElement("max");
-      if (max != nullptr) (void)max->QueryIntText(&value);
-    }
-    highest = std::max(highest, value);
+/// What the children of an element must be, each followed by a blank; elements that are not here hold text.
+struct Form {
+  const char* element;
+  const char* children;
+};
+constexpr std::array<Form, 11> kForms{{{"permissions", "(grant )+"},
+                                       {"grant", "subject_name validity ((allow|deny)_rule )*default "},
+                                       {"validity", "not_before not_after "},
+                                       {"allow_rule", "domains ((publish|subscribe) )*"},
+                                       {"deny_rule", "domains ((publish|subscribe) )*"},
+                                       {"domains", "((id|id_range) )+"},
+                                       {"id_range", "min max "},
+                                       {"publish", "((topics|partitions) )*"},
+                                       {"subscribe", "((topics|partitions) )*"},
+                                       {"topics", "(topic )+"},
+                                       {"partitions", "(partition )+"}}};
+
+/// Empty: it and all below it have their form.
+std::string misshape(const tinyxml2::XMLElement* element) {
+  std::string children, told;
+  for (const auto* each = element->FirstChildElement(); each != nullptr; each = each->NextSiblingElement()) {
+    const std::string name = std::string(each->Name()) + ' ';
+    children += name;
+    if (!told.ends_with(name)) told += name;
   }
-  return highest;
+  const std::string name = element->Name();
+  const auto* const form =
+      std::find_if(kForms.begin(), kForms.end(), [&](const Form& each) { return name == each.element; });
+  if (form != kForms.end() && !std::regex_match(children, std::regex(form->children)))
+    return fmt::format("its <{}> in line {} holds {}which the library does not take", name, element->GetLineNum(),
+                       told.empty() ? "nothing " : told);
+  if (form == kForms.end() && name != "partition" && element->GetText() == nullptr)
+    return fmt::format("its <{}> in line {} is empty", name, element->GetLineNum());
+  if (name == "grant" && element->Attribute("name") == nullptr) return "its <grant> has no name";
+  for (const auto* each = element->FirstChildElement(); each != nullptr; each = each->NextSiblingElement()) {
+    if (std::string wrong = misshape(each); !wrong.empty()) return wrong;
+  }
+  return "";
+}
+
+std::vector<std::pair<int, int>> domains_of(const tinyxml2::XMLElement* rule) {
+  std::vector<std::pair<int, int>> ranges;
+  const auto number = [](const tinyxml2::XMLElement* element) { return element->IntText(-1); };
+  const auto* const all = rule->FirstChildElement("domains");
+  for (const auto* each = all->FirstChildElement(); each != nullptr; each = each->NextSiblingElement()) {
+    if (const auto* const min = each->FirstChildElement("min"); min == nullptr)
+      ranges.emplace_back(number(each), number(each));
+    else
+      ranges.emplace_back(number(min), number(each->FirstChildElement("max")));
+  }
+  return ranges;
+}
+
+/// All of one kind in a rule are one: of several, any topic goes with any partition.
+void add_rule(std::vector<Rule>& rules, const tinyxml2::XMLElement* element, bool publish) {
+  const char* const kind = publish ? "publish" : "subscribe";
+  Rule rule{element->Name() == std::string("allow_rule"), publish, {}, {}, domains_of(element)};
+  const auto* said = element->FirstChildElement(kind);
+  if (said == nullptr) return;
+  for (; said != nullptr; said = said->NextSiblingElement(kind)) {
+    const auto add = [&](std::vector<std::string>& to, const char* list, const char* name) {
+      for (const auto* each = said->FirstChildElement(list); each != nullptr;
+           each = each->NextSiblingElement(list)) {
+        for (std::string& text : texts_of(each, name)) to.push_back(std::move(text));
+      }
+    };
+    add(rule.topics, "topics", "topic");
+    const std::size_t before = rule.partitions.size();
+    add(rule.partitions, "partitions", "partition");
+    if (rule.partitions.size() == before) rule.partitions.emplace_back();
+  }
+  rules.push_back(std::move(rule));
+}
+
+/// Element for element what it says, as "data_protection_kind NONE"; what holds others says its name alone.
+void add_sayings(const tinyxml2::XMLElement* element, std::vector<std::string>& sayings) {
+  const char* const text = element->GetText();
+  const bool holds = element->FirstChildElement() != nullptr;
+  sayings.push_back(holds || text == nullptr ? element->Name() : fmt::format("{} {}", element->Name(), text));
+  for (const auto* each = element->FirstChildElement(); each != nullptr; each = each->NextSiblingElement())
+    add_sayings(each, sayings);
+}
+
+std::vector<std::string> sayings_of(const std::string& text) {
+  std::vector<std::string> sayings;
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS && document.RootElement() != nullptr)
+    add_sayings(document.RootElement(), sayings);
+  return sayings;
 }
 
 }  // namespace
@@ -136,12 +216,15 @@ std::optional<std::string> verified_document(const std::filesystem::path& file, 
   return std::string(bytes, static_cast<std::size_t>(size));
 }
 
-std::optional<std::vector<Grant>> read_permissions(const std::string& text) {
+tl::expected<std::vector<Grant>, std::string> read_permissions(const std::string& text) {
   tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) return std::nullopt;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+    return tl::unexpected<std::string>("grants nothing: it is no XML");
   const auto* const root = document.FirstChildElement("dds");
-  const auto* const list = root == nullptr ? nullptr : root->FirstChildElement("permissions");
-  if (list == nullptr) return std::nullopt;
+  const auto* const list = root == nullptr ? nullptr : root->FirstChildElement();
+  if (list == nullptr || list->Name() != std::string("permissions"))
+    return tl::unexpected<std::string>("grants nothing: it holds no <permissions>");
+  if (std::string wrong = misshape(list); !wrong.empty()) return tl::unexpected(std::move(wrong));
   std::vector<Grant> grants;
   for (const auto* each = list->FirstChildElement("grant"); each != nullptr;
        each = each->NextSiblingElement("grant")) {
@@ -149,45 +232,33 @@ std::optional<std::vector<Grant>> read_permissions(const std::string& text) {
     Grant grant{child_text(each, "subject_name"),
                 child_text(validity, "not_before"),
                 child_text(validity, "not_after"),
-                {}};
-    for (const auto* rule = each->FirstChildElement("allow_rule"); rule != nullptr;
-         rule = rule->NextSiblingElement("allow_rule")) {
-      for (const bool publish : {true, false}) {
-        const auto* const said = rule->FirstChildElement(publish ? "publish" : "subscribe");
-        if (said == nullptr) continue;
-        grant.rules.push_back({publish, texts_of(said->FirstChildElement("topics"), "topic"),
-                               texts_of(said->FirstChildElement("partitions"), "partition"),
-                               highest_domain(rule)});
-      }
+                {},
+                each->LastChildElement()->GetText()};
+    for (const auto* rule = validity->NextSiblingElement(); rule != each->LastChildElement();
+         rule = rule->NextSiblingElement()) {
+      for (const bool publish : {true, false}) add_rule(grant.rules, rule, publish);
     }
     grants.push_back(std::move(grant));
   }
   return grants;
 }
 
-std::optional<Governance> read_governance(const std::string& text) {
-  tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) return std::nullopt;
-  const auto* at = static_cast<const tinyxml2::XMLNode*>(&document);
-  for (const char* name : {"dds", "domain_access_rules", "domain_rule"}) {
-    at = at->FirstChildElement(name);
-    if (at == nullptr) return std::nullopt;
-  }
-  const auto* const rule = at->ToElement();
-  const auto* const topics = rule->FirstChildElement("topic_access_rules");
-  const auto* const topic = topics == nullptr ? nullptr : topics->FirstChildElement("topic_rule");
-  return Governance{
-      .highest_domain = highest_domain(rule),
-      .join_access_control = child_text(rule, "enable_join_access_control") == "true",
-      .rtps = child_text(rule, "rtps_protection_kind"),
-      .discovery = child_text(rule, "discovery_protection_kind"),
-      .liveliness = child_text(rule, "liveliness_protection_kind"),
-      .topics = child_text(topic, "topic_expression"),
-      .metadata = child_text(topic, "metadata_protection_kind"),
-      .data = child_text(topic, "data_protection_kind"),
-      .topic_access_control = child_text(topic, "enable_read_access_control") == "true" &&
-                              child_text(topic, "enable_write_access_control") == "true",
-  };
+const Rule* deciding_rule(const Grant& grant, bool publish, const std::string& topic) {
+  const auto rule = std::find_if(grant.rules.begin(), grant.rules.end(), [&](const Rule& each) {
+    return each.publish == publish &&
+           std::any_of(each.topics.begin(), each.topics.end(), [&](const std::string& pattern) {
+             return ::fnmatch(pattern.c_str(), topic.c_str(), FNM_NOESCAPE) == 0;
+           });
+  });
+  return rule == grant.rules.end() ? nullptr : &*rule;
+}
+
+std::string difference_from_governance(const std::string& text, bool wan) {
+  const std::vector<std::string> said = sayings_of(text), wanted = sayings_of(governance_text(wan));
+  const auto [at, place] = std::mismatch(said.begin(), said.end(), wanted.begin(), wanted.end());
+  if (at == said.end() && place == wanted.end()) return "";
+  return fmt::format("{} in place of {}", at == said.end() ? "nothing" : *at,
+                     place == wanted.end() ? "nothing" : *place);
 }
 
 std::optional<std::chrono::system_clock::time_point> local_time(const std::string& date) {

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <tl/expected.hpp>
+#include <utility>
 #include <vector>
 
 #include "common/bus/security/roles.h"
@@ -29,31 +31,31 @@ std::string signed_document(const std::string& text, X509* certificate, EVP_PKEY
 /// Its text, if exactly this authority has signed it.
 std::optional<std::string> verified_document(const std::filesystem::path& file, X509* authority);
 
-/// A rule of permissions: topics that may be published (or subscribed), and where.
+/// A rule of permissions: what it says of the topics that may be published (or subscribed), and where.
 struct Rule {
+  bool allow = true;  ///< false: a deny rule
   bool publish = false;
   std::vector<std::string> topics;
-  std::vector<std::string> partitions;
-  int highest_domain = 0;
+  std::vector<std::string> partitions;       ///< "" is the one without a name
+  std::vector<std::pair<int, int>> domains;  ///< first and last
 };
 struct Grant {
   std::string subject;
   std::string not_before, not_after;  ///< 2026-11-29T10:00:00
-  std::vector<Rule> rules;
+  std::vector<Rule> rules;            ///< in their order
+  std::string otherwise;              ///< its default
 };
-/// nullopt: no permissions.
-std::optional<std::vector<Grant>> read_permissions(const std::string& text);
+/// Permissions as the library wants them: every element in its place. Otherwise what is wrong, as "its
+/// <grant> holds ...".
+[[nodiscard]] tl::expected<std::vector<Grant>, std::string> read_permissions(const std::string& text);
 
-struct Governance {
-  int highest_domain = 0;
-  bool join_access_control = false;
-  std::string rtps, discovery, liveliness;  ///< kinds of protection
-  std::string topics;                       ///< expression of the first topic rule, and its kinds
-  std::string metadata, data;
-  bool topic_access_control = false;
-};
-/// nullopt: no governance.
-std::optional<Governance> read_governance(const std::string& text);
+/// The rule by which the library decides on `topic`: the first that names it, be it by a pattern; null: none,
+/// so it is denied (Fast DDS 2.9, Permissions::check_create_datawriter()).
+const Rule* deciding_rule(const Grant& grant, bool publish, const std::string& topic);
+
+/// What `text` says otherwise than governance_text(wan), as "data_protection_kind ENCRYPT in place of NONE";
+/// empty: nothing.
+std::string difference_from_governance(const std::string& text, bool wan);
 
 /// As the library reads it here: local time, whatever zone it names. nullopt: no date.
 std::optional<std::chrono::system_clock::time_point> local_time(const std::string& date);

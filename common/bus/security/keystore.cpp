@@ -100,23 +100,39 @@ void write_pair(const fs::path& certificate_file, const fs::path& key_file, X509
   });
 }
 
-Authority make_authority(const fs::path& store, const std::string& name, const char* title,
-                         const char* usage) {
-  Authority made;
-  made.key.reset(EVP_EC_gen("P-256"));
-  const X509NamePointer subject = subject_name("", title);
-  made.certificate = blank_certificate(subject.get(), made.key.get(), lasting(kAuthorityLife));
-  X509* const certificate = made.certificate.get();
+/// Which authorities there are: its file's name, what its certificate calls it, and what its key is for.
+struct AuthorityKind {
+  const char* name;
+  const char* title;
+  const char* usage;
+};
+constexpr AuthorityKind kIdentities{"identity_ca", "identity CA", "critical,keyCertSign,cRLSign"};
+constexpr AuthorityKind kPermissions{"permissions_ca", "permissions CA",
+                                     "critical,keyCertSign,cRLSign,digitalSignature"};
+
+CertificatePointer authority_certificate(const AuthorityKind& kind, EVP_PKEY* key) {
+  const X509NamePointer subject = subject_name("", kind.title);
+  CertificatePointer made = blank_certificate(subject.get(), key, lasting(kAuthorityLife));
+  X509* const certificate = made.get();
   X509_set_issuer_name(certificate, subject.get());
   add_extension(certificate, certificate, NID_subject_key_identifier, "hash");
   add_extension(certificate, certificate, NID_basic_constraints, "critical,CA:TRUE");
-  add_extension(certificate, certificate, NID_key_usage, usage);
-  X509_sign(certificate, made.key.get(), EVP_sha256());
-  write_pair(store / (name + ".pem"), store / (name + ".key"), certificate, made.key.get());
+  add_extension(certificate, certificate, NID_key_usage, kind.usage);
+  X509_sign(certificate, key, EVP_sha256());
   return made;
 }
 
-Authority read_authority(const fs::path& store, const std::string& name) {
+Authority make_authority(const fs::path& store, const AuthorityKind& kind) {
+  Authority made;
+  made.key.reset(EVP_EC_gen("P-256"));
+  made.certificate = authority_certificate(kind, made.key.get());
+  const std::string name = kind.name;
+  write_pair(store / (name + ".pem"), store / (name + ".key"), made.certificate.get(), made.key.get());
+  return made;
+}
+
+Authority read_authority(const fs::path& store, const AuthorityKind& kind) {
+  const std::string name = kind.name;
   Authority read{read_certificate(store / (name + ".pem")), read_key(store / (name + ".key"))};
   for (const auto& [there, file] : {std::pair{read.certificate != nullptr, name + ".pem"},
                                     std::pair{read.key != nullptr, name + ".key"}}) {
@@ -126,6 +142,21 @@ Authority read_authority(const fs::path& store, const std::string& name) {
           (store / file).string()));
   }
   return read;
+}
+
+/// One that would end before what it is to sign gets new dates, under its name and with its key. The file of
+/// its certificate then; empty: it lasts.
+fs::path renew_authority(const fs::path& store, const AuthorityKind& kind, seconds life,
+                         Authority& authority) {
+  std::time_t until =
+      std::chrono::system_clock::to_time_t(lasting(std::min<seconds>(life, kAuthorityLife)).end);
+  if (X509_cmp_time(X509_get0_notAfter(authority.certificate.get()), &until) > 0) return {};
+  authority.certificate = authority_certificate(kind, authority.key.get());
+  const fs::path file = store / (std::string(kind.name) + ".pem");
+  const fs::path fresh = store / (std::string(".") + kind.name + ".new");
+  write_file(fresh, [&](BIO* out) { return PEM_write_bio_X509(out, authority.certificate.get()); });
+  fs::rename(fresh, file);
+  return file;
 }
 
 struct Authorities {
@@ -250,18 +281,21 @@ void make_keystore(const fs::path& store, const std::vector<std::string>& cells,
                       store.string()));
     make_folder(store);
     fs::permissions(store, kOwnerOnly | fs::perms::owner_exec);
-    const Authorities by{make_authority(store, "identity_ca", "identity CA", "critical,keyCertSign,cRLSign"),
-                         make_authority(store, "permissions_ca", "permissions CA",
-                                        "critical,keyCertSign,cRLSign,digitalSignature")};
+    const Authorities by{make_authority(store, kIdentities), make_authority(store, kPermissions)};
     write_governance(store, by);
     write_cells(store, cells, by, life);
   });
 }
 
-void renew_keystore(const fs::path& store, const std::vector<std::string>& more, seconds life) {
+std::vector<fs::path> renew_keystore(const fs::path& store, const std::vector<std::string>& more,
+                                     seconds life) {
   refuse_names(more);
+  std::vector<fs::path> renewed;
   in_store(store, [&] {
-    const Authorities by{read_authority(store, "identity_ca"), read_authority(store, "permissions_ca")};
+    Authorities by{read_authority(store, kIdentities), read_authority(store, kPermissions)};
+    for (const fs::path& file : {renew_authority(store, kIdentities, life, by.identity),
+                                 renew_authority(store, kPermissions, life, by.permissions)})
+      if (!file.empty()) renewed.push_back(file);
     std::vector<std::string> cells = cells_of(store);
     for (const std::string& cell : more) {
       if (std::find(cells.begin(), cells.end(), cell) == cells.end()) cells.push_back(cell);
@@ -269,6 +303,7 @@ void renew_keystore(const fs::path& store, const std::vector<std::string>& more,
     write_governance(store, by);
     write_cells(store, cells, by, life);
   });
+  return renewed;
 }
 
 }  // namespace telekerf::security

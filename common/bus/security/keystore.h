@@ -39,8 +39,11 @@ void make_keystore(const std::filesystem::path& store, const std::vector<std::st
                    std::chrono::seconds life);
 
 /// New identities and permissions from the authorities that are there, for all its cells and for `more`
-/// cells. Each role's folder is replaced whole. Throws StartupError.
-void renew_keystore(const std::filesystem::path& store, const std::vector<std::string>& more,
-                    std::chrono::seconds life);
+/// cells. Each role's folder is replaced whole. An authority that would end before them is renewed as well:
+/// whose certificates those were (their files); processes with the old ones and with the new ones do not hear
+/// each other. Throws StartupError.
+std::vector<std::filesystem::path> renew_keystore(const std::filesystem::path& store,
+                                                  const std::vector<std::string>& more,
+                                                  std::chrono::seconds life);
 
 }  // namespace telekerf::security

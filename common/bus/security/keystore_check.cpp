@@ -3,6 +3,7 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openssl/objects.h>
 #include <openssl/x509v3.h>
 #include <unistd.h>
@@ -22,6 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRenew = "./telekerf keys DIR --renew makes it anew";
+constexpr const char* kNotReadable =
+    "may not be read by this user: the keys belong to whoever starts the processes; remedy: start it as "
+    "their owner";
 constexpr auto kOthers = fs::perms::group_all | fs::perms::others_all;
 
 Time time_of(const ASN1_TIME* time) {
@@ -55,22 +59,13 @@ class Check {
     if (!readable(file) || !permissions_ca_) return;
     const auto text = verified_document(file, permissions_ca_.get());
     if (!text) return fault(file, fmt::format("is not signed by permissions_ca.pem; {}", kRenew));
-    const auto rules = read_governance(*text);
-    if (!rules) return fault(file, fmt::format("is no governance; {}", kRenew));
-    if (rules->highest_domain > kHighestSecuredDomain)
-      fault(file, fmt::format("names domain {}: other vendors' programs take none above {}; {}",
-                              rules->highest_domain, kHighestSecuredDomain, kRenew));
-    const std::string wanted = wan ? "ENCRYPT_WITH_ORIGIN_AUTHENTICATION" : "SIGN_WITH_ORIGIN_AUTHENTICATION";
-    if (rules->rtps != wanted || rules->discovery != "ENCRYPT" || rules->liveliness != "ENCRYPT" ||
-        rules->topics != "*" || !rules->topic_access_control || !rules->join_access_control)
-      fault(file, fmt::format(
-                      "does not protect what it should: rtps {}, discovery {}, liveliness {}, topics {}; {}",
-                      rules->rtps, rules->discovery, rules->liveliness, rules->topics, kRenew));
+    if (const std::string wrong = difference_from_governance(*text, wan); !wrong.empty())
+      fault(file, fmt::format("does not protect as it should: it says {}; {}", wrong, kRenew));
   }
 
   void role(const std::string& cell, const Role& role) {
     const RoleFiles files = role_files(store_, cell, role.name);
-    if (!readable(files.certificate)) return;
+    if (!folder(files.certificate.parent_path()) || !readable(files.certificate)) return;
     const CertificatePointer certificate = read_certificate(files.certificate);
     if (!certificate) return fault(files.certificate, fmt::format("is no certificate; {}", kRenew));
     ++report.identities;
@@ -78,6 +73,24 @@ class Check {
     identity(files.certificate, certificate.get(), cell, role, subject);
     key(files.key, certificate.get());
     permissions(files.permissions, cell, role, subject);
+  }
+
+  /// Whoever may write a folder may put keys of its own there. False: nothing in it can be looked at.
+  bool folder(const fs::path& folder) {
+    std::error_code error;
+    const auto status = fs::status(folder, error);
+    if (error == std::errc::permission_denied ||
+        (fs::is_directory(status) && ::access(folder.c_str(), R_OK | X_OK) != 0)) {
+      fault(folder, kNotReadable);
+      return false;
+    }
+    constexpr auto kWritten = fs::perms::group_write | fs::perms::others_write;
+    if (fs::is_directory(status) && (status.permissions() & kWritten) != fs::perms::none)
+      fault(folder,
+            fmt::format("can be written by others than its owner (mode {:o}), who could put other keys "
+                        "there; remedy: chmod 700 {}",
+                        static_cast<unsigned>(status.permissions() & fs::perms::mask), folder.string()));
+    return true;
   }
 
   void private_file(const fs::path& file) {
@@ -95,24 +108,25 @@ class Check {
 
   bool readable(const fs::path& file) {
     std::error_code error;
-    if (!fs::is_regular_file(file, error)) {
-      fault(file, "is not there; copy it from where the keys were made");
+    const bool there = fs::is_regular_file(file, error);
+    if (error == std::errc::permission_denied || (there && ::access(file.c_str(), R_OK) != 0)) {
+      fault(file, kNotReadable);
       return false;
     }
-    if (::access(file.c_str(), R_OK) != 0) {
-      fault(file, "cannot be read by this user; the keys belong to whoever starts the processes");
+    if (!there) {
+      fault(file, "is not there; copy it from where the keys were made");
       return false;
     }
     private_file(file);
     return true;
   }
 
-  void ends(const fs::path& file, Time begin, Time end, const std::string& remedy) {
+  void ends(const fs::path& file, Time begin, Time end, bool authority = false) {
     if (now_ < begin)
       fault(file, fmt::format("is not valid before {}; look at this computer's clock", text_of(begin)));
-    if (now_ > end) fault(file, fmt::format("has expired on {}; {}", text_of(end), remedy));
+    if (now_ > end) fault(file, fmt::format("has expired on {}; {}", text_of(end), kRenew));
     if (!report.first_to_end || end < report.first_to_end->end)
-      report.first_to_end = Validity{begin, end, file.string()};
+      report.first_to_end = Validity{begin, end, file.string(), authority};
   }
 
   CertificatePointer authority(const char* name) {
@@ -126,7 +140,7 @@ class Check {
     signature(file, certificate.get());
     if (X509_check_ca(certificate.get()) != 1) fault(file, "is not made to sign others; make new keys");
     ends(file, time_of(X509_get0_notBefore(certificate.get())),
-         time_of(X509_get0_notAfter(certificate.get())), "make new keys in another folder");
+         time_of(X509_get0_notAfter(certificate.get())), true);
     return certificate;
   }
 
@@ -149,7 +163,7 @@ class Check {
       fault(file, fmt::format("names {} in another encoding than UTF-8, and would not be known by it; {}",
                               said, kRenew));
     }
-    ends(file, time_of(X509_get0_notBefore(certificate)), time_of(X509_get0_notAfter(certificate)), kRenew);
+    ends(file, time_of(X509_get0_notBefore(certificate)), time_of(X509_get0_notAfter(certificate)));
     if (identity_ca_ && (X509_check_issued(identity_ca_.get(), certificate) != X509_V_OK ||
                          X509_verify(certificate, X509_get0_pubkey(identity_ca_.get())) != 1))
       fault(file, fmt::format("is not signed by identity_ca.pem; {}", kRenew));
@@ -179,41 +193,63 @@ class Check {
     const auto text = verified_document(file, permissions_ca_.get());
     if (!text) return fault(file, fmt::format("is not signed by permissions_ca.pem; {}", kRenew));
     const auto grants = read_permissions(*text);
-    if (!grants || grants->empty()) return fault(file, fmt::format("grants nothing; {}", kRenew));
-    const auto grant = std::find_if(grants->begin(), grants->end(),
-                                    [&](const Grant& each) { return each.subject == subject; });
-    if (grant == grants->end())
+    if (!grants) return fault(file, fmt::format("is not understood: {}; {}", grants.error(), kRenew));
+    const Grant& grant = grants->front();
+    if (grant.subject != subject)
       return fault(file, fmt::format("grants something to {} and nothing to {}, in this order; {}",
-                                     grants->front().subject, subject, kRenew));
-    const auto begin = local_time(grant->not_before), end = local_time(grant->not_after);
+                                     grant.subject, subject, kRenew));
+    if (grants->size() > 1)
+      fault(file,
+            fmt::format("holds another grant, to {}, and must hold one; {}", (*grants)[1].subject, kRenew));
+    const auto begin = local_time(grant.not_before), end = local_time(grant.not_after);
     if (!begin || !end) return fault(file, fmt::format("has no dates; {}", kRenew));
-    ends(file, *begin, *end, kRenew);
-    rights(file, cell, role, *grant);
+    ends(file, *begin, *end);
+    rights(file, cell, role, grant);
   }
 
   void rights(const fs::path& file, const std::string& cell, const Role& role, const Grant& grant) {
-    std::set<std::string> may[2];
-    for (const Rule& rule : grant.rules) {
-      if (rule.highest_domain > kHighestSecuredDomain)
-        fault(file, fmt::format("names domain {}: other vendors' programs take none above {}; {}",
-                                rule.highest_domain, kHighestSecuredDomain, kRenew));
-      if (rule.partitions != std::vector<std::string>{cell}) {
-        fault(file, fmt::format("has a rule on {} without partition {}: it allows nothing in this cell; {}",
-                                rule.topics.empty() ? "no topic" : rule.topics.front(), cell, kRenew));
-        continue;
-      }
-      may[rule.publish ? 1 : 0].insert(rule.topics.begin(), rule.topics.end());
-    }
+    if (grant.otherwise != "DENY")
+      fault(file,
+            fmt::format("says {} of what no rule names, and must say DENY; {}", grant.otherwise, kRenew));
+    for (const Rule& rule : grant.rules) place(file, cell, rule);
     for (const bool publish : {true, false}) {
       const auto& wanted = publish ? role.publishes : role.subscribes;
       const char* const what = publish ? "publish" : "subscribe to";
       for (const char* topic : wanted) {
-        if (may[publish ? 1 : 0].erase(topic) == 0)
+        const Rule* const rule = deciding_rule(grant, publish, topic);
+        if (rule == nullptr) {
           fault(file, fmt::format("does not let it {} {}; {}", what, topic, kRenew));
+        } else if (!rule->allow) {
+          fault(file, fmt::format("does not let it {} {}: a deny rule comes first; {}", what, topic, kRenew));
+        }
       }
-      for (const std::string& topic : may[publish ? 1 : 0])
+      std::set<std::string> more;
+      for (const Rule& rule : grant.rules)
+        if (rule.allow && rule.publish == publish) more.insert(rule.topics.begin(), rule.topics.end());
+      for (const char* topic : wanted) more.erase(topic);
+      for (const std::string& topic : more)
         fault(file, fmt::format("lets it {} {}, which is not its to do; {}", what, topic, kRenew));
     }
+  }
+
+  /// A rule that allows something does so in the whole of this cell, and nowhere else.
+  void place(const fs::path& file, const std::string& cell, const Rule& rule) {
+    if (!rule.allow) return;
+    const std::string on =
+        fmt::format("has a rule on {}", rule.topics.empty() ? "no topic" : rule.topics.front());
+    if (rule.partitions != std::vector<std::string>{cell})
+      fault(file, fmt::format("{} for partition '{}' and not for {} alone; {}", on,
+                              fmt::join(rule.partitions, "', '"), cell, kRenew));
+    int next = 0;  // the first domain that none of its ranges holds
+    for (const auto& [first, last] : rule.domains) {
+      if (std::max(first, last) > kHighestSecuredDomain)
+        fault(file, fmt::format("names domain {}: other vendors' programs take none above {}; {}",
+                                std::max(first, last), kHighestSecuredDomain, kRenew));
+      if (first <= next && last >= next) next = last + 1;
+    }
+    if (next <= kHighestSecuredDomain)
+      fault(file, fmt::format("{} that does not hold in domain {}, and must in all from 0 to {}; {}", on,
+                              next, kHighestSecuredDomain, kRenew));
   }
 
   fs::path store_;
@@ -225,6 +261,7 @@ class Check {
 
 KeystoreReport check_keystore(const fs::path& store, Time now) {
   Check check(store, now);
+  if (!check.folder(store) || !check.folder(store / "cells")) return check.report;
   check.authorities();
   for (const bool wan : {false, true}) check.governance(wan);
   for (const char* name : {"identity_ca.key", "permissions_ca.key"}) check.private_file(store / name);
@@ -232,6 +269,7 @@ KeystoreReport check_keystore(const fs::path& store, Time now) {
   if (cells.empty())
     check.report.faults.push_back((store / "cells").string() + " holds no cell; ./telekerf keys makes them");
   for (const std::string& cell : cells) {
+    if (!check.folder(store / "cells" / cell)) continue;
     check.private_file(device_key_file(store, cell));
     for (const Role& role : roles()) check.role(cell, role);
   }
@@ -246,6 +284,8 @@ KeystoreReport check_role(const fs::path& store, const std::string& cell, const 
     check.report.faults.push_back(fmt::format("there are no keys for a {}", role));
     return check.report;
   }
+  for (const fs::path& folder : {store, store / "cells", store / "cells" / cell})
+    if (!check.folder(folder)) return check.report;
   check.authorities();
   check.governance(wan);
   check.role(cell, *known);

@@ -12,10 +12,11 @@ namespace telekerf::security {
 
 using Time = std::chrono::system_clock::time_point;
 
-/// The life of one identity, and until when its permissions hold on this computer, whichever ends first.
+/// The life of an identity, of its permissions on this computer, or of an authority, whichever ends first.
 struct Validity {
   Time begin, end;
-  std::string file;  ///< that ends first
+  std::string file;        ///< that ends first
+  bool authority = false;  ///< it is an authority's certificate
 };
 
 struct KeystoreReport {

@@ -38,14 +38,20 @@ JointReading UdpRobot::read() noexcept {
   JointReading reading;
   bool answered = false;
   for (int i = 0; i < kMostAtOnce; ++i) {
-    SealedReading sealed;
-    UdpReading& incoming = sealed.datagram;
+    Arrival<SealedReading> arrived;
+    const UdpReading& incoming = arrived.datagram.datagram;
     udp::endpoint from;
     boost::system::error_code error;
-    const std::size_t size = socket_.receive_from(asio::buffer(&sealed, sizeof(sealed)), from, 0, error);
+    const std::size_t size = socket_.receive_from(arrived.room(), from, 0, error);
     if (error == asio::error::would_block) break;
-    if (error || seal_.open(sealed, size) != sizeof(incoming) || incoming.magic != UdpReading::kMagic || from != drive_) {
+    if (error) {
       ++dropped_;
+      continue;
+    }
+    if (from != drive_ || seal_.open(arrived.datagram, size) != sizeof(incoming) ||
+        incoming.magic != UdpReading::kMagic || incoming.sequence > outgoing_.sequence ||
+        (incoming.valid == 1 && !Vec3(incoming.joints_m).allFinite())) {
+      ++refused_;
       continue;
     }
     if (incoming.sequence <= newest_) continue;  // overtaken on the way
@@ -91,45 +97,50 @@ UdpDrive::UdpDrive(SimulatedRobot& plant, std::uint16_t port, const std::string&
   receive();
 }
 
-bool UdpDrive::is_for_us(std::size_t size) {
-  if (seal_.open(sealed_, size) != sizeof(incoming_) || incoming_.magic != UdpCurrents::kMagic || incoming_.period_ns == 0 ||
-      incoming_.period_ns > kLongestPeriod_ns) {
-    return false;
-  }
-  const auto now = std::chrono::steady_clock::now();
-  if (from_ != controller_) {
-    if (now - heard_ < kGone) return false;
-    controller_ = from_;
-    last_sequence_ = 0;
-  }
-  if (incoming_.sequence <= last_sequence_) return false;  // overtaken on the way
-  last_sequence_ = incoming_.sequence;
-  heard_ = now;
+bool UdpDrive::is_currents(std::size_t size) {
+  return seal_.open(arrived_.datagram, size) == sizeof(incoming_) && incoming_.magic == UdpCurrents::kMagic &&
+         incoming_.period_ns > 0 && incoming_.period_ns <= kLongestPeriod_ns &&
+         Vec3(incoming_.currents_a).allFinite();
+}
+
+bool UdpDrive::is_of_controller() {
+  if (from_ == controller_) return true;
+  if (std::chrono::steady_clock::now() - heard_ < kGone) return false;
+  controller_ = from_;
+  last_sequence_ = 0;
   return true;
 }
 
 void UdpDrive::receive() {
-  socket_.async_receive_from(
-      asio::buffer(&sealed_, sizeof(sealed_)), from_,
-      [this](boost::system::error_code error, std::size_t size) {
-        if (!error && is_for_us(size)) {
-          plant_.write(Vec3(incoming_.currents_a));
-          plant_.advance(incoming_.period_ns * 1e-9);
-          ++steps_;
-          const JointReading reading = plant_.read();
-          SealedReading sealed;
-          UdpReading& answer = sealed.datagram;
-          answer.valid = reading.valid ? 1 : 0;
-          answer.sequence = incoming_.sequence;
-          answer.tick = reading.tick;
-          answer.time_ns = reading.time_ns;
-          for (int i = 0; i < 3; ++i) answer.joints_m[i] = reading.joints_m[i];
-          boost::system::error_code ignored;  // the controller sees a missing answer as a lost step
-          const std::size_t whole = seal_.close(sealed);
-          socket_.send_to(asio::buffer(&sealed, whole), from_, 0, ignored);
-        }
-        receive();
-      });
+  socket_.async_receive_from(arrived_.room(), from_,
+                             [this](boost::system::error_code error, std::size_t size) {
+                               if (!error && is_currents(size) && is_of_controller()) {
+                                 // What is not newer was overtaken on the way.
+                                 if (incoming_.sequence > last_sequence_) obey();
+                               } else if (error != asio::error::operation_aborted) {
+                                 ++refused_;
+                               }
+                               receive();
+                             });
+}
+
+void UdpDrive::obey() {
+  last_sequence_ = incoming_.sequence;
+  heard_ = std::chrono::steady_clock::now();
+  plant_.write(Vec3(incoming_.currents_a));
+  plant_.advance(incoming_.period_ns * 1e-9);
+  ++steps_;
+  const JointReading reading = plant_.read();
+  SealedReading sealed;
+  UdpReading& answer = sealed.datagram;
+  answer.valid = reading.valid ? 1 : 0;
+  answer.sequence = incoming_.sequence;
+  answer.tick = reading.tick;
+  answer.time_ns = reading.time_ns;
+  for (int i = 0; i < 3; ++i) answer.joints_m[i] = reading.joints_m[i];
+  boost::system::error_code ignored;  // the controller sees a missing answer as a lost step
+  const std::size_t whole = seal_.close(sealed);
+  socket_.send_to(asio::buffer(&sealed, whole), from_, 0, ignored);
 }
 
 std::uint64_t UdpDrive::serve_for(double seconds) {

@@ -2,9 +2,10 @@
 // A robot in another process: the hardware seam over UDP, one datagram each way a step.
 //
 // The smallest possible drive, to copy from (docs/how-to/add-a-drive.md). Lost datagrams cost a step, never
-// an offset: positions are absolute. For one host or a wire of its own: against a stranger's datagrams there is
-// the seal alone (common/runtime/datagram_seal.h), if both ends have its key. Controller and drive are in step: the reading that answers a step's currents is there
-// at the next step, unless the way there and back takes longer than a control period.
+// an offset: positions are absolute. For one host or a wire of its own: against a stranger's datagrams there
+// is the seal alone (common/runtime/datagram_seal.h), if both ends have its key. Controller and drive are in
+// step: the reading that answers a step's currents is there at the next step, unless the way there and back
+// takes longer than a control period.
 #pragma once
 
 #include <array>
@@ -60,8 +61,11 @@ class UdpRobot final : public Robot {
   void write(const Vec3& currents_a) noexcept override;
   Capabilities capabilities() const override;
 
-  /// Datagrams that could not be sent or were not an answer of a drive.
+  /// Datagrams that could not be sent.
   std::uint64_t dropped() const noexcept { return dropped_; }
+  /// Datagrams of another address, seal, length or kind, that answer nothing, or with a position that is no
+  /// number.
+  std::uint64_t refused() const noexcept override { return refused_; }
 
  private:
   /// Of an answer to the currents `steps` before the newest: whether one of the last eight was newer than
@@ -78,6 +82,7 @@ class UdpRobot final : public Robot {
   std::array<std::uint64_t, 8> lags_{};  ///< of the last answers, steps
   std::size_t next_lag_ = 0;
   std::uint64_t dropped_ = 0;
+  std::uint64_t refused_ = 0;
 };
 
 /// The drive's side: a simulated robot that moves one period for each datagram of currents, and answers with
@@ -94,10 +99,15 @@ class UdpDrive {
   boost::asio::io_context& context() noexcept { return context_; }
   /// Serves what arrives within `seconds`, at least what is there already; returns the number of steps.
   std::uint64_t serve_for(double seconds);
+  /// Datagrams that moved nothing: of another seal, length or kind, with a current that is no number, or of a
+  /// second controller.
+  std::uint64_t refused() const noexcept { return refused_; }
 
  private:
   void receive();
-  bool is_for_us(std::size_t size);
+  void obey();
+  bool is_currents(std::size_t size);
+  bool is_of_controller();
 
   SimulatedRobot& plant_;
   boost::asio::io_context context_;
@@ -106,10 +116,11 @@ class UdpDrive {
   boost::asio::ip::udp::endpoint controller_;
   std::chrono::steady_clock::time_point heard_;
   DatagramSeal seal_;
-  SealedCurrents sealed_;
-  UdpCurrents& incoming_ = sealed_.datagram;
+  Arrival<SealedCurrents> arrived_;
+  UdpCurrents& incoming_ = arrived_.datagram.datagram;
   std::uint64_t last_sequence_ = 0;
   std::uint64_t steps_ = 0;
+  std::uint64_t refused_ = 0;
 };
 
 Drive open_udp_drive(std::string_view rest, const DriveNeeds& needs);

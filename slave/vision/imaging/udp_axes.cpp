@@ -24,10 +24,11 @@ AxesReading UdpAxes::read() noexcept {
   constexpr int kMostAtOnce = 64;  // bounds the step, whatever is in the queue
   AxesReading reading;
   for (int i = 0; i < kMostAtOnce; ++i) {
-    UdpAxesReading incoming;
+    Arrival<UdpAxesReading> arrived;
+    const UdpAxesReading& incoming = arrived.datagram;
     asio::ip::udp::endpoint from;
     boost::system::error_code error;
-    const std::size_t size = socket_.receive_from(asio::buffer(&incoming, sizeof(incoming)), from, 0, error);
+    const std::size_t size = socket_.receive_from(arrived.room(), from, 0, error);
     if (error == asio::error::would_block) break;
     if (error || size != sizeof(incoming) || incoming.magic != UdpAxesReading::kMagic || from != axes_) {
       ++dropped_;

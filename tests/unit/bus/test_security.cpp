@@ -152,6 +152,17 @@ TEST(Security, KeysThatDoNotFitAreRefusedWithAReason) {
   EXPECT_NE(refusal(wrong).find("too soon to begin anything"), std::string::npos) << refusal(wrong);
 }
 
+TEST(Security, AnAuthorityNearItsEndIsToldAsSuch) {
+  const Store store({"cell-1"});
+  store.end_authority("identity_ca", std::chrono::hours(24 * 10));
+  BusSettings with = secured("master");
+  with.security = store.folder().string();
+  Bus master(with);
+  const std::vector<std::string> told = master.dates();
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_TRUE(told.front().starts_with("the authority identity_ca.pem ends on")) << told.front();
+}
+
 TEST(Security, ABlockCostsTheControlLoopNoHeap) {
   Bus master(secured("master"));
   Bus slave(secured("slave", Site::kSlave));

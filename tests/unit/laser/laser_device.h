@@ -33,8 +33,9 @@ class LaserSocket {
     if (error) return std::nullopt;
     return arrival;
   }
-  void answer(const UdpEmission& answer, const UdpLaserDevice::Sender& to) {
-    socket_.send_to(boost::asio::buffer(&answer, sizeof(answer)), to);
+  void answer(const UdpEmission& answer, const UdpLaserDevice::Sender& to, std::size_t more = 0) {
+    telekerf::Arrival<UdpEmission> longer{answer};
+    socket_.send_to(boost::asio::buffer(&longer, sizeof(answer) + more), to);
   }
   UdpAddress address() const { return {"127.0.0.1", socket_.local_endpoint().port()}; }
   /// As a user writes it.

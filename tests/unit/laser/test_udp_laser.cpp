@@ -287,7 +287,8 @@ TEST_F(Device, GivesNoPowerWithoutANewEnable) {
 class Measured : public ::testing::Test {
  protected:
   /// It is told, and answers.
-  bool step(double power_w, double emission_w, std::uint32_t version = UdpPower::kVersion) {
+  bool step(double power_w, double emission_w, std::uint32_t version = UdpPower::kVersion,
+            std::size_t more = 0) {
     laser.emit({power_w, false, kMs, ++enable});
     UdpEmission answer;
     std::optional<LaserSocket::Arrival> newest;
@@ -295,7 +296,7 @@ class Measured : public ::testing::Test {
     answer.sequence = newest->told.sequence;
     answer.emission_w = emission_w;
     answer.version = version;
-    socket.answer(answer, newest->from);
+    socket.answer(answer, newest->from, more);
     return laser.stray();
   }
   LaserSocket socket;
@@ -311,7 +312,10 @@ TEST_F(Measured, LightThatNobodyAskedForIsStray) {
   EXPECT_TRUE(step(0.0, 1.1e-3));
   EXPECT_FALSE(laser.stray()) << "said once";
   EXPECT_TRUE(step(0.0, kNan));
+  EXPECT_EQ(laser.refused(), 0u);
   EXPECT_FALSE(step(0.0, 5.0, 1)) << "no answer of this version";
+  EXPECT_FALSE(step(0.0, 5.0, UdpPower::kVersion, 1)) << "an answer, and something behind it";
+  EXPECT_EQ(laser.refused(), 2u);
   EXPECT_FALSE(step(8.0, 0.0)) << "too little is no danger";
 }
 

@@ -2,7 +2,14 @@
 // The laser button from a device: letting go is the answer to every doubt.
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <vector>
 
 #include "common/runtime/startup_error.h"
 #include "master/operator/udp_foot_switch.h"
@@ -128,6 +135,55 @@ TEST_F(Pedal, ASqueezedOneThatFallsSilentOrIsAStrangersWantsNoStop) {
   tell(stranger, 3, UdpButton::kSqueezed);
   tell(2, UdpButton::kSqueezed);
   EXPECT_FALSE(pedal.sample(now_ns).stop);
+}
+
+TEST_F(Pedal, WhatIsNotItsOwnIsCounted) {
+  tell(1, 0);
+  tell(2, 1);
+  EXPECT_TRUE(pressed());
+  EXPECT_EQ(pedal.refused(), 0u);
+  const boost::asio::ip::udp::endpoint there{boost::asio::ip::address_v4::loopback(), pedal.port()};
+  for (const std::size_t size : {0u, 8u, 23u, 25u, 40u, 41u, 60000u}) {
+    UdpButton squeezed;
+    squeezed.sequence = 100 + size;
+    squeezed.held = UdpButton::kSqueezed;
+    std::vector<char> bytes(std::max(size, sizeof squeezed));
+    std::memcpy(bytes.data(), &squeezed, sizeof squeezed);
+    foot.send_to(boost::asio::buffer(bytes.data(), size), there);
+    EXPECT_FALSE(pedal.sample(now_ns).stop) << size;
+  }
+  EXPECT_EQ(pedal.refused(), 7u);
+  tell(stranger, 200, 1);
+  tell(foot, 201, 1, 2);
+  tell(2, 0);  // overtaken on the way
+  EXPECT_TRUE(pressed());
+  EXPECT_EQ(pedal.refused(), 9u);
+}
+
+TEST(SealedPedal, ALongerDatagramIsRefused) {
+  const auto file =
+      std::filesystem::path(::testing::TempDir()) / ("telekerf-pedal-key-" + std::to_string(::getpid()));
+  std::ofstream(file) << std::string(64, 'a') << '\n';
+  std::filesystem::permissions(file, std::filesystem::perms(0600));
+  UdpFootSwitch pedal({"127.0.0.1", 0, file.string()});
+  const DatagramSeal seal(file.string());
+  boost::asio::io_context context;
+  boost::asio::ip::udp::socket foot(context, {boost::asio::ip::address_v4::loopback(), 0});
+  std::uint64_t sequence = 0;
+  const auto stops = [&](std::size_t more) {
+    Arrival<DatagramSeal::Sealed<UdpButton>> told{};
+    told.datagram.datagram.sequence = ++sequence;
+    told.datagram.datagram.held = UdpButton::kSqueezed;
+    const std::size_t size = seal.close(told.datagram);
+    foot.send_to(boost::asio::buffer(&told, size + more),
+                 {boost::asio::ip::address_v4::loopback(), pedal.port()});
+    return pedal.sample(1000 * kMs).stop;
+  };
+  EXPECT_FALSE(stops(1));
+  EXPECT_EQ(pedal.refused(), 1u);
+  EXPECT_TRUE(stops(0));
+  EXPECT_EQ(pedal.refused(), 1u);
+  std::filesystem::remove(file);
 }
 
 TEST_F(Pedal, HeldDownFromTheStartIsNotPressed) {

@@ -4,6 +4,8 @@
 
 #include <boost/asio/buffer.hpp>
 #include <filesystem>
+#include <limits>
+#include <utility>
 
 #include "common/geometry/nearest.h"
 #include "common/runtime/startup_error.h"
@@ -70,6 +72,33 @@ TEST_F(UdpHandTest, PullsWhereItSaysAsLongAsItSpeaks) {
   now_ns += OperatorLease::kSilence_ns;
   const OperatorSample silent = hand.sample(now_ns);
   EXPECT_FALSE(silent.held || silent.trigger || silent.pointer_m);
+}
+
+TEST_F(UdpHandTest, WhatIsLongerOrPullsToNoPlaceIsRefused) {
+  tell(page, 0);
+  tell(page, UdpHandFrame::kHeld);
+  EXPECT_TRUE(hand.sample(now_ns).held);
+  const auto refuses = [&](double x_m, double y_m, std::size_t more) {
+    std::pair<UdpHandFrame, std::byte> frame;
+    frame.first.session = 7;
+    frame.first.flags = UdpHandFrame::kTrigger;
+    frame.first.sequence = ++sequence;
+    frame.first.sent_ns = now_ns;
+    frame.first.x_m = x_m;
+    frame.first.y_m = y_m;
+    const std::uint64_t before = hand.refused();
+    page.send_to(boost::asio::buffer(&frame, sizeof(UdpHandFrame) + more),
+                 {boost::asio::ip::address_v4::loopback(), hand.port()});
+    return !hand.sample(now_ns).trigger && hand.refused() == before + 1;
+  };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  for (const double bad : {kNan, kInfinite, -kInfinite}) {
+    EXPECT_TRUE(refuses(bad, 0.0, 0)) << bad;
+    EXPECT_TRUE(refuses(0.0, bad, 0)) << bad;
+  }
+  EXPECT_TRUE(refuses(0.0, 0.0, 1));
+  EXPECT_FALSE(refuses(0.0, 0.0, 0));
 }
 
 TEST_F(UdpHandTest, AStrangerIsNotHeardWhileItSpeaks) {

@@ -5,10 +5,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <span>
 #include <thread>
+#include <vector>
 
 #include "common/control/joint_acceleration_control.h"
 #include "common/robot/drivers/simulated_robot.h"
@@ -112,7 +116,8 @@ TEST(UdpRobot, StrangersAreNotTakenAndNothingIsReadTwice) {
 }
 
 TEST(UdpRobot, ADriveWithAKeyObeysWhoHasItAndNobodyElse) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / ("telekerf-drive-key-" + std::to_string(::getpid()));
+  const auto folder =
+      std::filesystem::path(testing::TempDir()) / ("telekerf-drive-key-" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   const auto key = [&](const std::string& name, char digit) {
     std::ofstream(folder / name) << std::string(64, digit) << '\n';
@@ -134,6 +139,89 @@ TEST(UdpRobot, ADriveWithAKeyObeysWhoHasItAndNobodyElse) {
   EXPECT_EQ(drive.serve_for(0.05), 1u);
   EXPECT_TRUE(robot.read().valid);
   std::filesystem::remove_all(folder);
+}
+
+/// Bytes of `datagram`, sealed if there is a key, with `more` octets behind them.
+template <class Datagram>
+std::vector<std::byte> sent(const Datagram& datagram, const DatagramSeal& seal, std::size_t more = 0) {
+  DatagramSeal::Sealed<Datagram> sealed{datagram};
+  const std::size_t size = seal.close(sealed);
+  const auto bytes = std::as_bytes(std::span(&sealed, 1)).first(size);
+  std::vector<std::byte> whole(bytes.begin(), bytes.end());
+  whole.resize(size + more);
+  return whole;
+}
+
+TEST(UdpRobot, WhatIsLongerOrNoNumberIsRefusedSealedOrNot) {
+  namespace asio = boost::asio;
+  using asio::ip::udp;
+  const auto file =
+      std::filesystem::path(testing::TempDir()) / ("telekerf-refused-" + std::to_string(::getpid()));
+  std::ofstream(file) << std::string(64, 'a') << '\n';
+  std::filesystem::permissions(file, std::filesystem::perms(0600));
+  const RobotModel model = load_robot("slave-keops");
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               infinite = std::numeric_limits<double>::infinity();
+  for (const std::string& key : {std::string(), file.string()}) {
+    const DatagramSeal seal(key);
+    asio::io_context context;
+    udp::socket other(context, {asio::ip::address_v4::loopback(), 0});
+
+    SimulatedRobot plant(model, 3, model.workspace.centre_m);
+    UdpDrive drive(plant, 0, key);
+    const udp::endpoint there(asio::ip::address_v4::loopback(), drive.port());
+    UdpCurrents currents;
+    currents.period_ns = 1'000'000;
+    const auto obeyed = [&](double current_a, std::size_t more) {
+      ++currents.sequence;
+      currents.currents_a[1] = current_a;
+      other.send_to(asio::buffer(sent(currents, seal, more)), there);
+      return drive.serve_for(0.02);
+    };
+    EXPECT_EQ(obeyed(0.0, 0), 1u);
+    std::uint64_t refused = 0;
+    for (const double bad : {nan, infinite, -infinite}) {
+      EXPECT_EQ(obeyed(bad, 0), 0u) << bad;
+      EXPECT_EQ(drive.refused(), ++refused);
+    }
+    for (const std::size_t more : {1u, 2u, 15u, 16u, 17u, 60000u}) {
+      EXPECT_EQ(obeyed(0.0, more), 0u) << more;
+      EXPECT_EQ(drive.refused(), ++refused);
+    }
+    EXPECT_TRUE(plant.true_state().joints_m.allFinite());
+    EXPECT_EQ(obeyed(0.0, 0), 1u);
+
+    UdpRobot robot({"127.0.0.1", other.local_endpoint().port(), key}, kPeriod_s);
+    UdpReading reading;
+    reading.valid = 1;
+    udp::endpoint controller;
+    const auto read = [&](double joint_m, std::size_t more, std::uint64_t ahead = 0) {
+      robot.write(Vec3::Zero());
+      std::array<char, 200> taken{};
+      do other.receive_from(asio::buffer(taken), controller);
+      while (controller == there);  // the drive's answers of before
+      reading.sequence = ++reading.tick + ahead;
+      reading.joints_m[2] = joint_m;
+      other.send_to(asio::buffer(sent(reading, seal, more)), controller);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      return robot.read().valid;
+    };
+    EXPECT_TRUE(read(0.01, 0));
+    refused = 0;
+    for (const double bad : {nan, infinite, -infinite}) {
+      EXPECT_FALSE(read(bad, 0)) << bad;
+      EXPECT_EQ(robot.refused(), ++refused);
+    }
+    for (const std::size_t more : {1u, 16u, 60000u}) {
+      EXPECT_FALSE(read(0.01, more)) << more;
+      EXPECT_EQ(robot.refused(), ++refused);
+    }
+    EXPECT_FALSE(read(0.01, 0, 1000)) << "an answer to what was never asked";
+    EXPECT_EQ(robot.refused(), ++refused);
+    EXPECT_TRUE(read(0.01, 0));
+    EXPECT_EQ(robot.dropped(), 0u);
+  }
+  std::filesystem::remove(file);
 }
 
 /// A drive whose answers the test gives itself.

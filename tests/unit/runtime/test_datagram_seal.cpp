@@ -62,6 +62,9 @@ TEST_F(Seal, NoChangedOctetIsOpened) {
     }
   }
   for (std::size_t shorter = 0; shorter < size; ++shorter) EXPECT_EQ(seal_.open(sealed, shorter), 0u);
+  Arrival<DatagramSeal::Sealed<Told>> longer{sealed};
+  EXPECT_EQ(longer.room().size(), size + 1);
+  EXPECT_EQ(seal_.open(longer.datagram, longer.room().size()), 0u) << "sealed well, and something behind it";
   DatagramSeal other{key_file(std::string(64, 'b'))};
   EXPECT_EQ(other.open(sealed, size), 0u);
   EXPECT_EQ(DatagramSeal().open(sealed, size), size) << "without a key it is a datagram of another size";

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <openssl/pem.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "common/bus/security/keystore.h"
+#include "common/bus/security/openssl.h"
 
 namespace telekerf::security {
 
@@ -38,6 +40,15 @@ class Store {
   }
   void copy(const std::filesystem::path& from, const std::filesystem::path& to) const {
     std::filesystem::copy(from, to, std::filesystem::copy_options::overwrite_existing);
+  }
+  /// Gives one of the authorities' certificates another end, under its name and with its key.
+  void end_authority(const std::string& name, std::chrono::seconds from_now) const {
+    const CertificatePointer certificate = read_certificate(folder_ / (name + ".pem"));
+    const KeyPointer key = read_key(folder_ / (name + ".key"));
+    X509_gmtime_adj(X509_getm_notAfter(certificate.get()), from_now.count());
+    X509_sign(certificate.get(), key.get(), EVP_sha256());
+    const BioPointer out(BIO_new_file((folder_ / (name + ".pem")).c_str(), "wb"));
+    PEM_write_bio_X509(out.get(), certificate.get());
   }
 
  private:

@@ -2,6 +2,7 @@
 // The keys of a cell: what is made, what is found wrong with it, and what is made anew.
 #include <openssl/pem.h>
 #include <openssl/x509v3.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -123,6 +124,55 @@ TEST(Keystore, WhatOthersCanReadIsFound) {
   expect_fault(store, store.folder() / "identity_ca.key", "chmod 600");
 }
 
+TEST(Keystore, FoldersThatOthersCanWriteAreFound) {
+  const Store store;
+  const fs::path master = store.role("master");
+  for (const fs::path& folder : {store.folder(), store.folder() / "cells", master.parent_path(), master}) {
+    for (const int mode : {0777, 0770, 0702}) {
+      fs::permissions(folder, fs::perms(mode));
+      expect_fault(store, folder, "can be written by others than its owner");
+      const auto faults = check_role(store.folder(), "cell-1", "master", false, now()).faults;
+      EXPECT_FALSE(faults.empty()) << folder << " " << mode;
+    }
+    fs::permissions(folder, fs::perms(0755));  // whoever sees names sees no keys
+    EXPECT_TRUE(check_keystore(store.folder(), now()).faults.empty()) << folder;
+  }
+  fs::permissions(store.role("slave"), fs::perms(0777));
+  EXPECT_TRUE(check_role(store.folder(), "cell-1", "master", false, now()).faults.empty());
+}
+
+/// The fault is found by a user who is not root, in a process of its own.
+void expect_not_readable(const Store& store, const fs::path& what) {
+  EXPECT_EXIT(
+      {
+        if (::geteuid() == 0 && ::setuid(65534) != 0) std::_Exit(3);
+        expect_fault(store, what, "may not be read by this user");
+        const auto faults = check_role(store.folder(), "cell-1", "master", false, now()).faults;
+        const bool told = std::any_of(faults.begin(), faults.end(), [&](const std::string& fault) {
+          return fault.starts_with(what.string() + " may not be read");
+        });
+        std::_Exit(told && !testing::Test::HasFailure() ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
+}
+
+TEST(Keystore, WhatMayNotBeReadIsNotSaidToBeMissing) {
+  const Store store;
+  std::vector<fs::path> all{store.folder()};
+  for (const auto& entry : fs::recursive_directory_iterator(store.folder())) all.push_back(entry.path());
+  for (const fs::path& each : all) fs::permissions(each, fs::perms(fs::is_directory(each) ? 0755 : 0644));
+  const fs::path master = store.role("master");
+  for (const fs::path& what : {store.folder(), store.folder() / "cells", master.parent_path(), master,
+                               master / "key.pem", store.folder() / "identity_ca.pem"}) {
+    const auto before = fs::status(what).permissions();
+    // Who is root here is somebody else there.
+    fs::permissions(what,
+                    ::geteuid() != 0 ? fs::perms::none : fs::perms(fs::is_directory(what) ? 0700 : 0600));
+    expect_not_readable(store, what);
+    fs::permissions(what, before);
+  }
+}
+
 /// A certificate of the master, signed by the true authority, with something about it that must not be.
 void write_odd(const Store& store, bool usage, bool order, const EVP_MD* digest) {
   const CertificatePointer authority = read_certificate(store.folder() / "identity_ca.pem");
@@ -173,32 +223,85 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-TEST(Keystore, PartitionsDomainsRightsAndProtectionAreFound) {
+TEST(Keystore, WhatPermissionsAllowIsJudgedAsTheLibraryDoes) {
   const Store store;
   const fs::path file = store.role("recorder") / "permissions.smime";
   const std::string text =
       permissions_text("cell-1", *find_role("recorder"), now() - hours(24), now() + hours(24 * 400));
   write_document(store, file, text);
   EXPECT_TRUE(check_keystore(store.folder(), now()).faults.empty());
-  write_document(store, file, replaced(text, "<partitions><partition>cell-1</partition></partitions>", ""));
-  expect_fault(store, file, "without partition cell-1");
-  write_document(store, file, replaced(text, "<max>230</max>", "<max>232</max>"));
-  expect_fault(store, file, "names domain 232");
-  write_document(store, file, replaced(text, "telekerf/contour", "telekerf/command"));
-  expect_fault(store, file, "does not let it subscribe to telekerf/contour");
-  expect_fault(store, file, "lets it subscribe to telekerf/command");
+  const std::string partitions = "<partitions><partition>cell-1</partition></partitions>";
+  const std::string domains = "<domains><id_range><min>0</min><max>230</max></id_range></domains>";
+  const std::string deny = "<deny_rule>" + domains + "<subscribe><topics><topic>telekerf/*</topic></topics>" +
+                           "</subscribe></deny_rule>";
+  const std::string grant = text.substr(text.find("<grant"), text.find("</grant>") + 8 - text.find("<grant"));
+  struct Case {
+    std::string what, by, told;
+  };
+  for (const Case& each : {
+           Case{partitions, "", "for partition '' and not for cell-1 alone"},
+           Case{partitions, "<partitions><partition>*</partition></partitions>", "for partition '*' and not"},
+           Case{"</partition></partitions>", "</partition><partition>b</partition></partitions>",
+                "for partition 'cell-1', 'b' and not"},
+           Case{"<max>230</max>", "<max>232</max>", "names domain 232"},
+           Case{"<max>230</max>", "<max>50</max>",
+                "does not hold in domain 51, and must in all from 0 to 230"},
+           Case{"<min>0</min>", "<min>3</min>", "does not hold in domain 0"},
+           Case{"<id_range><min>0</min><max>230</max></id_range>", "<id>7</id>", "does not hold in domain 0"},
+           Case{"telekerf/contour", "telekerf/command", "does not let it subscribe to telekerf/contour"},
+           Case{"telekerf/contour", "telekerf/command", "lets it subscribe to telekerf/command"},
+           Case{"telekerf/contour", "telekerf/c*", "lets it subscribe to telekerf/c*"},
+           Case{"</validity>", "</validity>" + deny, "subscribe to telekerf/state: a deny rule comes first"},
+           Case{"<subscribe>", "<publish><topics><topic>telekerf/stop</topic></topics></publish><subscribe>",
+                "lets it publish telekerf/stop"},
+           Case{"</subscribe>",
+                "</subscribe><subscribe><topics><topic>telekerf/stop</topic></topics></subscribe>",
+                "lets it subscribe to telekerf/stop"},
+           Case{"<default>DENY", "<default>ALLOW", "says ALLOW of what no rule names"},
+           Case{"<default>DENY</default>", "", "its <grant> in line"},
+           Case{"</validity>", "</validity><relay/>", "its <grant> in line"},
+           Case{"<subscribe>", "<relay><topics><topic>a</topic></topics></relay><subscribe>",
+                "its <allow_rule>"},
+           Case{domains, "", "its <allow_rule> in line"},
+           Case{"<topic>telekerf/state</topic>", "<topic/>", "its <topic> in line"},
+           Case{"<not_after>", "<ended>", "is not understood"},
+           Case{"CN=recorder,OU=cell-1", "OU=cell-1,CN=recorder", "nothing to CN=recorder,OU=cell-1"},
+           Case{"</grant>", "</grant>" + replaced(grant, "CN=recorder", "CN=console"),
+                "holds another grant, to CN=console,OU=cell-1,O=Telekerf"},
+       }) {
+    write_document(store, file, replaced(text, each.what, each.by));
+    expect_fault(store, file, each.told);
+  }
+  // What comes too late, or denies what nobody needs, changes nothing.
+  write_document(store, file, replaced(text, "<default>", deny + "<default>"));
+  EXPECT_TRUE(check_keystore(store.folder(), now()).faults.empty());
   write_document(store, file, "nothing");
   expect_fault(store, file, "grants nothing");
-  write_document(store, file, text);
-  const fs::path governance = governance_file(store.folder(), false);
-  write_document(store, governance,
-                 replaced(governance_text(false), "SIGN_WITH_ORIGIN_AUTHENTICATION", "NONE"));
-  expect_fault(store, governance, "does not protect what it should: rtps NONE");
+}
+
+TEST(Keystore, AGovernanceThatProtectsOtherwiseIsFound) {
+  const Store store;
+  const fs::path file = governance_file(store.folder(), false);
+  const auto says = [&](const std::string& what, const std::string& by, const std::string& told) {
+    write_document(store, file, replaced(governance_text(false), what, by));
+    expect_fault(store, file, "does not protect as it should: it says " + told);
+  };
+  says("SIGN_WITH_ORIGIN_AUTHENTICATION", "NONE",
+       "rtps_protection_kind NONE in place of rtps_protection_kind SIGN_WITH_ORIGIN_AUTHENTICATION");
+  says("<max>230</max>", "<max>50</max>", "max 50 in place of max 230");
+  says("<allow_unauthenticated_participants>false", "<allow_unauthenticated_participants>true",
+       "allow_unauthenticated_participants true");
+  says("<data_protection_kind>NONE", "<data_protection_kind>ENCRYPT", "data_protection_kind ENCRYPT");
+  says("<enable_discovery_protection>true", "<enable_discovery_protection>false",
+       "enable_discovery_protection false");
+  says("</topic_rule>", "</topic_rule><topic_rule/>", "topic_rule in place of nothing");
+  write_document(store, file, "nothing");
+  expect_fault(store, file, "nothing in place of dds");
   // An identity cannot sign for the authority, though the name in it is of the same house.
   const CertificatePointer master = read_certificate(store.role("master") / "cert.pem");
   const KeyPointer key = read_key(store.role("master") / "key.pem");
-  std::ofstream(governance) << signed_document(governance_text(false), master.get(), key.get());
-  expect_fault(store, governance, "is not signed by permissions_ca.pem");
+  std::ofstream(file) << signed_document(governance_text(false), master.get(), key.get());
+  expect_fault(store, file, "is not signed by permissions_ca.pem");
 }
 
 TEST(Keystore, RenewedIdentitiesAreNewAndFromTheSameAuthorities) {
@@ -217,6 +320,29 @@ TEST(Keystore, RenewedIdentitiesAreNewAndFromTheSameAuthorities) {
   EXPECT_TRUE(check_keystore(store.folder(), now()).faults.empty())
       << "a computer need not have the authorities' keys";
   EXPECT_THROW(make_keystore(store.folder(), {"cell-1"}, hours(24)), StartupError);
+}
+
+TEST(Keystore, AnAuthorityNearItsEndIsNamedAndRenewedWithTheRest) {
+  for (const std::string name : {"identity_ca", "permissions_ca"}) {
+    const Store store;
+    const fs::path file = store.folder() / (name + ".pem");
+    const std::string key = contents(store.folder() / (name + ".key"));
+    store.end_authority(name, hours(24 * 10));
+    const KeystoreReport before = check_role(store.folder(), "cell-1", "master", false, now());
+    ASSERT_TRUE(before.first_to_end);
+    EXPECT_TRUE(before.first_to_end->authority);
+    EXPECT_EQ(before.first_to_end->file, file.string());
+    expect_fault(store, file, "has expired on", now() + hours(24 * 11));
+    expect_fault(store, file, "--renew makes it anew", now() + hours(24 * 11));
+    EXPECT_TRUE(renew_keystore(store.folder(), {}, hours(24 * 9)).empty()) << "it lasts longer than they do";
+    EXPECT_EQ(renew_keystore(store.folder(), {}, hours(24 * 100)), std::vector<fs::path>{file});
+    const KeystoreReport after = check_keystore(store.folder(), now());
+    EXPECT_TRUE(after.faults.empty()) << after.faults.front();
+    EXPECT_EQ(days_left(after.first_to_end->end, now()), 99);
+    EXPECT_FALSE(after.first_to_end->authority);
+    EXPECT_EQ(contents(store.folder() / (name + ".key")), key);
+    EXPECT_EQ(fs::status(file).permissions(), fs::perms(0600));
+  }
 }
 
 TEST(Keystore, AProcessNeedsItsOwnKeyAndNoOthers) {
