@@ -24,4 +24,11 @@ inline void sleep_until_ns(std::int64_t deadline_ns) noexcept {
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr);
 }
 
+/// The deadline after `last_ns`, a period later; one that has passed by now is left out, so that time that is
+/// lost is never caught up in a burst.
+inline constexpr std::int64_t next_deadline_ns(std::int64_t last_ns, std::int64_t period_ns,
+                                               std::int64_t now_ns) noexcept {
+  return last_ns + period_ns > now_ns ? last_ns + period_ns : now_ns;
+}
+
 }  // namespace telekerf

@@ -47,6 +47,8 @@ int run(const Options& options) {
   print(figures);
   auto json = json_of(figures, plan);
   write_result(folder / "autofocus.json", json, options.seed);
+  write_atomically(folder / "starts.csv", starts_csv(figures));
+  if (!figures.steps.empty()) write_atomically(folder / "zooms.csv", zooms_csv(figures));
   draw_stories(options.seed, folder);
   draw_surface(options.seed, folder);
   if (plan.thesis_only) return 0;

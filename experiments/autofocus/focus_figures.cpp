@@ -29,19 +29,29 @@ FocusStart start_of(const FocusPlan& plan, StartKind kind, std::size_t i) {
   return {kTextures[i % kTextures.size()], kind, plan.seed + i / kTextures.size()};
 }
 
-std::vector<FocusOutcome> outcomes(const FocusPlan& plan, StartKind kind, FocusStrategy strategy,
-                                   bool blank = false) {
+/// Runs a strategy from all starts of a kind; each is recorded.
+std::vector<FocusOutcome> outcomes(const FocusPlan& plan, std::string_view name, StartKind kind,
+                                   FocusStrategy strategy, FocusFigures& figures, bool blank = false) {
+  static constexpr std::string_view kKinds[] = {"usual", "out_of_range", "moving"};
   std::vector<FocusOutcome> out(static_cast<std::size_t>(plan.starts) * kTextures.size());
+  std::vector<FocusStart> starts(out.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    starts[i] = start_of(plan, kind, i);
+    if (blank) starts[i].target = Target::kBlank;
+    if (blank) starts[i].seed = plan.seed + i;
+  }
   for_each_parallel(
       out.size(),
       [&](std::size_t i) {
-        FocusStart start = start_of(plan, kind, i);
-        if (blank) start.target = Target::kBlank;
-        if (blank) start.seed = plan.seed + i;
-        DrawnStart drawn = draw_start(start);
+        DrawnStart drawn = draw_start(starts[i]);
         out[i] = strategy(*drawn.unit, drawn.range);
       },
       plan.jobs);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    figures.starts.push_back({std::string(name),
+                              std::string(blank ? "blank" : kKinds[static_cast<std::size_t>(kind)]),
+                              std::string(kTargets.word(starts[i].target)), starts[i].seed, out[i]});
+  }
   return out;
 }
 
@@ -84,8 +94,11 @@ void add_zooms(const FocusPlan& plan, FocusFigures& figures) {
       plan.jobs);
   std::vector<int> pictures;
   ErrorStatistics errors;
-  for (const auto& unit : steps) {
-    for (const ZoomStep& step : unit) {
+  for (std::size_t i = 0; i < units; ++i) {
+    for (const ZoomStep& step : steps[i]) {
+      figures.steps.push_back({std::string(kTargets.word(kTextures[i % kTextures.size()])),
+                               plan.seed + i / kTextures.size(),
+                               static_cast<int>(figures.zooms) % kZoomsAUnit, step});
       ++figures.zooms;
       pictures.push_back(step.pictures);
       figures.scale_error_max = std::max(figures.scale_error_max, std::abs(step.scale_error));
@@ -121,12 +134,16 @@ FocusFigures focus_figures(const FocusPlan& plan) {
   figures.depth_of_field_m = model.depth_of_field_m(0.5 * model.magnification_travel_m);
   for (const auto& strategy : kFocusStrategies) {
     if (plan.thesis_only && strategy.value != by_printed_law) continue;
-    figures.rows.push_back(row_of(strategy.word, outcomes(plan, StartKind::kUsual, strategy.value)));
+    figures.rows.push_back(
+        row_of(strategy.word, outcomes(plan, strategy.word, StartKind::kUsual, strategy.value, figures)));
   }
   if (plan.thesis_only) return figures;
-  figures.refused.push_back(refused_of("blank", outcomes(plan, StartKind::kUsual, by_search, true)));
-  figures.refused.push_back(refused_of("out_of_range", outcomes(plan, StartKind::kOutOfRange, by_search)));
-  figures.refused.push_back(refused_of("moving", outcomes(plan, StartKind::kMoving, by_search)));
+  const auto refused = [&](std::string_view name, StartKind kind, bool blank) {
+    figures.refused.push_back(refused_of(name, outcomes(plan, "search", kind, by_search, figures, blank)));
+  };
+  refused("blank", StartKind::kUsual, true);
+  refused("out_of_range", StartKind::kOutOfRange, false);
+  refused("moving", StartKind::kMoving, false);
   add_zooms(plan, figures);
   return figures;
 }
@@ -195,6 +212,25 @@ std::vector<reporting::PageTable> page_tables(const FocusFigures& figures) {
   return {{"strategies", reporting::markdown_table(strategies)},
           {"refused", reporting::markdown_table(refused)},
           {"zoom", reporting::markdown_table(zoom)}};
+}
+
+std::string starts_csv(const FocusFigures& figures) {
+  std::string out = "strategy,start,target,seed,claimed,verdict,pictures,error_dof\n";
+  for (const StartRecord& row : figures.starts) {
+    out += fmt::format("{},{},{},{},{:d},{},{},{}\n", row.strategy, row.kind, row.target, row.seed,
+                       row.outcome.claimed, kFocusVerdicts.word(row.outcome.verdict), row.outcome.pictures,
+                       row.outcome.error_dof);
+  }
+  return out;
+}
+
+std::string zooms_csv(const FocusFigures& figures) {
+  std::string out = "target,seed,step,found,pictures,error_dof,scale_error\n";
+  for (const ZoomRecord& row : figures.steps) {
+    out += fmt::format("{},{},{},{:d},{},{},{}\n", row.target, row.seed, row.step, row.zoom.found,
+                       row.zoom.pictures, row.zoom.error_dof, row.zoom.scale_error);
+  }
+  return out;
 }
 
 std::vector<Acceptance> acceptance(const FocusFigures& figures) {

@@ -35,6 +35,22 @@ struct RefusedRow {
   std::size_t refused = 0;
 };
 
+/// One start of one strategy.
+struct StartRecord {
+  std::string strategy;
+  std::string kind;  ///< usual, blank, out_of_range or moving
+  std::string target;
+  std::uint64_t seed = 0;
+  FocusOutcome outcome;
+};
+/// One step of the magnification.
+struct ZoomRecord {
+  std::string target;
+  std::uint64_t seed = 0;
+  int step = 0;
+  ZoomStep zoom;
+};
+
 struct FocusFigures {
   std::string law;
   double depth_of_field_m = 0.0;  ///< half way up the magnification axis
@@ -47,6 +63,8 @@ struct FocusFigures {
   double zoom_error_rms_dof = 0.0;
   double scale_error_max = 0.0;  ///< as a share
   double calibration_residual = 0.0;
+  std::vector<StartRecord> starts;  ///< what all of the above are made of
+  std::vector<ZoomRecord> steps;
 };
 
 struct FocusPlan {
@@ -61,6 +79,9 @@ FocusFigures focus_figures(const FocusPlan& plan);
 nlohmann::ordered_json json_of(const FocusFigures& figures, const FocusPlan& plan);
 /// Tables `strategies`, `refused` and `zoom` of docs/results/autofocus.md.
 std::vector<reporting::PageTable> page_tables(const FocusFigures& figures);
+/// starts.csv and zooms.csv: a row for each, so that every figure can be had from them again.
+std::string starts_csv(const FocusFigures& figures);
+std::string zooms_csv(const FocusFigures& figures);
 /// What decides the exit code.
 std::vector<Acceptance> acceptance(const FocusFigures& figures);
 

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include "common/protocol/sentences.h"
@@ -145,8 +148,14 @@ std::string CellView::imaging_sentence(std::int64_t now_ns) const {
   };
   if (!vision_.contains("magnification") || static_cast<double>(now_ns - vision_ns_) * 1e-9 > kTelling_s)
     return {};
-  return fmt::format("{:.2f}x, focus {:.3f} mm, sharpness {:.3g}", of("magnification"), of("focus_mm"),
-                     of("sharpness_tenengrad"));
+  // As docs/how-to/imaging-unit.md counts them.
+  constexpr std::array<std::string_view, 3> kStates{"searching the focus", "in focus", "no focus found"};
+  const auto state = static_cast<std::size_t>(std::max(0.0, of("imaging_state")));
+  return fmt::format("{}, {:.2f}x, focus {:.3f} mm, sharpness {:.3g}",
+                     of("camera_gone") != 0.0 ? "camera or axes gone"
+                     : state < kStates.size() ? kStates[state]
+                                              : "state unknown",
+                     of("magnification"), of("focus_mm"), of("sharpness_tenengrad"));
 }
 
 void CellView::hear(const UdpHandAnswer& answer) noexcept { answer_ = answer; }

@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <opencv2/imgproc.hpp>
+#include <filesystem>
 #include <optional>
 #include <thread>
 #include <utility>
 
+#include "common/runtime/clock.h"
 #include "common/runtime/loop.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
@@ -27,7 +28,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kUsualWidth_m = 0.03;
 constexpr std::chrono::milliseconds kFrame{50};
-constexpr std::chrono::seconds kLongestMove{20};
 
 /// What a driver of Linux keeps in its buffers.
 int late_frames(const ImagingFlags& flags) { return flags.imaging == "simulated" ? 0 : 4; }
@@ -36,12 +36,18 @@ ImagingFile file_of(const ImagingFlags& flags) {
   return flags.imaging_file.empty() ? default_imaging() : load_imaging(flags.imaging_file);
 }
 
+/// How long axes are waited for: half as long again as they can take.
+Clock::duration patience(const AxesModel& axes) {
+  return std::chrono::seconds(5) + std::chrono::duration_cast<Clock::duration>(
+                                       std::chrono::duration<double>(1.5 * AxesControl::longest_way_s(axes)));
+}
+
 /// Opened and moving; homed or refused.
 std::shared_ptr<AxesRunner> running_axes(const ImagingFlags& flags, const ImagingFile& file) {
   auto runner = std::make_shared<AxesRunner>(
       open_axes(flags.imaging, {.model = file.axes, .period_s = AxesRunner::kPeriod_s}), file.axes);
   runner->start();
-  const auto until = Clock::now() + kLongestMove;
+  const auto until = Clock::now() + patience(file.axes);
   while (runner->state() == AxesControl::State::kHoming && Clock::now() < until && !stop_requested())
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   if (runner->state() == AxesControl::State::kReady) return runner;
@@ -62,15 +68,14 @@ ImagingCamera::Source source_of(const ImagingFlags& flags, const ImagingModel& m
 
 /// Until the next picture of a stream is due.
 ImagingCamera::Wait pace() {
-  auto due = Clock::now();
-  return [due]() mutable {
-    due = std::max(due + kFrame, Clock::now());
-    std::this_thread::sleep_until(due);
+  return [due_ns = monotonic_ns()]() mutable {
+    due_ns = next_deadline_ns(due_ns, std::chrono::nanoseconds(kFrame).count(), monotonic_ns());
+    sleep_until_ns(due_ns);
   };
 }
 
-tl::expected<void, std::string> arrive(const AxesRunner& axes) {
-  const auto until = Clock::now() + kLongestMove;
+tl::expected<void, std::string> arrive(const AxesRunner& axes, Clock::duration patience) {
+  const auto until = Clock::now() + patience;
   while (!axes.settled()) {
     if (axes.state() != AxesControl::State::kReady || Clock::now() > until || stop_requested())
       return tl::unexpected<std::string>("the axes do not arrive where they are sent");
@@ -92,11 +97,9 @@ tl::expected<cv::Mat, std::string> picture_now(const ImagingCamera::Source& sour
       continue;
     }
     if (late-- > 0) continue;
-    const cv::Mat& image = (*seen)->image;
-    if (image.channels() == 1) return image;
-    cv::Mat grey;
-    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-    return grey;
+    if (const std::string wrong = focus_complaint((*seen)->image); !wrong.empty())
+      return tl::unexpected(wrong);
+    return focus_grey((*seen)->image);
   }
   return tl::unexpected<std::string>("the camera gives no pictures");
 }
@@ -145,6 +148,12 @@ std::unique_ptr<ImagingCamera> open_imaging(const ImagingFlags& flags, const std
 }
 
 void run_calibration(const ImagingFlags& flags, const std::string& camera) {
+  if (!flags.wanted()) {
+    throw usage_error(fmt::format("calibrate = {}: --imaging must say which axes are calibrated: {}",
+                                  flags.calibrate, axes_forms()));
+  }
+  // What cannot be written is better known before than afterwards.
+  refuse_unwritable("--calibrate", std::filesystem::absolute(flags.calibrate).parent_path());
   ImagingFile file = file_of(flags);
   CalibrationSettings settings;
   settings.pitch_m = 1e-3 * flags.grid_mm;
@@ -158,11 +167,11 @@ void run_calibration(const ImagingFlags& flags, const std::string& camera) {
   const CalibrationRig rig{.zoom =
                                [&](double to_m) {
                                  axes->move_to(kMagnification, to_m);
-                                 return arrive(*axes);
+                                 return arrive(*axes, patience(file.axes));
                                },
                            .look = [&](double to_m) -> tl::expected<cv::Mat, std::string> {
                              axes->approach(kFocus, to_m);
-                             if (const auto there = arrive(*axes); !there)
+                             if (const auto there = arrive(*axes, patience(file.axes)); !there)
                                return tl::unexpected(there.error());
                              return picture_now(source, *axes, late_frames(flags));
                            },

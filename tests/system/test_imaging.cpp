@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "slave/vision/imaging/axes_control.h"
@@ -41,6 +42,29 @@ TEST(Imaging, IsCalibratedAndThenKeepsContourAndScaleThroughAZoom) {
   EXPECT_TRUE(vision.running());
   vision.interrupt();
   EXPECT_EQ(vision.wait(seconds(20)), 0) << vision.output();
+}
+
+TEST(Imaging, ACalibrationThatCannotBeIsRefusedAtOnce) {
+  Program nothing("telekerf-vision", {"--calibrate", (Program::scratch() / "none.toml").string()});
+  EXPECT_EQ(nothing.wait(seconds(40)), 2) << nothing.output();
+  EXPECT_TRUE(
+      nothing.says("--imaging must say which axes are calibrated: simulated, udp:HOST:PORT", seconds(1)))
+      << nothing.output();
+  const std::filesystem::path file = Program::scratch() / "no-folder";
+  std::ofstream(file) << "a file";
+  Program nowhere("telekerf-vision",
+                  {"--imaging", "simulated", "--calibrate", (file / "unit.toml").string()});
+  EXPECT_EQ(nowhere.wait(seconds(10)), 2) << nowhere.output();
+  EXPECT_TRUE(nowhere.says("no-folder is no folder", seconds(1))) << nowhere.output();
+}
+
+TEST(Imaging, AFileOfAnotherUnitIsRefused) {
+  const std::filesystem::path file = Program::scratch() / "other.toml";
+  std::ofstream(file) << "[coupling]\nlog_scale = [25, -9, 0, 0]\n";
+  Program vision("telekerf-vision", {"--imaging", "simulated", "--imaging-file", file.string()});
+  EXPECT_EQ(vision.wait(seconds(40)), 2) << vision.output();
+  EXPECT_TRUE(vision.says("other.toml: coupling.log_scale = [25, -9, 0, 0]: makes a pixel", seconds(1)))
+      << vision.output();
 }
 
 TEST(Imaging, AxesOfYoursWantACamera) {

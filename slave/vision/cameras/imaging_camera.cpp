@@ -24,7 +24,9 @@ FocusLawSettings printed_settings(const ImagingCameraSettings& settings) {
   return {.mu_0_m_per_s = dof_m / settings.frame_period_s, .alpha = dof_m, .window_m = 0.5 * dof_m};
 }
 
-cv::Mat grey_of(const cv::Mat& picture) {
+}  // namespace
+
+cv::Mat focus_grey(const cv::Mat& picture) {
   cv::Mat eight = picture;
   if (picture.depth() == CV_16U) picture.convertTo(eight, CV_8U, 1.0 / 257.0);
   if (eight.channels() == 1) return eight;
@@ -33,7 +35,24 @@ cv::Mat grey_of(const cv::Mat& picture) {
   return grey;
 }
 
-}  // namespace
+std::string focus_complaint(const cv::Mat& picture) {
+  if (picture.empty())
+    return "imaging: the camera shows a file and no picture of its own; it must be a live one, v4l2:N or "
+           "video:PATH";
+  const int channels = picture.channels();
+  if ((picture.depth() != CV_8U && picture.depth() != CV_16U) ||
+      (channels != 1 && channels != 3 && channels != 4)) {
+    return fmt::format(
+        "imaging: the camera's pictures must have 8 or 16 bits and 1, 3 or 4 channels; they have "
+        "{} bits and {}",
+        8 * picture.elemSize1(), channels);
+  }
+  if (picture.cols < kTileColumns || picture.rows < kTileRows) {
+    return fmt::format("imaging: the camera's pictures must have at least {} x {} pixels; they have {} x {}",
+                       kTileColumns, kTileRows, picture.cols, picture.rows);
+  }
+  return {};
+}
 
 ImagingCamera::ImagingCamera(const ImagingCameraSettings& settings, std::shared_ptr<AxesRunner> axes,
                              Source source, Wait wait)
@@ -68,8 +87,6 @@ std::string ImagingCamera::remark() { return std::exchange(remark_, {}); }
 
 bool ImagingCamera::focus_on(const cv::Mat& grey) {
   const cv::Rect region = central_region(grey.size(), settings_.region);
-  if (!flat_known_) autofocus_.set_flat(flat_within(settings_.model, grey.size(), region));
-  flat_known_ = true;
   const bool zooming = !axes_->settled(kMagnification);
   // A picture counts if both axes stood still at its beginning; they have had no order since.
   const bool counts = still_frames_ > settings_.late_frames && !zooming;
@@ -80,6 +97,30 @@ bool ImagingCamera::focus_on(const cv::Mat& grey) {
     axes_->approach(kFocus, goal_m);
     still_frames_ = 0;
   }
+  say_state();
+  const bool sharp = counts && autofocus_.sharp();
+  still_frames_ = axes_->settled() ? still_frames_ + 1 : 0;
+  return sharp;
+}
+
+void ImagingCamera::adopt(const cv::Size& size) {
+  if (size == size_) return;
+  size_ = size;
+  autofocus_.set_flat(flat_within(settings_.model, size, central_region(size, settings_.region)));
+  autofocus_.refocus();
+}
+
+bool ImagingCamera::axes_are_held() {
+  if (axes_->settled()) arrived_s_ = axes_->time_s();
+  return axes_->time_s() - arrived_s_ > axes_->longest_way_s();
+}
+
+void ImagingCamera::say_state() {
+  if (axes_are_held())
+    return note(
+        "the axes do not arrive where they are sent; see what holds them, or whether the imaging file is of "
+        "this "
+        "unit");
   switch (autofocus_.state()) {
     case Autofocus::State::kSearching:
       break;
@@ -90,9 +131,11 @@ bool ImagingCamera::focus_on(const cv::Mat& grey) {
       note(fmt::format("no focus found: {}", kFocusVerdicts.word(autofocus_.result().verdict)));
       break;
   }
-  const bool sharp = counts && autofocus_.sharp();
-  still_frames_ = axes_->settled() ? still_frames_ + 1 : 0;
-  return sharp;
+}
+
+void ImagingCamera::stand_still() {
+  if (settings_.law != FocusLaw::kThesis || !homed_) return;
+  axes_->drive(kFocus, 0.0);
 }
 
 bool ImagingCamera::drive_by_printed_law(const cv::Mat& grey) {
@@ -115,14 +158,21 @@ Camera::Result ImagingCamera::next() {
     return tl::unexpected<std::string>(
         "imaging: the axes have stopped answering; switch them on and start anew");
   Result result = source_(axes_->optics_m(), axes_->time_s());
+  if (!result) stand_still();
   if (axes_->state() == AxesControl::State::kHoming || !result || !*result)
     return result ? std::nullopt : result;
   if (!std::exchange(homed_, true)) {
+    arrived_s_ = axes_->time_s();
     zoom(settings_.magnification);
     return std::nullopt;
   }
   Frame& frame = **result;
-  const cv::Mat grey = grey_of(frame.image);
+  if (const std::string wrong = focus_complaint(frame.image); !wrong.empty()) {
+    stand_still();
+    return tl::unexpected(wrong);
+  }
+  const cv::Mat grey = focus_grey(frame.image);
+  adopt(grey.size());
   const bool usable = settings_.law == FocusLaw::kThesis ? drive_by_printed_law(grey) : focus_on(grey);
   if (!usable) return std::nullopt;
   frame.image = correction_.apply(frame.image);
@@ -157,7 +207,7 @@ ImagingCamera::Source simulated_source(const ImagingModel& model, const cv::Mat&
   }
   Object object;
   object.metres_per_texel = width_m / picture.cols;
-  grey_of(picture).convertTo(object.texture, CV_32F);
+  focus_grey(picture).convertTo(object.texture, CV_32F);
   auto scope = std::make_shared<SimulatedMicroscope>(settings, object);
   return [scope](const AxisPositions& optics, double time_s) -> Camera::Result {
     return Frame{

@@ -27,6 +27,12 @@ struct ImagingCameraSettings {
   int late_frames = 0;  ///< that a camera still has of before, in its buffers
 };
 
+/// 8-bit grey levels of a picture of 8 or 16 bits with 1, 3 or 4 channels, always by the same gain: what the
+/// focus is judged by.
+cv::Mat focus_grey(const cv::Mat& picture);
+/// Why the focus cannot be judged by such a picture, in one sentence; empty: it can.
+std::string focus_complaint(const cv::Mat& picture);
+
 class ImagingCamera final : public Camera {
  public:
   /// Pictures of whatever is under the axes, with the optics there; simulated or a camera's.
@@ -53,6 +59,13 @@ class ImagingCamera final : public Camera {
  private:
   bool focus_on(const cv::Mat& grey);
   bool drive_by_printed_law(const cv::Mat& grey);
+  /// Another size of the pictures than before: what was seen of them does not count any more.
+  void adopt(const cv::Size& size);
+  /// They have been on their way for longer than any way takes.
+  bool axes_are_held();
+  void say_state();
+  /// Nothing is seen: nothing may go on by what was seen last.
+  void stand_still();
   void note(std::string words);
 
   ImagingCameraSettings settings_;
@@ -63,9 +76,10 @@ class ImagingCamera final : public Camera {
   imaging::PrintedFocusLaw printed_;
   imaging::PictureCorrection correction_;
   bool homed_ = false;
-  int still_frames_ = 0;  ///< pictures since both axes stand still at their goals
-  bool flat_known_ = false;
-  int excited_ = 0;  ///< pictures that the printed law has been excited for
+  int still_frames_ = 0;    ///< pictures since both axes stand still at their goals
+  cv::Size size_;           ///< of the pictures
+  double arrived_s_ = 0.0;  ///< axes' time when both were last where they were sent
+  int excited_ = 0;         ///< pictures that the printed law has been excited for
   std::optional<double> focus_goal_m_;
   std::string said_;
   std::string remark_;

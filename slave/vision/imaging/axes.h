@@ -15,6 +15,7 @@ inline constexpr std::size_t kAxes = 2;
 /// Places in all arrays below.
 inline constexpr std::size_t kMagnification = 0;
 inline constexpr std::size_t kFocus = 1;
+inline constexpr std::array kBothAxes{kMagnification, kFocus};
 using PerAxis = std::array<double, kAxes>;
 
 /// One reading of both encoders.

@@ -22,6 +22,16 @@ control::DisturbanceObserver::Gains gains_of(const AxesControlSettings& settings
 AxesControl::AxesControl(const AxesModel& model, const AxesControlSettings& settings) noexcept
     : model_(model), settings_(settings), observer_(gains_of(settings)) {}
 
+double AxesControl::homing_m_per_s(const AxisModel& axis) noexcept {
+  return std::min({kHoming_m_per_s, axis.speed_m_per_s, std::sqrt(axis.acceleration_m_per_s2 * kMargin_m)});
+}
+
+double AxesControl::longest_way_s(const AxesModel& model) noexcept {
+  double longest_s = 0.0;
+  for (const AxisModel& axis : model) longest_s = std::max(longest_s, axis.travel_m / homing_m_per_s(axis));
+  return longest_s;
+}
+
 AxisPositions AxesControl::positions_m() const noexcept {
   return {position_m(kMagnification), position_m(kFocus)};
 }
@@ -31,6 +41,7 @@ double AxesControl::velocity_m_per_s(std::size_t axis) const noexcept {
 }
 
 void AxesControl::move_to(std::size_t axis, double position_m) noexcept {
+  if (!std::isfinite(position_m)) return;
   goals_[axis].position_m = std::clamp(position_m, lowest_m(), highest_m(axis));
   goals_[axis].first_m.reset();
   goals_[axis].velocity_m_per_s.reset();
@@ -71,10 +82,10 @@ double AxesControl::velocity_to(std::size_t axis, double position_m) const noexc
 double AxesControl::wanted_velocity(std::size_t axis, const AxesReading& reading) noexcept {
   Goal& goal = goals_[axis];
   if (!homed_[axis]) {
-    if (!reading.valid) return 0.0;
+    if (!reading.valid) return goal.reference_m_per_s;  // as it is going
     if (!reading.at_lower_end[axis]) released_[axis] = true;
-    if (!released_[axis]) return settings_.homing_m_per_s;
-    if (!reading.at_lower_end[axis]) return -settings_.homing_m_per_s;
+    if (!released_[axis]) return homing_m_per_s(model_[axis]);
+    if (!reading.at_lower_end[axis]) return -homing_m_per_s(model_[axis]);
     homed_[axis] = true;
     zero_m_[axis] = observed_m(axis);
     move_to(axis, lowest_m());
@@ -89,7 +100,15 @@ double AxesControl::wanted_velocity(std::size_t axis, const AxesReading& reading
   return velocity_to(axis, goal.first_m.value_or(goal.position_m));
 }
 
-PerAxis AxesControl::step(const AxesReading& reading) noexcept {
+bool AxesControl::is_news(const AxesReading& reading) const noexcept {
+  return reading.valid && (!started_ || reading.tick != newest_tick_) &&
+         std::all_of(reading.encoders_m.begin(), reading.encoders_m.end(),
+                     [](double encoder_m) { return std::isfinite(encoder_m); });
+}
+
+PerAxis AxesControl::step(const AxesReading& given) noexcept {
+  AxesReading reading = given;
+  reading.valid = is_news(given);
   missing_ = reading.valid ? 0 : missing_ + 1;
   if (state_ == State::kLost || missing_ > kMaxMissing) {
     state_ = State::kLost;
@@ -99,12 +118,13 @@ PerAxis AxesControl::step(const AxesReading& reading) noexcept {
   const Vec3 encoders_m(reading.encoders_m[0], reading.encoders_m[1], 0.0);
   if (!started_) observer_.reset(encoders_m);
   started_ = true;
+  if (reading.valid) newest_tick_ = reading.tick;
   observer_.update(encoders_m, reading.valid);
 
   Vec3 force_n = Vec3::Zero();
   Vec3 mass_kg = Vec3::Ones();
   PerAxis currents_a{};
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (const std::size_t i : kBothAxes) {
     Goal& goal = goals_[i];
     const AxisModel& axis = model_[i];
     // The reference's own acceleration is bounded, so that its derivative in eq. 161 is, too.

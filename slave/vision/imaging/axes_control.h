@@ -20,8 +20,7 @@ struct AxesControlSettings {
   double observer_rad_per_s = 400.0;
   double velocity_observer_rad_per_s = 1200.0;
   double convergence_rad_per_s = 120.0;  ///< C of eq. 160
-  double homing_m_per_s = 0.01;
-  double settled_m = 5e-6;  ///< nearer than this to its goal and this slow an axis has arrived
+  double settled_m = 5e-6;               ///< nearer than this to its goal and this slow an axis has arrived
   double settled_m_per_s = 5e-4;
 };
 
@@ -32,10 +31,12 @@ class AxesControl {
 
   AxesControl(const AxesModel& model, const AxesControlSettings& settings) noexcept;
 
-  /// One control step; an invalid reading is bridged by the model, up to kMaxMissing in a row.
+  /// One control step. A reading that is invalid, no number, or of the tick before is none: it is bridged by
+  /// the model, up to kMaxMissing in a row.
   PerAxis step(const AxesReading& reading) noexcept;
 
-  /// Goes to `position_m`, clamped to the travel less a margin before the end stops.
+  /// Goes to `position_m`, clamped to the travel less a margin before the end stops; a place that is no
+  /// number changes nothing.
   void move_to(std::size_t axis, double position_m) noexcept;
   /// The same, but arrives from below: over-travels first where it lies below, so that play is always taken
   /// up on the same side.
@@ -56,6 +57,13 @@ class AxesControl {
 
   static constexpr double kMargin_m = 0.5e-3;  ///< kept from the end stops
   static constexpr int kMaxMissing = 50;       ///< readings in a row; then the axes are lost
+  static constexpr double kHoming_m_per_s = 0.01;
+
+  /// At which an axis looks for its switch, m/s: never faster than it may go, nor than it can stop within
+  /// half the margin.
+  static double homing_m_per_s(const AxisModel& axis) noexcept;
+  /// What no way of these axes takes longer than, s: the whole travel at the speed of homing.
+  static double longest_way_s(const AxesModel& model) noexcept;
 
  private:
   struct Goal {
@@ -67,6 +75,7 @@ class AxesControl {
   double observed_m(std::size_t axis) const noexcept {
     return observer_.joints_m()[static_cast<Eigen::Index>(axis)];
   }
+  bool is_news(const AxesReading& reading) const noexcept;
   double wanted_velocity(std::size_t axis, const AxesReading& reading) noexcept;
   double velocity_to(std::size_t axis, double position_m) const noexcept;
   bool near(std::size_t axis, double position_m) const noexcept;
@@ -78,6 +87,7 @@ class AxesControl {
   State state_ = State::kHoming;
   bool started_ = false;
   int missing_ = 0;
+  std::uint64_t newest_tick_ = 0;
   std::array<bool, kAxes> released_{};  ///< the switch has been seen open: what it says next is its edge
   std::array<bool, kAxes> homed_{};
   PerAxis zero_m_{};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/vision/imaging/axes_runner.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "common/runtime/clock.h"
@@ -33,8 +32,7 @@ void AxesRunner::start() {
     std::int64_t due_ns = monotonic_ns();
     while (!stop.stop_requested()) {
       step();
-      // Time that is lost is not caught up in a burst.
-      due_ns = std::max(due_ns + kPeriod_ns, monotonic_ns() - kPeriod_ns);
+      due_ns = next_deadline_ns(due_ns, kPeriod_ns, monotonic_ns());
       sleep_until_ns(due_ns);
     }
   });
@@ -54,7 +52,7 @@ bool AxesRunner::settled(std::size_t axis) const noexcept {
 }
 
 void AxesRunner::take_orders() noexcept {
-  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+  for (const std::size_t axis : kBothAxes) {
     Order& order = orders_[axis];
     const std::uint64_t count = order.count.load(std::memory_order_acquire);
     if (count == order.taken) continue;
@@ -85,7 +83,7 @@ void AxesRunner::step() noexcept {
   measured_m_[kFocus] = measured.focus_m;
   optics_m_[kMagnification] = optics.magnification_m;
   optics_m_[kFocus] = optics.focus_m;
-  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+  for (const std::size_t axis : kBothAxes) {
     if (control_.settled(axis)) orders_[axis].settled.store(orders_[axis].taken, std::memory_order_release);
   }
   state_.store(control_.state(), std::memory_order_release);

@@ -42,6 +42,7 @@ class AxesRunner {
   AxisPositions positions_m() const noexcept { return {measured_m_[kMagnification], measured_m_[kFocus]}; }
   /// Of simulated axes the truth behind the play; of others what is measured.
   AxisPositions optics_m() const noexcept { return {optics_m_[kMagnification], optics_m_[kFocus]}; }
+  double longest_way_s() const noexcept { return AxesControl::longest_way_s(model_); }
   double lowest_m() const noexcept { return AxesControl::kMargin_m; }
   double highest_m(std::size_t axis) const noexcept { return model_[axis].travel_m - AxesControl::kMargin_m; }
   /// Time of the steps taken.

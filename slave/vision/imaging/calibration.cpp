@@ -80,10 +80,11 @@ tl::expected<Calibration, std::string> calibrate(const CalibrationRig& rig, cons
     const double off_m = kOffFocus_dof * known.depth_of_field_m(rig.positions().magnification_m);
     const auto below = view_at(rig, found->position_m - off_m, settings.pitch_m);
     if (!below) return tl::unexpected(below.error());
+    const double below_m = rig.positions().focus_m;  // the axis may end before
     const auto above = view_at(rig, found->position_m + off_m, settings.pitch_m);
     if (!above) return tl::unexpected(above.error());
-    focus_scale +=
-        (above->metres_per_pixel - below->metres_per_pixel) / (2.0 * off_m * view->metres_per_pixel);
+    const double apart_m = rig.positions().focus_m - below_m;
+    focus_scale += (above->metres_per_pixel - below->metres_per_pixel) / (apart_m * view->metres_per_pixel);
   }
   const double count = settings.magnifications;
   out.model.focus_scale_per_m = focus_scale / count;

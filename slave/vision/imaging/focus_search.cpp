@@ -11,7 +11,7 @@ namespace telekerf::imaging {
 namespace {
 
 constexpr double kWidthOverBlur = 1.85;
-constexpr int kMostExtensions = 4;  ///< pictures beyond a sweep's end
+constexpr int kMostExtensions = 4;  ///< pictures beyond the ends of the sweeps, in all
 /// What lies farther from the highest picture is no parabola any more, and on one side of the peak only.
 constexpr double kNear_dof = 1.05;
 
@@ -78,7 +78,6 @@ void FocusSearch::plan(Stage stage, double first_m, double step_m, int count) {
   step_m_ = step_m;
   looks_.clear();
   plan_.clear();
-  extensions_ = 0;
   for (int i = count; i-- > 0;) {
     const double at_m = first_m + i * step_m;
     if (at_m >= range_.lowest_m && at_m <= range_.highest_m) plan_.push_back(at_m);
@@ -207,7 +206,6 @@ std::optional<FocusSearch::Peak> FocusSearch::fitted() const {
         look.sharpness.tenengrad > 0.0)
       used.push_back(&look);
   }
-  if (used.size() < 3) return std::nullopt;
   const double unit_m = range_.depth_of_field_m;
   Eigen::MatrixXd terms(used.size(), 3);
   Eigen::VectorXd logs(used.size());
@@ -220,7 +218,7 @@ std::optional<FocusSearch::Peak> FocusSearch::fitted() const {
     logs[row] = weight * std::log(used[i]->sharpness.tenengrad);
   }
   const Eigen::Vector3d c = terms.colPivHouseholderQr().solve(logs);
-  if (!(c[2] < 0.0)) return std::nullopt;
+  if (!(c[2] < 0.0)) return std::nullopt;  // as of fewer than three
   const double z = -0.5 * c[1] / c[2];
   return Peak{top->position_m + unit_m * z, c[0] + 0.5 * c[1] * z, unit_m * std::sqrt(-0.5 / c[2])};
 }

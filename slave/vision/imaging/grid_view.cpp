@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/QR>
 #include <algorithm>
@@ -21,8 +22,16 @@ constexpr int kFewestDots = 25;
 constexpr double kMostResidual_px = 0.5;
 /// A neighbour is looked for this near to its place, as a share of the pitch.
 constexpr double kNearby = 0.3;
+/// What is brighter than this share of the paper is paper.
+constexpr double kPaperShare = 0.75;
 
-using Lattice = std::map<std::pair<int, int>, cv::Point2d>;
+using Lattice = std::map<std::pair<int, int>, cv::Point2d>;  ///< by column and row
+
+/// The dots by their places, and the step from one to the next on its right.
+struct Grid {
+  Lattice lattice;
+  cv::Point2d step;
+};
 
 std::optional<cv::Point2d> nearest(const std::vector<cv::Point2d>& dots, const cv::Point2d& to,
                                    double within) {
@@ -39,7 +48,7 @@ std::optional<cv::Point2d> nearest(const std::vector<cv::Point2d>& dots, const c
 
 /// Gives each dot its row and column, from the middle outwards: a neighbour is where the last step leads
 /// again.
-Lattice lattice_of(const std::vector<cv::Point2d>& dots, const cv::Size& size) {
+Grid grid_of(const std::vector<cv::Point2d>& dots, const cv::Size& size) {
   const cv::Point2d middle(0.5 * (size.width - 1), 0.5 * (size.height - 1));
   const auto first = nearest(dots, middle, std::numeric_limits<double>::max());
   if (!first) return {};
@@ -75,7 +84,7 @@ Lattice lattice_of(const std::vector<cv::Point2d>& dots, const cv::Size& size) {
       open.push_back(next);
     }
   }
-  return lattice;
+  return {lattice, step};
 }
 
 /// Place of the lattice's origin, its step to the right, and the distortion.
@@ -131,25 +140,22 @@ Lattice without_outliers(const Lattice& lattice, const cv::Size& size, const Par
   return kept;
 }
 
-/// The light on the paper between the dots.
+/// The light on the paper between the dots, by least squares over all of its pixels.
 std::array<double, 4> light_on(const cv::Mat& grey, const cv::Mat& paper) {
   const double half = 0.5 * grey.cols;
   std::vector<cv::Point> places;
-  for (int y = 1; y < grey.rows; y += 3) {
-    for (int x = 1; x < grey.cols; x += 3) {
-      if (paper.at<std::uint8_t>(y, x) != 0) places.emplace_back(x, y);
-    }
-  }
-  Eigen::MatrixXd terms(places.size(), 5);
-  Eigen::VectorXd light(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const double x = (places[i].x - 0.5 * (grey.cols - 1)) / half;
-    const double y = (places[i].y - 0.5 * (grey.rows - 1)) / half;
+  cv::findNonZero(paper, places);
+  Parameters light = Parameters::Zero();
+  Eigen::Matrix<double, 5, 5> squares = Eigen::Matrix<double, 5, 5>::Zero();
+  for (const cv::Point& place : places) {
+    const double x = (place.x - 0.5 * (grey.cols - 1)) / half;
+    const double y = (place.y - 0.5 * (grey.rows - 1)) / half;
     const double r2 = x * x + y * y;
-    terms.row(static_cast<Eigen::Index>(i)) << 1.0, x, y, r2, r2 * r2;
-    light[static_cast<Eigen::Index>(i)] = grey.at<std::uint8_t>(places[i]);
+    const Parameters terms(1.0, x, y, r2, r2 * r2);
+    squares += terms * terms.transpose();
+    light += grey.at<std::uint8_t>(place) * terms;
   }
-  const Eigen::VectorXd c = terms.colPivHouseholderQr().solve(light);
+  const Parameters c = squares.ldlt().solve(light);
   return {c[1] / c[0], c[2] / c[0], c[3] / c[0], c[4] / c[0]};
 }
 
@@ -181,35 +187,23 @@ std::vector<cv::Point2d> dots_in(const cv::Mat& grey) {
     const cv::Mat part = grey(box);
     double paper = 0.0;
     cv::minMaxLoc(part, nullptr, &paper);
-    double weight = 0.0;
-    cv::Point2d sum;
-    for (int y = 0; y < part.rows; ++y) {
-      for (int x = 0; x < part.cols; ++x) {
-        const double darkness = paper - part.at<std::uint8_t>(y, x);
-        if (darkness < 0.25 * paper) continue;
-        weight += darkness;
-        sum += darkness * cv::Point2d(box.x + x, box.y + y);
-      }
-    }
-    if (weight > 0.0) dots.push_back(sum / weight);
+    cv::Mat darkness = paper - part;
+    darkness.setTo(0, part > kPaperShare * paper);
+    const cv::Moments moments = cv::moments(darkness);
+    if (moments.m00 > 0.0)
+      dots.emplace_back(box.x + moments.m10 / moments.m00, box.y + moments.m01 / moments.m00);
   }
   return dots;
 }
 
 tl::expected<GridView, std::string> measure_grid(const cv::Mat& grey, double pitch_m) {
   const std::vector<cv::Point2d> dots = dots_in(grey);
-  const Lattice lattice = lattice_of(dots, grey.size());
+  const auto [lattice, step] = grid_of(dots, grey.size());
   if (lattice.size() < kFewestDots) {
     return tl::unexpected(fmt::format("no printed grid is seen: {} dots in a lattice, at least {} are needed",
                                       lattice.size(), kFewestDots));
   }
-  const cv::Point2d origin = lattice.at({0, 0});
-  const auto beside = lattice.find({1, 0});
-  const cv::Point2d step = (beside == lattice.end() ? lattice.at({-1, 0}) : beside->second) - origin;
-  const double sense = beside == lattice.end() ? -1.0 : 1.0;
-  Parameters p;
-  p << origin.x - 0.5 * (grey.cols - 1), origin.y - 0.5 * (grey.rows - 1), sense * step.x, sense * step.y,
-      0.0;
+  Parameters p(0.0, 0.0, step.x, step.y, 0.0);  // the lattice begins near the middle
   GridView view;
   fit(lattice, grey.size(), p);
   const Lattice kept = without_outliers(lattice, grey.size(), p);

@@ -59,6 +59,43 @@ std::string list_line(const char* name, std::span<const double> values) {
   return fmt::format("{} = [{}]\n", name, out);
 }
 
+/// What the numbers make of it together: a file of another unit, or in other units, is refused.
+void check(const ConfigFile& config, const ImagingModel& model) {
+  constexpr Bounds kPixel_m{.min = 1e-8, .max = 1e-2};
+  for (int quarter = 0; quarter <= 4; ++quarter) {
+    const double s = 0.25 * quarter;
+    const double at_m = s * model.magnification_travel_m;
+    const double focus_m = model.best_focus_m(at_m);
+    if (!(focus_m >= -model.focus_travel_m && focus_m <= 2.0 * model.focus_travel_m)) {
+      config.refuse(
+          "coupling.ridge_m",
+          fmt::format("puts the focus at {:g} m where the magnification is at {:g} of its travel; the "
+                      "travel is [0, {:g}] m; calibrate anew",
+                      focus_m, s, model.focus_travel_m));
+    }
+    const double pixel_m = model.metres_per_pixel({at_m, focus_m});
+    if (!(pixel_m >= kPixel_m.min && pixel_m <= kPixel_m.max)) {
+      config.refuse("coupling.log_scale",
+                    fmt::format("makes a pixel {:g} m wide where the magnification is at {:g} of its travel; "
+                                "it must lie within [{:g}, {:g}] m; calibrate anew",
+                                pixel_m, s, kPixel_m.min, kPixel_m.max));
+    }
+  }
+  constexpr double kDarkest = 0.05;
+  const cv::Size picture(200, 150);
+  for (const double x : {0.0, 99.5, 199.0}) {
+    for (const double y : {0.0, 74.5, 149.0}) {
+      if (const double light = model.light(x, y, picture); !(light >= kDarkest)) {
+        config.refuse(
+            "picture.flat_field",
+            fmt::format("leaves {:g} of the light at a corner of the picture; at least {:g} must be "
+                        "left; calibrate anew",
+                        light, kDarkest));
+      }
+    }
+  }
+}
+
 ImagingFile read(const ConfigFile& config) {
   ImagingFile file;
   for (const Entry& entry : entries_of(file))
@@ -74,6 +111,7 @@ ImagingFile read(const ConfigFile& config) {
   config.refuse_unknown();
   file.model.magnification_travel_m = file.axes[kMagnification].travel_m;
   file.model.focus_travel_m = file.axes[kFocus].travel_m;
+  check(config, file.model);
   return file;
 }
 

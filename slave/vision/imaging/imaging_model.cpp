@@ -39,10 +39,10 @@ double ImagingModel::light(double x_px, double y_px, const cv::Size& picture) co
 
 std::array<double, kTiles> flat_within(const ImagingModel& model, const cv::Size& picture,
                                        const cv::Rect& region) {
-  cv::Mat light(region.size(), CV_64F);
-  for (int y = 0; y < region.height; ++y) {
-    for (int x = 0; x < region.width; ++x)
-      light.at<double>(y, x) = model.light(region.x + x, region.y + y, picture);
+  cv::Mat_<double> light(region.size());
+  for (auto here = light.begin(); here != light.end(); ++here) {
+    const cv::Point at = here.pos() + region.tl();
+    *here = model.light(at.x, at.y, picture);
   }
   return flat_of(light);
 }
@@ -54,24 +54,26 @@ bool PictureCorrection::idle() const noexcept {
 
 void PictureCorrection::prepare(const cv::Size& size) {
   if (from_x_.size() == size) return;
-  from_x_.create(size, CV_32F);
-  from_y_.create(size, CV_32F);
-  gain_.create(size, CV_32F);
+  cv::Mat_<float> from_x(size);
+  cv::Mat_<float> from_y(size);
+  cv::Mat_<float> gains(size);
   const double half = 0.5 * size.width;
   const double middle_x = 0.5 * (size.width - 1);
   const double middle_y = 0.5 * (size.height - 1);
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width; ++x) {
-      const double dx = x - middle_x;
-      const double dy = y - middle_y;
-      const double stretch = 1.0 + model_.distortion * (dx * dx + dy * dy) / (half * half);
-      const double seen_x = middle_x + stretch * dx;
-      const double seen_y = middle_y + stretch * dy;
-      from_x_.at<float>(y, x) = static_cast<float>(seen_x);
-      from_y_.at<float>(y, x) = static_cast<float>(seen_y);
-      gain_.at<float>(y, x) = static_cast<float>(1.0 / std::max(0.1, model_.light(seen_x, seen_y, size)));
-    }
+  for (auto gain = gains.begin(); gain != gains.end(); ++gain) {
+    const cv::Point at = gain.pos();
+    const double dx = at.x - middle_x;
+    const double dy = at.y - middle_y;
+    const double stretch = 1.0 + model_.distortion * (dx * dx + dy * dy) / (half * half);
+    const double seen_x = middle_x + stretch * dx;
+    const double seen_y = middle_y + stretch * dy;
+    from_x(at) = static_cast<float>(seen_x);
+    from_y(at) = static_cast<float>(seen_y);
+    *gain = static_cast<float>(1.0 / std::max(0.1, model_.light(seen_x, seen_y, size)));
   }
+  from_x_ = from_x;
+  from_y_ = from_y;
+  gain_ = gains;
 }
 
 cv::Mat PictureCorrection::apply(const cv::Mat& picture) {
@@ -85,7 +87,7 @@ cv::Mat PictureCorrection::apply(const cv::Mat& picture) {
     cv::Mat even;
     channel.convertTo(even, CV_32F);
     even = even.mul(gain_);
-    even.convertTo(channel, CV_8U);
+    even.convertTo(channel, picture.depth());
   }
   cv::Mat out;
   cv::merge(channels, out);

@@ -41,7 +41,8 @@ struct ImagingModel {
 std::array<double, kTiles> flat_within(const ImagingModel& model, const cv::Size& picture,
                                        const cv::Rect& region);
 
-/// The picture as it would be without distortion and under even light. 8 bits, 1 or 3 channels.
+/// The picture as it would be without distortion and under even light; of the depth and the channels that it
+/// has.
 class PictureCorrection {
  public:
   explicit PictureCorrection(const ImagingModel& model) : model_(model) {}

@@ -13,7 +13,9 @@ constexpr double kDarkestSpeck = 0.25;  ///< share of the light that a speck let
 constexpr double kSpeck_px = 2.0;       ///< its radius on a picture 128 pixels wide
 
 void blur(cv::Mat& image, double deviation_px) {
-  // Beyond three deviations nothing is left.
+  // Wider than half the picture there is nothing to be seen any more; beyond three deviations nothing is
+  // left.
+  deviation_px = std::min(deviation_px, 0.5 * image.cols);
   const int size = 2 * static_cast<int>(std::ceil(3.0 * deviation_px)) + 1;
   cv::GaussianBlur(image, image, {size, size}, deviation_px, deviation_px, cv::BORDER_REFLECT);
 }
@@ -64,26 +66,26 @@ const cv::Mat& SimulatedMicroscope::gathered(double texels) {
 
 void SimulatedMicroscope::prepare_places() {
   if (!place_x_.empty()) return;
+  cv::Mat_<float> across(settings_.picture);
+  cv::Mat_<float> down(settings_.picture);
   const cv::Size size = settings_.picture;
-  place_x_.create(size, CV_32F);
-  place_y_.create(size, CV_32F);
   const double half = 0.5 * size.width;
-  const double k = settings_.model.distortion;
-  for (int y = 0; y < size.height; ++y) {
-    const double dy = y - 0.5 * (size.height - 1);
-    for (int x = 0; x < size.width; ++x) {
-      const double dx = x - 0.5 * (size.width - 1);
-      // From where it is seen to where it is: the inverse of r (1 + k r^2), by Newton's iteration.
-      const double kr2 = k * (dx * dx + dy * dy) / (half * half);
-      double shrink = 1.0;
-      for (int i = 0; i < 3; ++i) {
-        const double bend = kr2 * shrink * shrink;
-        shrink -= (shrink * (1.0 + bend) - 1.0) / (1.0 + 3.0 * bend);
-      }
-      place_x_.at<float>(y, x) = static_cast<float>(shrink * dx);
-      place_y_.at<float>(y, x) = static_cast<float>(shrink * dy);
+  for (auto place = across.begin(); place != across.end(); ++place) {
+    const cv::Point at = place.pos();
+    const double dx = at.x - 0.5 * (size.width - 1);
+    const double dy = at.y - 0.5 * (size.height - 1);
+    // From where it is seen to where it is: the inverse of r (1 + k r^2), by Newton's iteration.
+    const double kr2 = settings_.model.distortion * (dx * dx + dy * dy) / (half * half);
+    double shrink = 1.0;
+    for (int i = 0; i < 3; ++i) {
+      const double bend = kr2 * shrink * shrink;
+      shrink -= (shrink * (1.0 + bend) - 1.0) / (1.0 + 3.0 * bend);
     }
+    *place = static_cast<float>(shrink * dx);
+    down(at) = static_cast<float>(shrink * dy);
   }
+  place_x_ = across;
+  place_y_ = down;
 }
 
 cv::Mat SimulatedMicroscope::sharp(double metres_per_pixel) {
@@ -101,12 +103,10 @@ cv::Mat SimulatedMicroscope::sharp(double metres_per_pixel) {
 
 const cv::Mat& SimulatedMicroscope::light() {
   if (light_.empty()) {
-    const cv::Size size = settings_.picture;
-    light_.create(size, CV_32F);
-    for (int y = 0; y < size.height; ++y) {
-      for (int x = 0; x < size.width; ++x)
-        light_.at<float>(y, x) = static_cast<float>(settings_.model.light(x, y, size));
-    }
+    cv::Mat_<float> all(settings_.picture);
+    for (auto light = all.begin(); light != all.end(); ++light)
+      *light = static_cast<float>(settings_.model.light(light.pos().x, light.pos().y, settings_.picture));
+    light_ = all;
   }
   return light_;
 }

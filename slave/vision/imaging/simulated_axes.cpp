@@ -21,7 +21,7 @@ SimulatedAxes::SimulatedAxes(const AxesModel& model, const PerAxis& start_m, dou
   const auto off = [&] {
     return 1.0 + mismatch * (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0);
   };
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (const std::size_t i : kBothAxes) {
     Axis& axis = axis_[i];
     axis.truth = model[i];
     axis.truth.moving_mass_kg *= off();
@@ -34,7 +34,7 @@ SimulatedAxes::SimulatedAxes(const AxesModel& model, const PerAxis& start_m, dou
 
 AxesReading SimulatedAxes::read() noexcept {
   AxesReading reading;
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (const std::size_t i : kBothAxes) {
     const Axis& axis = axis_[i];
     reading.encoders_m[i] = std::round((axis.motor_m - axis.zero_m) / kEncoder_m) * kEncoder_m;
     reading.at_lower_end[i] = axis.motor_m <= 0.0;
@@ -45,7 +45,7 @@ AxesReading SimulatedAxes::read() noexcept {
 }
 
 void SimulatedAxes::write(const PerAxis& currents_a) noexcept {
-  for (std::size_t i = 0; i < kAxes; ++i) {
+  for (const std::size_t i : kBothAxes) {
     const double wanted_n = axis_[i].truth.force_constant_n_per_a * currents_a[i];
     axis_[i].force_n = std::clamp(wanted_n, -axis_[i].truth.peak_force_n, axis_[i].truth.peak_force_n);
   }

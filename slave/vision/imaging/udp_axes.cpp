@@ -39,7 +39,7 @@ AxesReading UdpAxes::read() noexcept {
     newest_ = incoming.sequence;
     reading.valid = incoming.valid == 1;
     reading.tick = incoming.tick;
-    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    for (const std::size_t axis : kBothAxes) {
       reading.encoders_m[axis] = incoming.encoders_m[axis];
       reading.at_lower_end[axis] = incoming.at_lower_end[axis] == 1;
       if (!std::isfinite(incoming.encoders_m[axis])) reading.valid = false;
@@ -50,7 +50,7 @@ AxesReading UdpAxes::read() noexcept {
 
 void UdpAxes::write(const PerAxis& currents_a) noexcept {
   ++outgoing_.sequence;
-  for (std::size_t axis = 0; axis < kAxes; ++axis) outgoing_.currents_a[axis] = currents_a[axis];
+  for (const std::size_t axis : kBothAxes) outgoing_.currents_a[axis] = currents_a[axis];
   boost::system::error_code error;
   socket_.send_to(asio::buffer(&outgoing_, sizeof(outgoing_)), axes_, 0, error);
   if (error) ++dropped_;

@@ -144,9 +144,21 @@ TEST_F(CellViewTest, TheImagingUnitIsSaidWhileItIsHeard) {
           2,
           {{"magnification", 2.5}, {"focus_mm", 1.25}, {"sharpness_tenengrad", 312.4}, {"zoom", 0.4}}},
       now_ns);
-  EXPECT_EQ(view.imaging_sentence(now_ns), "2.50x, focus 1.250 mm, sharpness 312");
+  EXPECT_EQ(view.imaging_sentence(now_ns), "searching the focus, 2.50x, focus 1.250 mm, sharpness 312");
   EXPECT_EQ(view.zoom(), 0.4);
   EXPECT_EQ(view.imaging_sentence(now_ns + 3100 * kMs), "") << "silent";
+  const auto said = [&](double state, double gone) {
+    view.hear(
+        TelemetryMessage{
+            "vision", 3, {{"magnification", 1.0}, {"imaging_state", state}, {"camera_gone", gone}}},
+        now_ns);
+    const std::string sentence = view.imaging_sentence(now_ns);
+    return sentence.substr(0, sentence.find(", 1.00x"));
+  };
+  EXPECT_EQ(said(1, 0), "in focus");
+  EXPECT_EQ(said(2, 0), "no focus found");
+  EXPECT_EQ(said(1, 1), "camera or axes gone");
+  EXPECT_EQ(said(9, 0), "state unknown");
 }
 
 TEST_F(CellViewTest, NoBeamIsClaimedThatIsNotSeen) {

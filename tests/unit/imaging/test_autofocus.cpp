@@ -95,6 +95,38 @@ TEST_F(AutofocusTest, AnObjectThatWasRaisedIsFoundAnew) {
   EXPECT_GE(autofocus_.searches(), 3);  // nearby in vain, then everywhere
 }
 
+TEST_F(AutofocusTest, WhatWasInFocusAtAnotherZoomIsForgotten) {
+  zoom(0.03);
+  unit_.control().move_to(kMagnification, 0.06);
+  unit_.settle();
+  (void)autofocus_.goal_m(unit_.measured_m(), false);
+  ASSERT_EQ(autofocus_.state(), Autofocus::State::kSearching);
+  // In focus is now where the ridge expects it.
+  EXPECT_NEAR(autofocus_.metres_per_pixel({0.06, autofocus_.ridge().at(0.06).focus_m}),
+              model_.metres_per_pixel({0.06, model_.best_focus_m(0.06)}), 1e-12);
+}
+
+TEST_F(AutofocusTest, WithoutAFocusNothingIsTracked) {
+  zoom(0.03);
+  ASSERT_EQ(autofocus_.state(), Autofocus::State::kTracking);
+  unit_.microscope().object().height_m += 0.02;  // out of reach
+  zoom(0.06);
+  ASSERT_EQ(autofocus_.state(), Autofocus::State::kUnfocused);
+  const double here_m = unit_.measured_m().focus_m;
+  for (int i = 0; i < 30; ++i) {
+    look();
+    EXPECT_NEAR(unit_.measured_m().focus_m, here_m, 50e-6);  // a dither would be 250
+  }
+  EXPECT_EQ(autofocus_.locks(), 1);
+  // A small motion of the magnification is none, a larger one begins a search, down as well as up.
+  const int searches = autofocus_.searches();
+  (void)autofocus_.goal_m({0.06 - 0.09e-3, here_m}, false);
+  EXPECT_EQ(autofocus_.state(), Autofocus::State::kUnfocused);
+  (void)autofocus_.goal_m({0.06 - 0.12e-3, here_m}, false);
+  EXPECT_EQ(autofocus_.state(), Autofocus::State::kSearching);
+  EXPECT_EQ(autofocus_.searches(), searches + 1);
+}
+
 TEST_F(AutofocusTest, TracksADrift) {
   zoom(0.03);
   for (int i = 0; i < 150; ++i) {

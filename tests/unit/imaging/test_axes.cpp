@@ -170,10 +170,110 @@ TEST(Axes, BridgeMissingReadingsAndGiveUpAfterTooMany) {
   EXPECT_FALSE(bench.control.settled());
 }
 
+TEST(Axes, WhoseDeviceHasCountedNothingNewAreLost) {
+  // It answers, but its encoders are read no more: what it says of them is old.
+  Bench bench;
+  ASSERT_TRUE(bench.home());
+  bench.control.move_to(kFocus, 0.02);
+  bench.run(50);
+  const AxesReading frozen = bench.axes.read();
+  bench.control.step(frozen);
+  for (int i = 0; i < AxesControl::kMaxMissing; ++i) bench.control.step(frozen);
+  EXPECT_EQ(bench.control.state(), AxesControl::State::kReady);
+  EXPECT_EQ(bench.control.step(frozen), PerAxis{});
+  EXPECT_EQ(bench.control.state(), AxesControl::State::kLost);
+}
+
+TEST(Axes, AreReadEveryOtherStepIfTheirDeviceIsSlower) {
+  Bench bench;
+  AxesReading reading;
+  const auto half_as_often = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      if (i % 2 == 0) reading = bench.axes.read();
+      bench.axes.write(bench.control.step(reading));
+      bench.axes.advance(1e-3);
+    }
+  };
+  half_as_often(4000);
+  ASSERT_EQ(bench.control.state(), AxesControl::State::kReady);
+  bench.control.move_to(kFocus, 0.02);
+  half_as_often(3000);
+  EXPECT_NEAR(bench.axes.motor_m(kFocus), 0.02, 60e-6);
+}
+
+TEST(Axes, APlaceThatIsNoNumberIsNone) {
+  Bench bench;
+  ASSERT_TRUE(bench.home());
+  bench.control.move_to(kFocus, 0.012);
+  ASSERT_TRUE(bench.settle());
+  for (const double place : {kNan, std::numeric_limits<double>::infinity()}) {
+    bench.control.move_to(kFocus, place);
+    bench.control.approach(kFocus, place);
+    EXPECT_EQ(bench.control.goal_m(kFocus), 0.012);
+  }
+  // Nor is a reading that is none.
+  AxesReading reading = bench.axes.read();
+  reading.encoders_m[kMagnification] = kNan;
+  const PerAxis currents = bench.control.step(reading);
+  EXPECT_TRUE(std::isfinite(currents[kMagnification]) && std::isfinite(currents[kFocus]));
+  EXPECT_NEAR(bench.control.position_m(kFocus), 0.012, 20e-6);
+}
+
+TEST(Axes, PassingAPlaceIsNotArriving) {
+  Bench bench;
+  ASSERT_TRUE(bench.home());
+  bench.control.move_to(kFocus, 0.015);
+  ASSERT_TRUE(bench.settle());
+  for (const double velocity : {0.01, -0.01}) {
+    bench.control.drive(kFocus, velocity);
+    bench.run(200);
+    bench.control.move_to(kFocus, bench.control.position_m(kFocus));
+    EXPECT_FALSE(bench.control.settled(kFocus)) << velocity;
+    EXPECT_TRUE(bench.settle());
+  }
+}
+
+TEST(Axes, LookForTheirSwitchNoFasterThanTheyCanStop) {
+  AxisModel axis;
+  EXPECT_EQ(AxesControl::homing_m_per_s(axis), AxesControl::kHoming_m_per_s);
+  axis.speed_m_per_s = 2e-3;
+  EXPECT_EQ(AxesControl::homing_m_per_s(axis), 2e-3);
+  axis.acceleration_m_per_s2 = 2e-3;
+  EXPECT_NEAR(AxesControl::homing_m_per_s(axis), 1e-3, 1e-12);  // stops within half a margin of 0.5 mm
+  AxesModel model;
+  EXPECT_DOUBLE_EQ(AxesControl::longest_way_s(model), 3.0);
+  model[kMagnification].travel_m = 1.0;
+  EXPECT_DOUBLE_EQ(AxesControl::longest_way_s(model), 100.0);
+  model[kFocus] = axis;
+  model[kFocus].travel_m = 0.2;
+  EXPECT_NEAR(AxesControl::longest_way_s(model), 200.0, 1e-9);
+
+  AxesModel slow = default_axes();
+  for (AxisModel& one : slow) one.speed_m_per_s = 3e-3;
+  SimulatedAxes axes(slow, {5e-3, 5e-3}, 0.0, 1);
+  AxesControl control(slow, {});
+  double fastest = 0.0;
+  for (int i = 0; i < 4000 && control.state() != AxesControl::State::kReady; ++i) {
+    axes.write(control.step(axes.read()));
+    axes.advance(1e-3);
+    fastest = std::max(fastest, std::abs(axes.speed_m_per_s(kFocus)));
+  }
+  EXPECT_EQ(control.state(), AxesControl::State::kReady);
+  EXPECT_LT(fastest, 1.15 * 3e-3);
+}
+
 TEST(Axes, AreGivenNoCurrentBeforeTheFirstReading) {
   AxesControl control(default_axes(), {});
   EXPECT_EQ(control.step({}), PerAxis{});
   EXPECT_EQ(control.state(), AxesControl::State::kHoming);
+  // The first reading is where they stand, whatever it is.
+  AxesReading far;
+  far.encoders_m = {0.5, -0.3};
+  far.valid = true;
+  far.tick = 1;
+  control.step(far);
+  EXPECT_NEAR(control.position_m(kMagnification), 0.5, 1e-6);
+  EXPECT_NEAR(control.velocity_m_per_s(kMagnification), 0.0, 1e-6);
 }
 
 TEST(Axes, AreNeverGivenMoreThanTheirPeakForce) {
@@ -239,6 +339,11 @@ TEST(SimulatedAxes, EncodersCountFromWhereTheyWereSwitchedOn) {
   EXPECT_TRUE(reading.valid);
   EXPECT_EQ(reading.tick, 2U);
   EXPECT_NEAR(reading.encoders_m[kFocus], axes.motor_m(kFocus) - 0.01, SimulatedAxes::kEncoder_m);
+  for (int i = 0; i < 50; ++i) {  // rounded, not cut off
+    axes.advance(1e-3);
+    ASSERT_LE(std::abs(axes.read().encoders_m[kFocus] - (axes.motor_m(kFocus) - 0.01)),
+              0.5001 * SimulatedAxes::kEncoder_m);
+  }
   EXPECT_FALSE(reading.at_lower_end[kFocus]);
 }
 

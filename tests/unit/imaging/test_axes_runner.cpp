@@ -62,6 +62,19 @@ TEST_F(Runner, ANewOrderIsNotSettledByTheOldOne) {
   EXPECT_TRUE(runner_.settled(kFocus));
 }
 
+TEST_F(Runner, AnApproachFromAboveEndsBelowThePlay) {
+  home();
+  runner_.approach(kFocus, 0.014);
+  run(2500);
+  const double first_m = runner_.optics_m().focus_m;
+  runner_.approach(kFocus, 0.018);
+  run(1500);
+  runner_.approach(kFocus, 0.014);
+  run(2500);
+  ASSERT_TRUE(runner_.settled(kFocus));
+  EXPECT_NEAR(runner_.optics_m().focus_m, first_m, 8e-6);
+}
+
 TEST_F(Runner, CountsItsTimeAndKnowsItsEnds) {
   run(250);
   EXPECT_NEAR(runner_.time_s(), 0.25, 1e-12);
@@ -78,6 +91,16 @@ TEST(AxesRunner, StepsByItselfInAThread) {
   EXPECT_GT(runner.time_s(), 0.05);
 }
 
+TEST(AxesRunner, StepsNoFasterThanTheClock) {
+  AxesRunner runner(open_axes("simulated", {.model = default_axes(), .period_s = 1e-3}), default_axes());
+  const auto begun = std::chrono::steady_clock::now();
+  runner.start();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const double steps_s = runner.time_s();
+  const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - begun;
+  EXPECT_LE(steps_s, gone.count() + 2.0 * AxesRunner::kPeriod_s);
+}
+
 TEST(AxesRunner, LeavesTheMotorsWithoutCurrent) {
   struct Written {
     PerAxis currents{1.0, 1.0};
@@ -88,12 +111,14 @@ TEST(AxesRunner, LeavesTheMotorsWithoutCurrent) {
     AxesReading read() noexcept override {
       AxesReading reading;
       reading.valid = true;
+      reading.tick = ++reads_;
       return reading;
     }
     void write(const PerAxis& currents) noexcept override { to_->currents = currents; }
 
    private:
     std::shared_ptr<Written> to_;
+    std::uint64_t reads_ = 0;
   };
   const auto written = std::make_shared<Written>();
   {

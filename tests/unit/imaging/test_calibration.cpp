@@ -41,6 +41,82 @@ TEST(GridView, MeasuresScaleDistortionAndLight) {
   }
 }
 
+TEST(GridView, ADotsMiddleIsItsCentreOfDarkness) {
+  constexpr int kFiner =
+      8;  // drawn finer, so that a pixel at a dot's edge is as dark as its share of the dot
+  cv::Mat fine(200 * kFiner, 300 * kFiner, CV_8U, cv::Scalar(220));
+  const std::vector<cv::Point2d> truth{{60.25, 50.5}, {150.0, 100.75}, {240.5, 149.25}};
+  for (const cv::Point2d& dot : truth)
+    cv::circle(fine, {cvRound((dot.x + 0.5) * kFiner - 0.5), cvRound((dot.y + 0.5) * kFiner - 0.5)},
+               9 * kFiner, cv::Scalar(30), cv::FILLED);
+  cv::Mat paper;
+  cv::resize(fine, paper, {300, 200}, 0, 0, cv::INTER_AREA);
+  for (const cv::Point& edge : {cv::Point(0, 80), {100, 0}, {120, 199}, {299, 60}})
+    cv::circle(paper, edge, 9, cv::Scalar(30), cv::FILLED);
+  cv::circle(paper, {299, 20}, 9, cv::Scalar(30), cv::FILLED);          // at the edge
+  cv::rectangle(paper, {20, 150, 60, 12}, cv::Scalar(30), cv::FILLED);  // not round
+  paper.at<std::uint8_t>(180, 200) = 30;                                // a speck
+  cv::circle(paper, {200, 30}, 9, cv::Scalar(195), cv::FILLED);         // hardly darker than the paper
+  const auto dots = dots_in(paper);
+  ASSERT_EQ(dots.size(), truth.size());
+  for (std::size_t i = 0; i < dots.size(); ++i) EXPECT_LT(cv::norm(dots[i] - truth[i]), 0.1) << dots[i];
+}
+
+/// Dots on a lattice with distortion k, drawn where they would be seen, under light that falls off.
+cv::Mat distorted_grid(double pitch_px, double k, const cv::Point2d& origin, const ImagingModel& light) {
+  const cv::Size size(640, 480);
+  cv::Mat out(size, CV_8U, cv::Scalar(220));
+  for (int row = -12; row <= 12; ++row) {
+    for (int column = -16; column <= 16; ++column) {
+      const cv::Point2d straight(origin.x + pitch_px * column, origin.y + pitch_px * row);
+      const double stretch = 1.0 + k * straight.dot(straight) / (320.0 * 320.0);
+      const cv::Point2d seen = stretch * straight + cv::Point2d(319.5, 239.5);
+      cv::circle(out, cv::Point(cvRound(seen.x * 16), cvRound(seen.y * 16)), cvRound(0.22 * pitch_px * 16),
+                 cv::Scalar(30), cv::FILLED, cv::LINE_AA, 4);
+    }
+  }
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      auto& pixel = out.at<std::uint8_t>(y, x);
+      pixel = cv::saturate_cast<std::uint8_t>(pixel * light.light(x, y, size));
+    }
+  }
+  return out;
+}
+
+TEST(GridView, ReadsTheLatticeWhereverItBegins) {
+  ImagingModel light;
+  light.flat_field = {0.06, -0.04, -0.2, 0.05};
+  for (const cv::Point2d& origin : {cv::Point2d(0.0, 0.0), {13.0, -17.0}, {-18.5, 9.0}}) {
+    for (const double k : {-0.04, 0.0, 0.03}) {
+      const auto view = measure_grid(distorted_grid(40.0, k, origin, light), 1e-3);
+      ASSERT_TRUE(view) << view.error();
+      EXPECT_NEAR(view->metres_per_pixel, 1e-3 / 40.0, 2e-4 * 1e-3 / 40.0) << k;
+      EXPECT_NEAR(view->distortion, k, 5e-4);
+      EXPECT_LT(view->residual_px, 0.05);
+      EXPECT_NEAR(view->flat_field[0], 0.06, 2e-3);
+      EXPECT_NEAR(view->flat_field[1], -0.04, 2e-3);
+      EXPECT_NEAR(view->flat_field[2], -0.2, 4e-3);
+      EXPECT_NEAR(view->flat_field[3], 0.05, 4e-3);
+      EXPECT_GT(view->dots, 120);
+    }
+  }
+}
+
+TEST(GridView, WantsTwentyFiveDots) {
+  for (const int across : {4, 5}) {
+    cv::Mat paper(480, 640, CV_8U, cv::Scalar(220));
+    for (int row = 0; row < 5; ++row) {
+      for (int column = 0; column < across; ++column)
+        cv::circle(paper, {200 + 60 * column, 120 + 60 * row}, 13, cv::Scalar(30), cv::FILLED, cv::LINE_AA);
+    }
+    const auto view = measure_grid(paper, 1e-3);
+    EXPECT_EQ(view.has_value(), across == 5);
+    if (view) continue;
+    EXPECT_EQ(view.error(), "no printed grid is seen: 20 dots in a lattice, at least 25 are needed");
+  }
+}
+
 TEST(GridView, DoesNotMindATurnedGrid) {
   const cv::Mat straight = grid_picture(17e-6);
   for (const double degrees : {-20.0, 7.0, 30.0}) {
@@ -99,6 +175,44 @@ TEST(Calibration, FindsTheTruthOfAUnit) {
     // The grid lay 1 mm higher.
     EXPECT_NEAR(calibration.model.best_focus_m(m), truth.model.best_focus_m(m) + 1e-3, 0.7e-3) << m;
   }
+}
+
+TEST(Calibration, AnAxisThatEndsNearTheFocusDoesNotFalsifyTheScale) {
+  // Below the focus there is room for a third of a depth of field only: what is seen there is not as far off.
+  MicroscopeSettings settings;
+  settings.picture = {640, 480};
+  settings.read_noise = settings.shot_noise = 1.0;
+  settings.model.ridge_m = {0.015, 0.0, 0.0};
+  settings.model.focus_scale_per_m = 8.0;
+  settings.ridge_cubic_m = 0.0;
+  Object grid;
+  grid.metres_per_texel = 1e-5;
+  grid.texture = draw_target(Target::kGrid, 1801, 50.0, 1);
+  SimulatedMicroscope scope(settings, grid);
+  AxisPositions axes{0.04, 0.015};
+  const double dof_m = settings.model.depth_of_field_m(0.04);
+  const double lowest_m = 0.015 - 4.0 * dof_m;
+  double end_m = lowest_m;
+  int looks = 0;
+  const CalibrationRig rig{.zoom = [&](double to_m) -> tl::expected<void, std::string> {
+                             axes.magnification_m = to_m;
+                             return {};
+                           },
+                           .look = [&](double to_m) -> tl::expected<cv::Mat, std::string> {
+                             // Twenty-four pictures find the focus; one in it; the next lies below.
+                             end_m = ++looks == 26 ? 0.015 - 0.35 * dof_m : lowest_m;
+                             axes.focus_m = std::max(end_m, to_m);
+                             return scope.picture(axes, 0.0);
+                           },
+                           .positions = [&] { return axes; },
+                           .lowest_m = lowest_m,
+                           .highest_m = 0.03};
+  CalibrationSettings once;
+  once.magnifications = 1;
+  const auto calibration = calibrate(rig, settings.model, once);
+  ASSERT_TRUE(calibration) << calibration.error();
+  EXPECT_NEAR(axes.magnification_m, 0.04, 1e-12);
+  EXPECT_NEAR(calibration->model.focus_scale_per_m, 8.0, 0.8);
 }
 
 TEST(Calibration, SaysWhereItWasThatNothingWasFound) {

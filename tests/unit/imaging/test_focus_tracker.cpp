@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -116,6 +117,48 @@ TEST_F(Tracking, NeverLeavesTheAxis) {
     look(tracker);
   }
   EXPECT_LE(tracker.centre_m(), 0.02);
+}
+
+TEST_F(Tracking, AStepIsTheLawsOnTheGradientOfTheLogarithm) {
+  for (const double off : {-0.7, 0.5}) {
+    FocusTrackerSettings settings;
+    settings.rest_pictures = 1;
+    FocusTracker tracker = locked(settings, off);
+    look(tracker);
+    const double centre_m = tracker.centre_m();
+    std::array<double, 2> logs{};
+    for (double& log : logs) {
+      look(tracker);
+      log = std::log(tracker.sharpness().tenengrad);
+    }
+    // Eq. 157 over a window of one depth of field; eq. 158 with an alpha that goes 0.6 of the way where the
+    // peak is a Gaussian of this width.
+    const double gradient = logs[1] - logs[0];
+    const double alpha = 2.0 * 0.6 * 1.2 * 1.2 / 0.5;
+    EXPECT_NEAR((tracker.centre_m() - centre_m) / kDof_m, 0.5 * std::tanh(0.5 * alpha * gradient), 1e-9)
+        << off;
+    EXPECT_LT(std::abs(off_dof(tracker)), std::abs(off));
+  }
+}
+
+TEST_F(Tracking, APictureWithoutSharpnessHasALogarithm) {
+  FocusTrackerSettings settings;
+  settings.rest_pictures = 1;
+  FocusTracker tracker = locked(settings);
+  const cv::Mat grey(128, 128, CV_8U, cv::Scalar(120));
+  for (int i = 0; i < 3; ++i) tracker.seen(grey, tracker.next_m());
+  EXPECT_EQ(tracker.centre_m(), focus_m_);  // twice the same: no gradient
+}
+
+TEST_F(Tracking, RestsAgainAfterASmallStepOnly) {
+  FocusTrackerSettings settings;
+  settings.rest_pictures = 1;
+  FocusTracker far = locked(settings, 1.5);
+  for (int i = 0; i < 3; ++i) look(far);
+  EXPECT_FALSE(far.resting());  // another pair at once
+  FocusTracker near = locked(settings);
+  for (int i = 0; i < 3; ++i) look(near);
+  EXPECT_TRUE(near.resting());
 }
 
 TEST_F(Tracking, AStepIsBounded) {

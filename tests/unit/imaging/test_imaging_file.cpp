@@ -60,5 +60,31 @@ TEST(ImagingFile, RefusesWhatItDoesNotKnow) {
   EXPECT_THROW(load_imaging("no-such-unit.toml"), StartupError);
 }
 
+TEST(ImagingFile, RefusesWhatIsOfAnotherUnitOrInOtherUnits) {
+  // Micrometres instead of the logarithm of metres; millimetres instead of metres.
+  EXPECT_EQ(refusal("[coupling]\nlog_scale = [25, 0, 0, 0]\n"),
+            "unit.toml: coupling.log_scale = [25, 0, 0, 0]: makes a pixel 7.20049e+10 m wide where the "
+            "magnification is at 0 of its travel; it must lie within [1e-08, 0.01] m; calibrate anew");
+  EXPECT_NE(refusal("[coupling]\nlog_scale = [-10.6, -9, 0, 0]\n").find("at 1 of its travel"),
+            std::string::npos);
+  EXPECT_NE(refusal("[coupling]\nlog_scale = [-10.6, 0, 0, 99]\n").find("coupling.log_scale"),
+            std::string::npos);
+  EXPECT_EQ(
+      refusal("[coupling]\nridge_m = [13, 6, -3]\n"),
+      "unit.toml: coupling.ridge_m = [13, 6, -3]: puts the focus at 13 m where the magnification is at 0 "
+      "of its travel; the travel is [0, 0.03] m; calibrate anew");
+  EXPECT_NE(refusal("[coupling]\nridge_m = [0.01, -0.05, 0]\n").find("puts the focus at -0.04 m"),
+            std::string::npos);
+  EXPECT_NE(refusal("[picture]\nflat_field = [0, 0, -0.8, 0]\n")
+                .find("picture.flat_field = [0, 0, -0.8, 0]: leaves -0.2"),
+            std::string::npos)
+      << refusal("[picture]\nflat_field = [0, 0, -0.8, 0]\n");
+  EXPECT_NE(refusal("[picture]\nflat_field = [0, 1.4, 0, 0]\n").find("picture.flat_field"),
+            std::string::npos);
+  // Steep, but of a lens that there is.
+  EXPECT_EQ(refusal("[picture]\nflat_field = [0.1, 0, -0.5, 0]\n[coupling]\nridge_m = [-0.005, 0.04, 0]\n"),
+            "");
+}
+
 }  // namespace
 }  // namespace telekerf::imaging

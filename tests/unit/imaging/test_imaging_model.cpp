@@ -90,6 +90,21 @@ TEST(PictureCorrection, TakesOutTheLight) {
   EXPECT_EQ(correction.apply(colours).type(), CV_8UC3);
 }
 
+TEST(PictureCorrection, KeepsDepthAndChannels) {
+  ImagingModel model;
+  model.flat_field = {0.0, 0.0, -0.2, 0.0};
+  PictureCorrection correction(model);
+  const cv::Mat deep(120, 160, CV_16UC4, cv::Scalar(20000, 30000, 40000, 50000));
+  const cv::Mat even = correction.apply(deep);
+  ASSERT_EQ(even.type(), CV_16UC4);
+  const auto middle = even.at<cv::Vec4w>(60, 80);
+  EXPECT_NEAR(middle[0], 20000, 20);
+  EXPECT_NEAR(middle[3], 50000, 50);
+  EXPECT_NEAR(even.at<cv::Vec4w>(60, 159)[1], 30000 / 0.8, 400);
+  // Another size of pictures is prepared for, too.
+  EXPECT_EQ(correction.apply(cv::Mat(60, 80, CV_8U, cv::Scalar(100))).size(), cv::Size(80, 60));
+}
+
 TEST(PictureCorrection, TakesOutTheDistortion) {
   ImagingModel model;
   model.distortion = -0.05;

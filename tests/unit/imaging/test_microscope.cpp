@@ -118,6 +118,42 @@ TEST(Microscope, DustIsSharpOnALayerOfItsOwn) {
   EXPECT_GT(darkest(0.0), 85.0);
 }
 
+TEST(Microscope, ASpeckIsAsLargeAShareOfEveryPicture) {
+  for (const int width : {128, 640}) {
+    MicroscopeSettings settings = quiet();
+    settings.picture = {width, width};
+    settings.model.flat_field = {};
+    settings.model.optics.sharpest_px = 0.1;
+    settings.dust_specks = 1;
+    settings.dust_dof = 0.0;
+    SimulatedMicroscope scope(settings, of(Target::kBlank));
+    const cv::Mat picture = scope.picture({kZoom_m, scope.best_focus_m(kZoom_m)}, 0.0);
+    // Rows that the speck darkens: its diameter, wherever it lies.
+    int rows = 0;
+    double darkest = 255.0;
+    for (int y = 0; y < width; ++y) {
+      double least = 255.0;
+      cv::minMaxLoc(picture.row(y), &least);
+      darkest = std::min(darkest, least);
+      if (least < 100.0) ++rows;
+    }
+    EXPECT_EQ(rows, 2 * 2 * width / 128 + 1) << width;
+    EXPECT_NEAR(darkest, 0.25 * 150.0, 2.0);
+  }
+}
+
+TEST(Microscope, FarOffItShowsAnEvenPictureHoweverFar) {
+  SimulatedMicroscope scope(quiet(), of(Target::kRelief));
+  const double focus_m = scope.best_focus_m(kZoom_m);
+  MicroscopeSettings fine = quiet();
+  fine.model.flat_field = {};
+  fine.model.optics.numerical_aperture = 1.5;  // depths of field of a few micrometres
+  SimulatedMicroscope far(fine, of(Target::kRelief));
+  const cv::Mat picture = far.picture({kZoom_m, focus_m + 0.01}, 0.0);
+  EXPECT_GT(std::abs(far.defocus_dof({kZoom_m, focus_m + 0.01})), 500.0);
+  EXPECT_LT(grey_sums(picture).variance(), 4.0);
+}
+
 TEST(Microscope, APixelGathersTheLightOfSeveralTexels) {
   // Stripes of one texel, and of eight, seen by pixels of 1.75 texels: the one is even, the other nearly as
   // it is.

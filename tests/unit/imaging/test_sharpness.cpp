@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "slave/vision/imaging/sharpness.h"
 #include "slave/vision/imaging/targets.h"
@@ -142,6 +144,95 @@ TEST(Sharpness, HasTheFlatFieldTakenOut) {
   EXPECT_LT(without, 0.05 * with);
 }
 
+TEST(FlatOf, IsTheVarianceWithinEachTile) {
+  cv::RNG random(4);
+  cv::Mat light(91, 117, CV_64F);  // tiles of unequal sizes
+  random.fill(light, cv::RNG::UNIFORM, 0.5, 1.5);
+  const auto flat = flat_of(light);
+  for (int row = 0; row < kTileRows; ++row) {
+    for (int column = 0; column < kTileColumns; ++column) {
+      const cv::Mat tile = light(cv::Range(row * 91 / 8, (row + 1) * 91 / 8),
+                                 cv::Range(column * 117 / 8, (column + 1) * 117 / 8));
+      cv::Scalar mean;
+      cv::Scalar deviation;
+      cv::meanStdDev(tile, mean, deviation);
+      EXPECT_NEAR(flat[static_cast<std::size_t>(8 * row + column)], std::pow(deviation[0] / mean[0], 2), 1e-9)
+          << row << ", " << column;
+    }
+  }
+  const auto dark = flat_of(cv::Mat(64, 64, CV_64F, cv::Scalar(0.0)));
+  for (const double value : dark) EXPECT_EQ(value, 0.0);
+}
+
+TEST(Sharpness, OfABlackTileIsNothing) {
+  cv::Mat half = eight(tissue());
+  half(cv::Rect(0, 0, 128, 256)).setTo(0);
+  half.at<std::uint8_t>(3, 3) = 40;  // a hot pixel in the dark
+  const Sharpness seen = sharpness_of(half, {});
+  for (std::size_t tile = 0; tile < kTiles; ++tile) EXPECT_EQ(seen.tiles[tile] == 0.0, tile % 8 < 4) << tile;
+}
+
+TEST(Sharpness, OfATileOfOneGreyLevelCounts) {
+  cv::Mat stripes(64, 64, CV_8U, cv::Scalar(0));
+  for (int x = 0; x < 64; x += 2) stripes.col(x).setTo(2);  // mean 1, variance 1
+  const Sharpness seen = sharpness_of(stripes, {.noise_variance = 0.5, .flat = {}});
+  EXPECT_DOUBLE_EQ(seen.variance, 0.5);
+  EXPECT_GT(seen.variance_deviation, 0.0);
+  EXPECT_EQ(seen.tenengrad, 0.0);  // the stripes are finer than Sobel's arms
+  for (int x = 0; x < 64; ++x) stripes.col(x).setTo(x / 4 % 2 == 0 ? 0 : 2);
+  EXPECT_GT(sharpness_of(stripes, {}).tenengrad, 1.0);
+}
+
+TEST(Sharpness, IsTheMeanOfTheTilesWithoutTheLargestTen) {
+  const cv::Mat picture = noisy(tissue(), 3.0, 2);
+  const Background background{.noise_variance = 9.0, .flat = {}};
+  const Sharpness seen = sharpness_of(picture, background);
+  std::vector<double> tiles;
+  double mean = 0.0;
+  for (const GreySums& sums : tile_sums(picture)) {
+    tiles.push_back((sums.variance() - 9.0) / (sums.mean() * sums.mean()));
+    mean += sums.mean() / 64.0;
+  }
+  for (std::size_t i = 0; i < kTiles; ++i) EXPECT_NEAR(seen.tiles[i], tiles[i], 1e-15);
+  EXPECT_NEAR(seen.mean, mean, 1e-9);
+  std::sort(tiles.begin(), tiles.end());
+  double sum = 0.0;
+  for (int i = 0; i < 54; ++i) sum += tiles[static_cast<std::size_t>(i)];
+  EXPECT_NEAR(seen.variance, sum / 54.0, 1e-12);
+  // Of noise of variance v on a mean m: 2 v^2 + 4 v S m^2 over the pixels and m^4.
+  const double noise = 9.0 / (mean * mean);
+  EXPECT_NEAR(seen.variance_deviation,
+              std::sqrt((2.0 * noise * noise + 4.0 * noise * seen.variance) / (256.0 * 256.0)), 1e-12);
+  // Each gradient has 12 v of it in each direction, and four neighbours count as one.
+  const double slope = 12.0 * noise;
+  EXPECT_NEAR(seen.tenengrad_deviation,
+              std::sqrt(4.0 * (4.0 * slope * slope + 4.0 * slope * seen.tenengrad) / (256.0 * 256.0)), 1e-12);
+}
+
+TEST(Sharpness, IsTheSquareOfBothSobelGradients) {
+  const cv::Mat picture = noisy(tissue(), 3.0, 6)(cv::Rect(3, 5, 150, 134));
+  cv::Mat across;
+  cv::Mat down;
+  cv::Sobel(picture, across, CV_64F, 1, 0);
+  cv::Sobel(picture, down, CV_64F, 0, 1);
+  std::vector<double> slopes;
+  for (int row = 0; row < 8; ++row) {
+    for (int column = 0; column < 8; ++column) {
+      // The outermost pixels have none.
+      const cv::Range rows(std::max(1, row * 134 / 8), std::min(133, (row + 1) * 134 / 8));
+      const cv::Range columns(std::max(1, column * 150 / 8), std::min(149, (column + 1) * 150 / 8));
+      const cv::Mat a = across(rows, columns);
+      const cv::Mat d = down(rows, columns);
+      const double mean = tile_sums(picture)[static_cast<std::size_t>(8 * row + column)].mean();
+      slopes.push_back((a.dot(a) + d.dot(d)) / static_cast<double>(a.total()) / (mean * mean));
+    }
+  }
+  std::sort(slopes.begin(), slopes.end());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 54; ++i) sum += slopes[i];
+  EXPECT_NEAR(sharpness_of(picture, {}).tenengrad, sum / 54.0, 1e-9 * sum);
+}
+
 TEST(Sharpness, LeavesOutSingleSpecks) {
   cv::Mat paper(256, 256, CV_32F, cv::Scalar(200));
   for (int i = 0; i < 8; ++i) cv::circle(paper, {16 + 32 * i, 16 + 32 * i}, 5, cv::Scalar(50), cv::FILLED);
@@ -186,6 +277,33 @@ TEST(AtRest, MovementIsSeenInFocusAndOut) {
     const cv::Mat there = soft(cv::Rect(12, 10, 256, 256));
     EXPECT_TRUE(compare_at_rest(noisy(here, 2.0, 1), noisy(there, 2.0, 2)).moved()) << blur;
   }
+}
+
+TEST(AtRest, TheCoherenceIsThatOfTheMeansOverBlocks) {
+  const cv::Mat a = noisy(tissue(), 2.0, 1)(cv::Rect(0, 0, 101, 67));
+  const cv::Mat b = noisy(tissue(1.3), 2.0, 2)(cv::Rect(0, 0, 101, 67));
+  cv::Mat difference;
+  cv::subtract(a, b * 1.0, difference, cv::noArray(), CV_64F);
+  const double gain = cv::mean(a)[0] / cv::mean(b)[0];
+  for (int y = 0; y < a.rows; ++y) {
+    for (int x = 0; x < a.cols; ++x)
+      difference.at<double>(y, x) = a.at<std::uint8_t>(y, x) - gain * b.at<std::uint8_t>(y, x);
+  }
+  const double variance = difference.dot(difference) / (101.0 * 67.0);
+  double most = 0.0;
+  for (const int block : {2, 8}) {
+    double squares = 0.0;
+    int count = 0;
+    for (int y = 0; y + block <= 67; y += block) {
+      for (int x = 0; x + block <= 101; x += block, ++count)
+        squares += std::pow(cv::mean(difference(cv::Rect(x, y, block, block)))[0], 2);
+    }
+    most = std::max(most, (block * block * squares / count / variance - 1.0) / std::sqrt(2.0 / count));
+  }
+  const RestPair pair = compare_at_rest(a, b);
+  EXPECT_GT(most, 1.0);
+  EXPECT_NEAR(pair.coherence_deviations, most, 1e-3 * most);
+  EXPECT_NEAR(pair.noise_variance, 0.5 * variance, 1e-3 * variance);
 }
 
 TEST(AtRest, TheSamePictureTwiceHasNoNoiseAndHasNotMoved) {

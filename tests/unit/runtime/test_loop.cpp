@@ -134,5 +134,11 @@ TEST(RealTime, WhatIsSaidIsWhatTheSystemGrantsThisProcess) {
       << all;
 }
 
+TEST(Deadlines, AreAPeriodApartAndWhatHasPassedIsLeftOut) {
+  EXPECT_EQ(next_deadline_ns(1000, 50, 1010), 1050);
+  EXPECT_EQ(next_deadline_ns(1000, 50, 1050), 1050);
+  EXPECT_EQ(next_deadline_ns(1000, 50, 1300), 1300);
+}
+
 }  // namespace
 }  // namespace telekerf

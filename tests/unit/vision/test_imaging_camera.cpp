@@ -130,6 +130,142 @@ TEST_F(ImagingCameraTest, AxesThatStopAnsweringAreACameraThatIsGone) {
   EXPECT_NE(seen.error().find("stopped answering"), std::string::npos);
 }
 
+/// What the camera above the axes gives is decided picture by picture.
+class ImagedSourceTest : public ImagingCameraTest {
+ protected:
+  void open_source(const ImagingCamera::Source& source, FocusLaw law = FocusLaw::kSearch) {
+    const ImagingFile file = default_imaging();
+    runner_ = std::make_shared<AxesRunner>(open_axes("simulated", {.model = file.axes, .period_s = 1e-3}),
+                                           file.axes);
+    camera_.emplace(settings(law), runner_, source, [this] {
+      for (int i = 0; i < 50; ++i) runner_->step();
+    });
+  }
+  void home() {
+    for (int i = 0; i < 400 && runner_->state() == AxesControl::State::kHoming; ++i) (void)camera_->next();
+    ASSERT_EQ(runner_->state(), AxesControl::State::kReady);
+  }
+};
+
+TEST_F(ImagedSourceTest, APrintedLawWithoutPicturesStandsStill) {
+  const ImagingCamera::Source microscope = simulated_source(default_imaging().model, relief(), 0.03);
+  bool gone = false;
+  open_source(
+      [&](const AxisPositions& axes, double time_s) -> Camera::Result {
+        if (gone) return tl::unexpected<std::string>("the camera is gone");
+        return microscope(axes, time_s);
+      },
+      FocusLaw::kThesis);
+  home();
+  for (int i = 0; i < 6; ++i) (void)camera_->next();  // it is on its way
+  gone = true;
+  EXPECT_EQ(camera_->next().error(), "the camera is gone");
+  for (int i = 0; i < 4; ++i) (void)camera_->next();  // it brakes
+  const double here = value("focus_mm");
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(camera_->next());
+  EXPECT_NEAR(value("focus_mm"), here, 0.02);
+  gone = false;
+  EXPECT_TRUE(camera_->next());
+}
+
+TEST_F(ImagedSourceTest, PicturesOfAnotherSizeAreFocusedAnew) {
+  const ImagingCamera::Source microscope = simulated_source(default_imaging().model, relief(), 0.03);
+  bool small = false;
+  open_source([&](const AxisPositions& axes, double time_s) -> Camera::Result {
+    auto seen = microscope(axes, time_s);
+    if (small) (*seen)->image = (*seen)->image(cv::Rect(80, 60, 480, 360)).clone();
+    return seen;
+  });
+  home();
+  for (int i = 0; i < 30; ++i) (void)camera_->next();
+  EXPECT_EQ(value("focus_locks"), 0.0);
+  small = true;  // in the middle of a search
+  const auto frame = usable();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->image.size(), cv::Size(480, 360));
+  small = false;
+  ASSERT_TRUE(usable());
+  EXPECT_EQ(value("focus_locks"), 2.0);
+}
+
+TEST_F(ImagedSourceTest, WhatCannotBeFocusedIsRefusedInWords) {
+  Frame frame{.source = "camera", .file = "picture.png", .image = {}};
+  open_source([&](const AxisPositions&, double) -> Camera::Result { return frame; });
+  for (int i = 0; i < 400 && runner_->state() == AxesControl::State::kHoming; ++i) (void)camera_->next();
+  (void)camera_->next();
+  EXPECT_NE(camera_->next().error().find("it must be a live one, v4l2:N or video:PATH"), std::string::npos);
+  frame.image = cv::Mat(7, 640, CV_8U, cv::Scalar(100));
+  EXPECT_EQ(camera_->next().error(),
+            "imaging: the camera's pictures must have at least 8 x 8 pixels; they have 640 x 7");
+  frame.image = cv::Mat(480, 640, CV_32F, cv::Scalar(100));
+  EXPECT_EQ(camera_->next().error(),
+            "imaging: the camera's pictures must have 8 or 16 bits and 1, 3 or 4 channels; they have 32 bits "
+            "and 1");
+  frame.image = cv::Mat(480, 640, CV_8UC2, cv::Scalar(100, 100));
+  EXPECT_NE(camera_->next().error().find("8 bits and 2"), std::string::npos);
+  frame.image = cv::Mat(480, 640, CV_8UC3, cv::Scalar(100, 100, 100));
+  EXPECT_TRUE(camera_->next());
+}
+
+TEST(FocusGrey, IsTheSameForEveryDepthAndChannel) {
+  EXPECT_EQ(focus_grey(cv::Mat(8, 8, CV_16U, cv::Scalar(257 * 77))).at<std::uint8_t>(3, 3), 77);
+  EXPECT_EQ(focus_grey(cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(55))).at<std::uint8_t>(3, 3), 55);
+  EXPECT_EQ(focus_grey(cv::Mat(8, 8, CV_16UC4, cv::Scalar::all(257 * 90))).at<std::uint8_t>(3, 3), 90);
+  EXPECT_EQ(focus_grey(cv::Mat(8, 8, CV_8UC3, cv::Scalar(0, 0, 100))).at<std::uint8_t>(0, 0), 30);  // red
+}
+
+TEST_F(ImagingCameraTest, AxesThatDoNotArriveAreSaid) {
+  const ImagingFile file = default_imaging();
+  /// Held from outside once it is told to.
+  class Held final : public Axes {
+   public:
+    Held(std::unique_ptr<SimulatedAxes> axes, const bool& held) : axes_(std::move(axes)), held_(held) {}
+    AxesReading read() noexcept override {
+      if (!held_) axes_->advance(1e-3);
+      return axes_->read();
+    }
+    void write(const PerAxis& currents_a) noexcept override { axes_->write(currents_a); }
+
+   private:
+    std::unique_ptr<SimulatedAxes> axes_;
+    const bool& held_;
+  };
+  bool held = false;
+  auto held_axes =
+      std::make_unique<Held>(std::make_unique<SimulatedAxes>(file.axes, PerAxis{5e-3, 5e-3}, 0.0, 1), held);
+  runner_ = std::make_shared<AxesRunner>(AxesDevice{std::move(held_axes), nullptr}, file.axes);
+  camera_.emplace(settings(), runner_, simulated_source(file.model, relief(), 0.03), [this] {
+    for (int i = 0; i < 50; ++i) runner_->step();
+  });
+  ASSERT_TRUE(usable());
+  EXPECT_EQ(camera_->remark(), "in focus");
+  held = true;
+  camera_->zoom(0.6);
+  // A second less than the longest way takes, and two more.
+  const int pictures = static_cast<int>(runner_->longest_way_s() / 0.05);
+  for (int i = 0; i < pictures - 20; ++i) EXPECT_FALSE(*camera_->next());
+  EXPECT_EQ(camera_->remark(), "");
+  for (int i = 0; i < 40; ++i) (void)camera_->next();
+  EXPECT_EQ(
+      camera_->remark(),
+      "the axes do not arrive where they are sent; see what holds them, or whether the imaging file is of "
+      "this unit");
+}
+
+TEST_F(ImagingCameraTest, RefocusingWhileItRefocusesBeginsAnewOnceMore) {
+  open(relief(), settings());
+  ASSERT_TRUE(usable());
+  for (int i = 0; i < 12; ++i) {
+    camera_->refocus();
+    for (int k = 0; k < i; ++k) (void)camera_->next();
+    if (i % 5 == 0) camera_->zoom(0.2 + 0.02 * i);
+  }
+  ASSERT_TRUE(usable());
+  EXPECT_EQ(value("imaging_state"), 1.0);
+  EXPECT_NEAR(value("zoom"), 0.4, 1e-3);
+  EXPECT_LE(value("focus_pictures"), 24.0);  // of the newest search
+}
+
 TEST_F(ImagingCameraTest, ThePrintedLawNeedsItsExcitationAndThenClimbs) {
   open(relief(), settings(FocusLaw::kThesis));
   for (int i = 0; i < 30; ++i) ASSERT_TRUE(camera_->next());
