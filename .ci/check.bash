@@ -20,6 +20,7 @@
 #     tidy      clang-tidy                                                 build-tidy/
 #     packages  Debian packages in bare roots of Debian 12 and 13: install, cut, upgrade during a cut, remove, purge; one
 #               drives the other (as root)                              build-roots/
+#     readme    the README's two commands in a bare root of Debian 13: demo and all tests (as root, an hour)   build-roots/
 #     chaos     1000 chaos runs, 1000 stops with and without losses, and an hour of both sites in virtual time
 #
 #   ./telekerf check mutation [--count N] [--seed S] [--folder F]
@@ -27,7 +28,7 @@
 #   Not among the parts, as it takes hours: puts N small faults (100) into the code, one at a time, and counts those
 #   that the tests notice. The last line is `score NN %`.
 
-readonly check_parts="werror demo processes rogues secured headers examples fuzz bench asan tsan tidy packages chaos"
+readonly check_parts="werror demo processes rogues secured headers examples fuzz bench asan tsan tidy packages readme chaos"
 
 # Benchmarks, all of them if none is named, on standard output.
 bench() {
@@ -90,6 +91,7 @@ check_bench() { bench; }
 check_asan() { check_preset asan "$build-asan" && ctest --test-dir "$build-asan" --output-on-failure; }
 check_tsan() { check_preset tsan "$build-tsan" && ctest --test-dir "$build-tsan" --output-on-failure; }
 check_packages() { "$root/tests/packages/packages.bash" "$build-roots"; }
+check_readme() { "$root/tests/packages/readme.bash" "$build-roots" trixie; }
 check_chaos() {
   ninja -C "$build" telekerf-experiment test_flat_memory || return 1
   TELEKERF_FLAT_S=3600 "$build/bin/test_flat_memory" || return 1

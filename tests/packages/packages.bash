@@ -3,8 +3,9 @@
 # Debian's packages in bare roots of Debian 12 and 13: packages.bash FOLDER [RELEASE ..]
 #
 # For each release: a root is bootstrapped, the packages are built in it by `./telekerf package`; in a second, bare one they
-# are installed, cut, are upgraded during a cut, removed and purged. Then a master of Debian 12 drives a slave of Debian 13
-# across two network namespaces. The roots stay in FOLDER and are used again. Needs root, debootstrap and Debian's archive.
+# are installed, cut, are upgraded during a cut, removed and purged; in a third, booted one they run as services. Then a master
+# of Debian 12 drives a slave of Debian 13 across two network namespaces, and the other way round. The roots stay in FOLDER and
+# are used again. Needs root, debootstrap and Debian's archive.
 set -euo pipefail
 
 source=$(cd "$(dirname "$0")/../.." && pwd)
@@ -12,38 +13,8 @@ folder=$(mkdir -p "$1" && cd "$1" && pwd)
 releases=("${@:2}")
 ((${#releases[@]} > 0)) || releases=(bookworm trixie)
 readonly source folder releases
-mkdir -p "$folder/archives" "$folder/ccache"
-
-good() { echo "packages: $*"; }
-bad() { echo "packages: NOT GOOD: $*" >&2; exit 1; }
-
-# bootstrap NAME RELEASE [PACKAGES]: a bare root, as it is installed from the archive.
-bootstrap() {
-  local at=$folder/$1
-  if [[ ! -e $at/.whole ]]; then
-    rm -rf "$at"
-    debootstrap --variant=minbase "--include=systemd${3:+,$3}" --cache-dir="$folder/archives" "$2" "$at"
-    # Packages stay cached.
-    printf 'APT::Keep-Downloaded-Packages "true";\nAPT::Install-Recommends "false";\n' >"$at/etc/apt/apt.conf.d/90keep"
-    rm -f "$at/etc/apt/apt.conf.d/docker-clean"
-    touch "$at/.whole"
-  fi
-  mkdir -p "$at/source" "$at/build" "$at/ccache" "$at/debs"
-}
-
-# within NAME COMMAND: as root of that system; `ns` names the network namespace, if any.
-ns=
-within() {
-  local at=$folder/$1 net=()
-  [[ -z $ns ]] || net=(nsenter "--net=/run/netns/$ns")
-  cp -L /etc/resolv.conf "$at/etc/resolv.conf"
-  "${net[@]}" unshare --mount --propagation private bash -c '
-    at=$0 source=$1 folder=$2
-    mount -t proc proc "$at/proc"; mount --rbind /dev "$at/dev"; mount --bind "$source" "$at/source"
-    mount --bind "$folder/ccache" "$at/ccache"; mount --bind "$folder/archives" "$at/var/cache/apt/archives"
-    exec chroot "$at" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 CCACHE_DIR=/ccache \
-      DEBIAN_FRONTEND=noninteractive bash -ec "$3"' "$at" "$source" "$folder" "$2"
-}
+# shellcheck source=tests/packages/roots.bash
+source "$source/tests/packages/roots.bash"
 
 # build RELEASE: its packages, into FOLDER/debs-RELEASE.
 build() {
@@ -53,6 +24,12 @@ build() {
   rm -rf "$folder/debs-$1"
   mkdir -p "$folder/debs-$1"
   cp "$folder/build-$1"/build/telekerf-package/*.deb "$folder/debs-$1"
+  local deb version debs=("$folder/debs-$1"/*.deb)
+  version=$("$source/telekerf" --version)
+  for deb in "${debs[@]}"; do
+    [[ $(dpkg-deb -f "$deb" Version) =~ ^"$version~deb"[0-9]+$ ]] || bad "$deb is not of version $version"
+  done
+  good "$1: ${#debs[@]} packages of version $version, no error and no warning of lintian's"
 }
 
 # newer FROM TO: the same packages as the next version.
@@ -82,6 +59,16 @@ value = json.load(open(sys.argv[1]))
 for key in sys.argv[2].strip(".").split("."): value = value[key]
 print(value)' "$1" "$2"; }
 
+# exposure NAME: what the systemd of that root says of each unit of a service; above 2.0 of 10 is not good.
+exposure() {
+  within "$1" 'for unit in /usr/lib/systemd/system/telekerf-*.service; do
+    systemd-analyze security --offline=yes --threshold=20 --no-pager "$unit" >/exposure.txt || cat /exposure.txt
+    said=$(grep "Overall exposure" /exposure.txt)
+    echo "${unit##*/}: ${said#* }"
+    [[ $said =~ :\ ([0-9])\.([0-9])\  ]] && ((BASH_REMATCH[1] * 10 + BASH_REMATCH[2] <= 20))
+  done'
+}
+
 # life RELEASE: install, cut, upgrade during a cut, remove, purge.
 life() {
   local name=bare-$1 debs=$folder/debs-$1 at=$folder/bare-$1 begun lost
@@ -101,6 +88,7 @@ life() {
     for program in slave vision master console; do
       telekerf-$program --config /etc/telekerf/cell-1.toml --print-config >/dev/null
     done'
+  exposure "$name" || bad "$1: a unit is exposed above 2.0 of 10, see above"
 
   newer "$debs" "$at/newer"
   : >"$at/systemctl.txt"
@@ -126,10 +114,14 @@ life() {
 }
 
 # services RELEASE: both sites under systemd, in a container that is booted.
+left_out=()
 services() {
-  local name=booted-$1 at=$folder/booted-$1
-  if [[ $1 != bookworm && $(stat -fc %T /sys/fs/cgroup) != cgroup2fs ]]; then
-    good "$1: its systemd needs cgroups of version 2, which this computer does not have: services not tried"
+  local name=booted-$1 at=$folder/booted-$1 hierarchy=no
+  # From Debian 13 on systemd knows the cgroups of version 2 alone.
+  if [[ $1 != bookworm || $(stat -fc %T /sys/fs/cgroup) == cgroup2fs ]]; then hierarchy=yes; fi
+  if [[ $hierarchy == yes ]] && ! grep -qw cgroup2 /proc/filesystems; then
+    left_out+=("services on $1: its systemd needs cgroups of version 2, which this computer does not have")
+    echo "packages: LEFT OUT: ${left_out[-1]}"
     return
   fi
   rm -rf "$at"
@@ -143,18 +135,33 @@ services() {
   printf '[Unit]\nAfter=multi-user.target\n[Service]\nExecStart=/bin/bash /services.bash\n' >"$at/etc/systemd/system/try.service"
   mkdir -p "$at/etc/systemd/system/multi-user.target.wants"
   ln -sf ../try.service "$at/etc/systemd/system/multi-user.target.wants/try.service"
-  timeout 600 systemd-nspawn --register=no --keep-unit --capability=all -b -D "$at" --private-network || true
-  [[ $(tail -n 1 "$at/result.txt") == GOOD ]] || { cat "$at/result.txt"; bad "$1: services, see above"; }
+  rm -f "$at/result.txt"
+  SYSTEMD_NSPAWN_UNIFIED_HIERARCHY=$hierarchy timeout 600 systemd-nspawn --register=no --keep-unit --capability=all -b -D "$at" --private-network || true
+  [[ $(tail -n 1 "$at/result.txt") == GOOD ]] || { cat "$at/result.txt" || true; bad "$1: services, see above"; }
   good "$1: both sites as services; upgraded during a cut, nothing lost"
 }
 
-# across MASTER SLAVE: two releases, two network namespaces, one cut.
+# seen FILE: `telekerf-ctl look --json` at the operator lists all three: host, version, and the clock of the slave's site.
+seen() { python3 - "$1" "$("$source/telekerf" --version)" <<'PYTHON'
+import json, sys
+all = {one["role"]: one for one in json.load(open(sys.argv[1]))}
+good = sorted(all) == ["master", "slave", "vision"] and all["master"]["host"] != "10.99.25.2"
+for role, one in all.items():
+    ahead_s = 0 if role == "master" else 90
+    good = good and one["version"] == sys.argv[2] and abs(one.get("clock_ahead_s", 1e9) - ahead_s) < 0.1
+    good = good and (role == "master" or one["host"] == "10.99.25.2")
+sys.exit(0 if good else 1)
+PYTHON
+}
+
+# across MASTER SLAVE: two releases, two network namespaces, clocks that differ by 90 s, one cut.
 across() {
   local left=telekerf-left right=telekerf-right out=$folder/across-$1-$2 pids=() name
+  local later='env DONT_FAKE_MONOTONIC=1 faketime -f +90s'
   for name in "$1" "$2"; do
     bootstrap "bare-$name" "$name"
     cp "$folder/debs-$name"/*.deb "$folder/bare-$name/debs"
-    within "bare-$name" 'apt-get install -y -q /debs/*.deb >/dev/null 2>&1; rm -rf /root/record; mkdir /root/record'
+    within "bare-$name" 'apt-get install -y -q /debs/*.deb faketime >/dev/null 2>&1; rm -rf /root/record; mkdir /root/record'
   done
   for name in $left $right; do ip netns del "$name" 2>/dev/null || true; ip netns add "$name"; ip -n "$name" link set lo up; done
   ip link add telekerf-l netns $left type veth peer name telekerf-r netns $right
@@ -164,9 +171,10 @@ across() {
   ip -n $right link set telekerf-r up
   ip -n $left route add 239.0.0.0/8 dev telekerf-l
   ip -n $right route add 239.0.0.0/8 dev telekerf-r
-  ns=$right within "bare-$2" 'exec telekerf-vision --insecure' & pids+=($!)
-  ns=$right within "bare-$2" 'exec telekerf-slave --insecure --record /root/record' & pids+=($!)
-  (sleep 8; ns=$left within "bare-$1" 'telekerf-ctl look --insecure') &
+  ns=$right within "bare-$2" "exec $later telekerf-vision --insecure" & pids+=($!)
+  ns=$right within "bare-$2" "exec $later telekerf-slave --insecure --record /root/record" & pids+=($!)
+  (sleep 8; ns=$left within "bare-$1" 'telekerf-ctl look --insecure; telekerf-ctl look --insecure --json >/root/look.json') &
+  pids+=($!)
   ns=$left within "bare-$1" 'telekerf-master --insecure --engage --duration-s 20 --record /root/record' || bad "the master of $1 failed"
   # What was started is a child of these; all of it is in the namespace.
   ip netns pids $right | xargs -r kill -TERM
@@ -181,6 +189,7 @@ across() {
   rm -rf "$folder/bare-$1/root/across"
   cp -r "$out" "$folder/bare-$1/root/across"
   within "bare-$1" 'telekerf-inspect run /root/across' || bad "the cut across $1 and $2"
+  seen "$folder/bare-$1/root/look.json" || { cat "$folder/bare-$1/root/look.json"; bad "the above is not who was there"; }
   ip netns del $left
   ip netns del $right
   good "a master of $1 drives a slave of $2: tracking rms $(figure "$folder/bare-$1/root/across/report.json" tracking.rms_um) um"
@@ -191,5 +200,9 @@ for release in "${releases[@]}"; do
   life "$release"
   services "$release"
 done
-if ((${#releases[@]} > 1)); then across "${releases[0]}" "${releases[1]}"; fi
-good "good"
+if ((${#releases[@]} > 1)); then
+  across "${releases[0]}" "${releases[1]}"
+  across "${releases[1]}" "${releases[0]}"
+fi
+((${#left_out[@]} == 0)) || printf 'packages: left out: %s\n' "${left_out[@]}"
+good "good$( ((${#left_out[@]} == 0)) || echo ", but for what was left out")"

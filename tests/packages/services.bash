@@ -34,8 +34,10 @@ apt-get install -y -q /newer/*.deb || bad "the upgrade fails"
 [[ $(running) == "$before" ]] || bad "the upgrade has touched what runs"
 sleep 2
 systemctl stop telekerf-operator@cell-1.target telekerf-cell@cell-1.target
+[[ -z $(systemctl list-units --failed --no-legend 'telekerf*') ]] || bad "a service does not end in order"
 telekerf-inspect run /var/lib/telekerf/run || bad "there is no report"
 grep -q '"lost": 0,' /var/lib/telekerf/run/report.json || bad "blocks were lost during the upgrade"
+! grep -q '"packets_per_s": 0.0,\?$' /var/lib/telekerf/run/report.json || bad "the report lacks the stream of the master"
 sed -i 's/^record = .*/#&/' /etc/telekerf/cell-1.toml # a folder is of one run
 systemctl start telekerf-cell@cell-1.target
 sleep 5

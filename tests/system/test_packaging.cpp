@@ -111,6 +111,22 @@ TEST(Units, OfRobotsNeverComeBackByThemselves) {
   }
 }
 
+TEST(Packages, HaveTheVersionThatStandsInOnePlaceAndTheChangelogSaysWhenItCame) {
+  const fs::path source = TELEKERF_SOURCE_DIR;
+  EXPECT_EQ(said_by("'" + (source / "telekerf").string() + "' --version"), TELEKERF_PROJECT_VERSION "\n");
+  // Changes since then may stand above it under [Unreleased].
+  std::smatch newest;
+  const std::string changes = text_of(source / "CHANGELOG.md");
+  ASSERT_TRUE(std::regex_search(changes, newest, std::regex(R"(\n## \[(\d[^\]]*)\](.*)\n)")));
+  EXPECT_EQ(newest[1], TELEKERF_PROJECT_VERSION);
+  EXPECT_TRUE(std::regex_match(newest[2].str(), std::regex(R"( - \d{4}-\d{2}-\d{2})")))
+      << newest[2] << ": its date";
+  for (const auto& entry : fs::recursive_directory_iterator(debian())) {
+    if (!entry.is_regular_file()) continue;
+    EXPECT_EQ(text_of(entry.path()).find(TELEKERF_PROJECT_VERSION), std::string::npos) << entry.path();
+  }
+}
+
 TEST(Packages, HoldEveryProgramAndUnit) {
   std::set<std::string> held;
   for (const auto& entry : fs::directory_iterator(debian())) {
