@@ -93,6 +93,7 @@ std::vector<Pair> pairs(const Options& options, double depth_mm) {
 ordered_json cut_json(const std::vector<Pair>& hands, const Options& options, double depth_mm) {
   ordered_json rows = ordered_json::array();
   std::vector<double> ratios, marked_ratios;
+  std::vector<double> lit_ratios, depths_mm;
   double tank_mj = 0.0, hand_mj = 0.0, outside_j = 0.0, felt = 0.0, held_back = 0.0, tracking = 0.0;
   for (std::size_t i = 0; i < hands.size(); ++i) {
     const Pair& pair = hands[i];
@@ -102,6 +103,9 @@ ordered_json cut_json(const std::vector<Pair>& hands, const Options& options, do
                     {"ratio", pair.ratio()}});
     ratios.push_back(pair.ratio());
     marked_ratios.push_back(pair.marked_ratio());
+    lit_ratios.push_back(static_cast<double>(pair.felt.lit_places) /
+                         static_cast<double>(pair.blind.lit_places));
+    depths_mm.push_back(1e3 * pair.felt.mean_depth_m);
     tank_mj = std::max(tank_mj, 1e3 * pair.felt.port_most_given_j);
     hand_mj = std::max(hand_mj, 1e3 * (pair.felt.most_given_j - pair.blind.most_given_j));
     outside_j = std::max(outside_j, pair.felt.energy_outside_j);
@@ -111,6 +115,8 @@ ordered_json cut_json(const std::vector<Pair>& hands, const Options& options, do
   }
   std::sort(ratios.begin(), ratios.end());
   std::sort(marked_ratios.begin(), marked_ratios.end());
+  std::sort(lit_ratios.begin(), lit_ratios.end());
+  std::sort(depths_mm.begin(), depths_mm.end());
   return {{"image", options.trial.image},
           {"netem", options.trial.netem},
           {"depth_mm", depth_mm},
@@ -119,6 +125,9 @@ ordered_json cut_json(const std::vector<Pair>& hands, const Options& options, do
           {"error_ratio_worst", ratios.back()},
           {"marked_error_ratio_median", marked_ratios[marked_ratios.size() / 2]},
           {"marked_error_ratio_worst", marked_ratios.back()},
+          {"lit_places_ratio_median", lit_ratios[lit_ratios.size() / 2]},
+          {"lit_places_ratio_worst", lit_ratios.front()},
+          {"mean_depth_mm_median", depths_mm[depths_mm.size() / 2]},
           {"felt_share", felt},
           {"held_back_share_max", held_back},
           {"port_beyond_drag_mj_max", tank_mj},

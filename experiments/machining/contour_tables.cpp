@@ -55,6 +55,10 @@ TableRows term_rows(const ordered_json& pictures) {
     });
     add(fmt::format("ratio, {}", key),
         [key = key](const ordered_json& p) { return ratio(p["equal_terms"][key]["normal_error_ratio"]); });
+    add(fmt::format("{}, median / worst of five seeds", key), [key = key](const ordered_json& p) {
+      const auto& term = p["equal_terms"][key];
+      return ratio(term["normal_error_ratio_median"]) + " / " + ratio(term["normal_error_ratio_worst"]);
+    });
   }
   return rows;
 }
