@@ -200,11 +200,10 @@ void Station::report_contours(std::span<const ContourMessage> adopted, RunRecord
 void Station::report(RunRecord& record) const {
   record.master = recorder_.rows();
   record.master_drive = {settings_.machine.drive, machine_.plant() != nullptr};
-  record.master_figures["drive_refused"] = static_cast<double>(machine_.refused());
-  record.master_figures["button_refused"] = static_cast<double>(button_refused());
-  record.master_figures["hand_refused"] = static_cast<double>(hand_refused());
-  record.master_figures["readings_missed"] = static_cast<double>(machine_.readings_missed());
-  record.master_figures["dropped_rows"] = static_cast<double>(recorder_.dropped());
+  for (const auto& [name, count] : {std::pair{"drive_refused", machine_.refused()},
+                                    {"button_refused", button_refused()}, {"hand_refused", hand_refused()},
+                                    {"readings_missed", machine_.readings_missed()}, {"dropped_rows", recorder_.dropped()}})
+    record.master_figures[name] = static_cast<double>(count);
   report_stream(settings_, node_, record);
 }
 

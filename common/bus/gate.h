@@ -36,7 +36,7 @@ class Gate {
   static constexpr std::int64_t kForgotten_ns = 10'000'000'000;  ///< after it was heard last, or gave way
   static constexpr std::int64_t kTrial_ns =
       2'000'000'000;                                   ///< time that nobody takes from it to prove who it is
-  static constexpr std::int64_t kLongestLease_s = 12;  ///< that an announcement may ask for
+  static constexpr std::int64_t kLongestLease_s = 20;  ///< that it may ask for: as Fast DDS by itself
   static constexpr std::int64_t kDeaf_ns = 6'500'000'000;  ///< after a farewell: longer than a lease
 
   using Prefix = std::array<std::uint8_t, 12>;

@@ -83,7 +83,7 @@ TEST(Gate, LetsInWhatIsProtectedAndWhatComesBeforeKeysAndNothingElse) {
   EXPECT_FALSE(admits(datagram(ours, 0x15, data_of(0x000100c2)))) << "an announcement of nothing";
   EXPECT_FALSE(admits(datagram(ours, 0x16, data_of(0x000100c2)))) << "a part of one";
   EXPECT_FALSE(admits(announcement(ours, {.mask = 0}))) << "without keys, in the name of one who has some";
-  EXPECT_FALSE(admits(announcement(ours, {.lease_s = 13}))) << "wants to be remembered for long";
+  EXPECT_FALSE(admits(announcement(ours, {.lease_s = 21}))) << "wants to be remembered for long";
   EXPECT_FALSE(admits(datagram(ours, 0x0c, std::vector<std::uint8_t>(20, 0)))) << "speaks in another's name";
   auto hidden = datagram(ours, 0x09, std::vector<std::uint8_t>(8, 0));
   const auto behind = datagram(ours, 0x33, secured);
