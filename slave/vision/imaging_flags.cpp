@@ -63,6 +63,12 @@ ImagingCamera::Source source_of(const ImagingFlags& flags, const ImagingModel& m
   if (camera == "none")
     throw usage_error(
         fmt::format("imaging = {}: --camera must say which camera looks through it", flags.imaging));
+  if (camera.starts_with("file:") || camera.starts_with("folder:"))
+    throw usage_error(
+        fmt::format("imaging = {}: --camera {} shows files, not what lies under the axes; it must be a live "
+                    "one, v4l2:N or "
+                    "video:PATH",
+                    flags.imaging, camera));
   return camera_source(open_camera(camera));
 }
 

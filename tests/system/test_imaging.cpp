@@ -54,7 +54,7 @@ TEST(Imaging, ACalibrationThatCannotBeIsRefusedAtOnce) {
   std::ofstream(file) << "a file";
   Program nowhere("telekerf-vision",
                   {"--imaging", "simulated", "--calibrate", (file / "unit.toml").string()});
-  EXPECT_EQ(nowhere.wait(seconds(10)), 2) << nowhere.output();
+  EXPECT_EQ(nowhere.wait(seconds(40)), 2) << nowhere.output();
   EXPECT_TRUE(nowhere.says("no-folder is no folder", seconds(1))) << nowhere.output();
 }
 
@@ -67,10 +67,13 @@ TEST(Imaging, AFileOfAnotherUnitIsRefused) {
       << vision.output();
 }
 
-TEST(Imaging, AxesOfYoursWantACamera) {
+TEST(Imaging, AxesOfYoursWantALiveCamera) {
   Program vision("telekerf-vision", {"--imaging", "udp:127.0.0.1:9"});
   EXPECT_EQ(vision.wait(seconds(40)), 2) << vision.output();
   EXPECT_TRUE(vision.says("--camera must say", seconds(1))) << vision.output();
+  Program files("telekerf-vision", {"--imaging", "udp:127.0.0.1:9", "--camera", "folder:pictures"});
+  EXPECT_EQ(files.wait(seconds(40)), 2) << files.output();
+  EXPECT_TRUE(files.says("--camera folder:pictures shows files", seconds(1))) << files.output();
 }
 
 #ifdef TELEKERF_AXES_EXAMPLE
