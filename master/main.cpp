@@ -52,7 +52,8 @@ const Lookout::Wish* missing_of(bool contour, bool slave, MasterMode mode) {
   return !contour ? &kContourMissing : !slave ? &kSlaveMissing : nullptr;
 }
 
-RivalWatch::Obeyed obeyed_by(const StateHeader* slave, std::uint32_t epoch) {
+RivalWatch::Obeyed obeyed_by(const StateHeader* slave, bool gone, std::uint32_t epoch) {
+  if (gone) return RivalWatch::Obeyed::kUnheard;
   if (slave == nullptr || slave->master_epoch == 0) return RivalWatch::Obeyed::kNobody;
   return slave->master_epoch == epoch ? RivalWatch::Obeyed::kUs : RivalWatch::Obeyed::kAnother;
 }
@@ -144,7 +145,7 @@ int run(Flags& flags) {
       values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks(),
                                               node.link().newest_rtt_s(), station.stream()));
     link.step(slave);
-    const bool goes_on = rivals.goes_on(obeyed_by(slave, settings.epoch));
+    const bool goes_on = rivals.goes_on(obeyed_by(slave, node.slave_gone(now_ns), settings.epoch));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
     return goes_on && !done && !station.machine().failed() && station.obstacle() == nullptr;
   });

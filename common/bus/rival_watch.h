@@ -18,11 +18,17 @@ class RivalWatch {
  public:
   RivalWatch(const Bus& bus, StatusReporter& status) : bus_(bus), status_(status) {}
 
-  /// Whom the slave obeys, as far as its states tell.
-  enum class Obeyed : std::uint8_t { kNobody, kUs, kAnother };
+  /// Whom the slave obeys, as far as its states tell. kUnheard: it was heard, and what it said last is old.
+  enum class Obeyed : std::uint8_t { kNobody, kUs, kAnother, kUnheard };
+  enum class Verdict : std::uint8_t { kWaits, kStays, kGivesWay };
+  /// Of two masters: `seen`: since this one sees the other; `second`: by their names and starts it would be
+  /// this one's turn to give way. Nobody goes by what a slave said before it fell silent, or before this
+  /// process was suspended; a slave that stays silent is as good as none.
+  static Verdict judge(Obeyed obeyed, bool second, std::chrono::nanoseconds seen) noexcept;
   /// For the loop, every step, wait-free. False: this process gives way, and ends.
   [[nodiscard]] bool goes_on(Obeyed obeyed) noexcept {
     obeyed_.store(obeyed, std::memory_order_relaxed);
+    stepped_.store(std::chrono::steady_clock::now().time_since_epoch(), std::memory_order_relaxed);
     return !gives_way_.load(std::memory_order_acquire);
   }
   /// Now and then, from a thread that may write.
@@ -34,6 +40,7 @@ class RivalWatch {
   const Bus& bus_;
   StatusReporter& status_;
   std::atomic<Obeyed> obeyed_{Obeyed::kNobody};
+  std::atomic<std::chrono::steady_clock::duration> stepped_{};  ///< when the loop has said so
   std::atomic<bool> gives_way_{false};
   mutable std::mutex mutex_;
   std::string sentence_;

@@ -34,20 +34,15 @@ bool JointAccelerationControl::observe(const robot::JointReading& reading) noexc
   const auto state = kinematics_.state(now_.joints_m, now_.velocity_m_per_s);
   if (state) state_ = *state;
   posed_ = state.has_value();
-  modelled_n_ = modelled_n();
+  gravity_n_ = robot::gravity_force(model_, kinematics_, state_);
+  modelled_n_ = robot::coriolis_force(model_, state_) + gravity_n_ + friction_.seen_n();
   if (posed_ && measured_ && settings_.judged) measured_ = explained();
   return posed_;
 }
 
-Vec3 JointAccelerationControl::modelled_n() const noexcept {
-  return robot::coriolis_force(model_, state_) + robot::gravity_force(model_, kinematics_, state_) +
-         friction_.seen_n();
-}
-
 bool JointAccelerationControl::explained() noexcept {
   const Mat3 mobility = robot::joint_inertia(model_, state_).inverse();
-  return plausibility_.explains(mobility * (observer_.disturbance_n() - modelled_n_),
-                                mobility * robot::gravity_force(model_, kinematics_, state_));
+  return plausibility_.explains(mobility * (observer_.disturbance_n() - modelled_n_), mobility * gravity_n_);
 }
 
 Vec3 JointAccelerationControl::reaction_force_n() const noexcept {

@@ -81,8 +81,6 @@ class JointAccelerationControl {
 
  private:
   bool explained() noexcept;
-  /// The disturbance that the model knows of, as late as the observer sees it, N.
-  Vec3 modelled_n() const noexcept;
   /// What of a force accelerates the tool no more than the robot's limit, by the model.
   Vec3 within_limit_n(const Vec3& force_n, const Mat3& inertia_kg) const noexcept;
 
@@ -95,7 +93,8 @@ class JointAccelerationControl {
   DisturbanceObserver::Ahead now_{Vec3::Zero(), Vec3::Zero()};
   robot::DeltaState state_;
   Mat3 diagonal_kg_ = Mat3::Identity();
-  Vec3 modelled_n_ = Vec3::Zero();
+  Vec3 gravity_n_ = Vec3::Zero();   ///< of the model, where the joints are observed
+  Vec3 modelled_n_ = Vec3::Zero();  ///< disturbance that the model knows of, as late as the observer sees it
   bool posed_ = false;
   bool measured_ = false;
   bool saturated_ = false;

@@ -82,6 +82,9 @@ void RunawayWatch::written(const Vec3& currents_a) noexcept {
 }
 
 void RunawayWatch::read(const JointReading& reading, std::uint64_t steps) noexcept {
+  for (int i = 0; i < 3; ++i) {
+    if (!std::isfinite(reading.joints_m[i])) return trip(Cause::kNotFinite, i, reading.joints_m[i]);
+  }
   if (steps != 1) readings_ = 0;
   for (std::size_t n = kSpan; n > 0; --n) joints_m_[n] = joints_m_[n - 1];
   joints_m_[0] = reading.joints_m;
@@ -200,6 +203,10 @@ std::string RunawayWatch::sentence() const {
           "explains; does its sensor stick, does the tool touch something, is the drive later than the robot "
           "file's drive_delay_s says?",
           joint_ + 1, std::abs(value_));
+    case Cause::kNotFinite:
+      return fmt::format(
+          "joint {} is read at {} m, which is no place; is its sensor connected, its drive sound?",
+          joint_ + 1, value_);
   }
   return "unknown";
 }

@@ -39,12 +39,23 @@ struct Doubt {
 /// outside of the workspace, faster than it is ever asked to be.
 class RunawayWatch {
  public:
-  enum class Cause : std::uint8_t { kNone, kSign, kSwing, kStroke, kSpeed, kWorkspace, kReading, kForce };
+  enum class Cause : std::uint8_t {
+    kNone,
+    kSign,
+    kSwing,
+    kStroke,
+    kSpeed,
+    kWorkspace,
+    kReading,
+    kForce,
+    kNotFinite,
+  };
 
   RunawayWatch(const RobotModel& model, double period_s, Pushed pushed);
 
   void written(const Vec3& currents_a) noexcept;
-  /// A reading that is new; `steps`: since the one before, 1 if none is missing.
+  /// A reading that is new; `steps`: since the one before, 1 if none is missing. One that is not finite is
+  /// no place of any robot, so it trips.
   void read(const JointReading& reading, std::uint64_t steps) noexcept;
   /// Measured tool, workpiece frame, of a step with a reading.
   void at(const Vec3& tool_m) noexcept;

@@ -47,7 +47,7 @@ RobotSupervisor::RobotSupervisor(const RobotModel& nominal, const RobotSuperviso
 
 JointReading RobotSupervisor::newest() noexcept {
   JointReading reading = drive_.robot->read();
-  reading.valid = reading.valid && reading.tick != newest_tick_ && reading.joints_m.allFinite();
+  reading.valid = reading.valid && reading.tick != newest_tick_;
   if (reading.valid) newest_tick_ = reading.tick;
   return reading;
 }
@@ -65,6 +65,10 @@ RobotSupervisor::InitialPose RobotSupervisor::wait_until_ready() {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     reading = newest();
   }
+  if (!reading.joints_m.allFinite()) {
+    runaway_.read(reading, 1);
+    throw hardware_error(failure());
+  }
   const auto tool_m = DeltaKinematics(nominal_.geometry).forward(reading.joints_m);
   if (!tool_m) {
     throw hardware_error(
@@ -79,10 +83,10 @@ JointReading RobotSupervisor::read() noexcept {
   JointReading reading = newest();
   reading.valid = reading.valid && !failed();
   if (reading.valid) {
-    started_ = true;
     runaway_.read(reading, missing_ + 1);
     missing_ = 0;
     reading.valid = !failed();
+    started_ = started_ || reading.valid;
   } else if (!failed()) {
     ++missing_;
     ++missed_;

@@ -44,7 +44,7 @@ class RobotSupervisor {
   /// if it does not tell, or if its file knows no such pose.
   InitialPose wait_until_ready();
 
-  /// Valid only if it is new and finite.
+  /// Valid only if it is new. One that is not finite is a failure.
   JointReading read() noexcept;
   /// Nothing but zero reaches the motors before the first reading and after the failure.
   void write(const Vec3& currents_a) noexcept;
@@ -61,7 +61,7 @@ class RobotSupervisor {
 
   /// The loop has had a reading.
   bool started() const noexcept { return started_; }
-  /// For good: no reading has come for `drive_stale_s`, or the robot ran away.
+  /// For good: no reading has come for `drive_stale_s`, one was not finite, or the robot ran away.
   bool failed() const noexcept { return missing_ >= patience_ || runaway_.tripped(); }
   /// What has failed and what to do, one sentence.
   std::string failure() const;

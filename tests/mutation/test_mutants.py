@@ -8,6 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 import mutants  # noqa: E402
+import mutate  # noqa: E402
 
 
 def changed(line):
@@ -52,6 +53,9 @@ class Mutants(unittest.TestCase):
             self.assertEqual(first, list(itertools.islice(mutants.draw(top, names[::-1], 5), 6)))
             self.assertNotEqual(first, list(itertools.islice(mutants.draw(top, names, 6), 6)))
             self.assertEqual(3, sum(mutant.room == "a/c" for mutant in first))
+
+    def test_what_is_listed_as_unnoticeable_is_a_line_of_today(self):
+        self.assertTrue(mutate.unnoticeable())
 
 
 if __name__ == "__main__":
