@@ -22,10 +22,13 @@ tar -C "$source" --exclude='./build*' --exclude=./out --exclude=./.git -cf - . |
 
 within "$name" 'cd /root/telekerf; apt-get update -q; ./telekerf setup'
 apart=(--net --pid --fork --kill-child)
-within "$name" 'ip link set lo up; cd /root/telekerf; ./telekerf demo --out out/demo' || bad "$release: ./telekerf demo"
+# Something like a network card.
+card='ip link set lo up; ip link add eth0 type veth peer name eth1; ip addr add 10.99.26.1/24 dev eth0
+  ip link set eth0 up; ip link set eth1 up'
+within "$name" "$card; cd /root/telekerf; ./telekerf demo --out out/demo" || bad "$release: ./telekerf demo"
 good "$release: ./telekerf demo"
 apart=()
 within "$name" 'cd /root/telekerf; ./telekerf build'
 apart=(--net --pid --fork --kill-child)
-within "$name" 'ip link set lo up; cd /root/telekerf; ./telekerf test' || bad "$release: ./telekerf test"
+within "$name" "$card; cd /root/telekerf; ./telekerf test" || bad "$release: ./telekerf test"
 good "$release: ./telekerf test"

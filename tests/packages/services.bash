@@ -33,7 +33,9 @@ before=$(running)
 apt-get install -y -q /newer/*.deb || bad "the upgrade fails"
 [[ $(running) == "$before" ]] || bad "the upgrade has touched what runs"
 sleep 2
-systemctl stop telekerf-operator@cell-1.target telekerf-cell@cell-1.target
+! telekerf-inspect run /var/lib/telekerf/run || bad "a record that is being written is read"
+# Waits for what is named, and the services end after their target.
+systemctl stop telekerf-operator@cell-1.target telekerf-cell@cell-1.target telekerf-{slave,vision,master,console}@cell-1
 [[ -z $(systemctl list-units --failed --no-legend 'telekerf*') ]] || bad "a service does not end in order"
 telekerf-inspect run /var/lib/telekerf/run || bad "there is no report"
 grep -q '"lost": 0,' /var/lib/telekerf/run/report.json || bad "blocks were lost during the upgrade"

@@ -210,6 +210,7 @@ TEST_F(Services, AreSeenByWhoeverLooks) {
   const auto vision = start("telekerf-vision");
   const auto slave = start("telekerf-slave", {"--name", "left"});
   ASSERT_TRUE(slave->says("ready", seconds(20))) << slave->output();
+  ASSERT_TRUE(vision->says(" points", seconds(20))) << vision->output();
   const auto [code, text] = say({"look", "--json", "--wait-s", "3"});
   ASSERT_EQ(code, 0) << text;
   const auto all = nlohmann::json::parse(text.substr(text.find('[')));  // behind what is said beside it
