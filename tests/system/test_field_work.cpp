@@ -58,7 +58,7 @@ TEST_F(Field, TheSamePictureAgainChangesNothingAndAnotherOneWaitsForTheOperator)
       << "not engaged by itself";
 }
 
-TEST_F(Field, AContourThatOneSideCannotTakeIsTakenByNeitherAndTheOneBeforeIsCutOn) {
+TEST_F(Field, AContourThatOneSideCannotTakeIsTakenByNeitherAndTheOneBeforeGoesOn) {
   auto vision = start("telekerf-vision", {"--image", "circle"});
   const auto slave = start("telekerf-slave");
   const auto master = start("telekerf-master", {"--engage"});
@@ -78,12 +78,12 @@ TEST_F(Field, AContourThatOneSideCannotTakeIsTakenByNeitherAndTheOneBeforeIsCutO
   ASSERT_TRUE(slave->says("is in force again", seconds(5))) << slave->output();
   const std::size_t before = slave->output().size();
   std::this_thread::sleep_for(seconds(2));
-  EXPECT_EQ(slave->output().find("; beam on", before), std::string::npos)
+  EXPECT_EQ(slave->output().find("slave: following", before), std::string::npos)
       << "not by itself: " << slave->output();
   EXPECT_EQ(say({"engage"}).first, 0);
-  const auto relit = [&] { return slave->output().find("beam on", before) != std::string::npos; };
-  for (int n = 0; n < 300 && !relit(); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_TRUE(relit()) << slave->output() << master->output();
+  const auto follows = [&] { return slave->output().find("slave: following", before) != std::string::npos; };
+  for (int n = 0; n < 300 && !follows(); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_TRUE(follows()) << slave->output() << master->output();
 }
 
 TEST_F(Field, AFirstContourThatDoesNotFitEndsNobodyAndTheNextOneIsCut) {
