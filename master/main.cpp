@@ -69,7 +69,7 @@ int run(Flags& flags) {
   flags.station.record_s = 0.0;  // rows go into the file
   Station station(flags.station);
 
-  Process process(settings, "master", text_of(MasterMode::kIdle, nullptr, false));
+  Process process(settings, "master", text_of(MasterMode::kIdle, nullptr, false, 0));
   StatusReporter& status = process.status();
   Reader<StateBlock> states(process.bus());
   Reader<EventMessage> events(process.bus());
@@ -130,7 +130,8 @@ int run(Flags& flags) {
     else if (out.mode != MasterMode::kStopped)
       waited_s += station.control_period_s();
     const StateHeader* const slave = station.node().slave();
-    status.state(text_of(out.mode, slave, slave != nullptr && slave->master_epoch == settings.epoch));
+    status.state(text_of(out.mode, slave, slave != nullptr && slave->master_epoch == settings.epoch,
+                         task != nullptr ? task->guide.contour_id : 0));
     if (out.let_go != nullptr) verdicts.push({0, out.let_go});  // nobody has asked
     for (std::size_t n = 0; n < out.verdict_count; ++n) verdicts.push(EventVerdict(out.verdicts[n]));
     netem_switch.beam(slave != nullptr && slave->laser_on);

@@ -5,7 +5,7 @@
 
 namespace telekerf::master {
 
-const char* text_of(MasterMode mode, const StateHeader* slave, bool ours) {
+const char* text_of(MasterMode mode, const StateHeader* slave, bool ours, std::uint32_t contour_id) {
   if (mode == MasterMode::kEngaged && slave != nullptr && (!ours || slave->mode != SlaveMode::kFollowing))
     return !ours ? "engaged, but the slave does not answer to this master" : led_sentence_of(slave->reason);
   switch (mode) {
@@ -14,6 +14,10 @@ const char* text_of(MasterMode mode, const StateHeader* slave, bool ours) {
     case MasterMode::kApproach:
       return "moving to the contour";
     case MasterMode::kGuiding:
+      if (slave != nullptr && slave->contour_id == 0)
+        return "guiding the hand; the slave has no contour: it has refused this one, or hears no vision";
+      if (slave != nullptr && slave->contour_id != contour_id)
+        return "guiding the hand; the slave works on another contour than this side";
       return "guiding the hand; the slave does not follow";
     case MasterMode::kEngaged:
       return "engaged: the slave follows";

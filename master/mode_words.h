@@ -8,7 +8,7 @@
 namespace telekerf::master {
 
 /// A literal. What the slave makes of being led is said by the slave. `slave`: its newest report, or null;
-/// `ours`: it answers to this master.
-const char* text_of(MasterMode mode, const StateHeader* slave, bool ours);
+/// `ours`: it answers to this master. `contour_id`: of the contour that this side works on.
+const char* text_of(MasterMode mode, const StateHeader* slave, bool ours, std::uint32_t contour_id);
 
 }  // namespace telekerf::master

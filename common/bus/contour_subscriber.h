@@ -27,11 +27,18 @@ namespace telekerf {
 /// As people tell it from another one: number, source, length and size.
 std::string title_of(const ContourMessage& message);
 
+/// Whether an answer to an operator's wish says that its sender, another process than one of `own_role`, does
+/// not take the contour `id`.
+bool refuses_contour(const EventMessage& answer, const std::string& own_role, std::uint32_t id);
+
 /// `Prepared` is what a node needs of a contour (a guide, a corridor). The first contour that fits is in
 /// force at once. Another one than that waits until an operator takes it (EventMessage::Kind::kTakeContour);
 /// of several the last one waits. One that does not fit (prepare() throws a StartupError) is refused with its
 /// sentence and counted, and what is in force stays; so is one whose id is not its digest. The contour in
 /// force, published again, changes nothing.
+///
+/// Two sides take a contour together or not at all: where another process answers the same operator that it
+/// does not take it, the one before is in force again here, too.
 template <class Prepared>
 class ContourSubscriber {
  public:
@@ -84,8 +91,9 @@ class ContourSubscriber {
         newest.reset();
       }
       while (const auto event = events_.take()) {
+        if (event->value.kind == EventMessage::Kind::kAnswer) hear(event->value);
         if (event->value.kind != EventMessage::Kind::kTakeContour) continue;
-        const std::string refusal = take(event->value.value);
+        const std::string refusal = take(event->value.value, event->value.epoch);
         if (answers_) answers_->give(event->value.epoch, refusal);
       }
       if (answers_) answers_->again();
@@ -115,22 +123,44 @@ class ContourSubscriber {
       refused_.store(true, std::memory_order_release);
     }
   }
-  /// Why nothing comes of it; empty: it is done.
-  std::string take(double id) {
+  /// Why nothing comes of it; empty: it is done. `asker`: start of the process that asks.
+  std::string take(double id, std::uint32_t asker) {
     if (any_ && message_.id == id) return {};
     if (!waiting_ || waiting_->id != id)
       return fmt::format("no contour {:.0f} waits here{}", id,
                          waiting_ ? fmt::format(", but {}", title_of(*waiting_)) : std::string());
     const ContourMessage message = std::move(*waiting_);
     waiting_.reset();
+    std::optional<ContourMessage> before;
+    if (any_) before = message_;
     try {
       adopt(message);
+      taken_ = {asker, Clock::now(), std::move(before)};
     } catch (const StartupError& refusal) {
       refuse(message, refusal.what());
       return fmt::format("{} refused: {}", title_of(message), refusal.what());
     }
     write_line(stdout, fmt::format("{}: {} is in force now", role_, title_of(message)));
     return {};
+  }
+  /// Of another process, to whoever has asked this one, too.
+  void hear(const EventMessage& answer) {
+    constexpr std::chrono::seconds kAnswered{10};
+    if (!taken_ || answer.epoch != taken_->asker || !refuses_contour(answer, role_, message_.id)) return;
+    const auto taken = *std::exchange(taken_, std::nullopt);
+    if (!taken.before || Clock::now() - taken.when > kAnswered) return;
+    const std::string refused = title_of(message_);
+    try {
+      adopt(*taken.before);
+      unfit_.fetch_add(1, std::memory_order_relaxed);
+      write_line(stderr, fmt::format("{}: {} is not taken by both sides ({}); {} is in force again", role_,
+                                     refused, answer.text, title_of(message_)));
+    } catch (const StartupError& refusal) {
+      write_line(stderr,
+                 fmt::format("{}: {} is not taken by both sides ({}), and the one before does not fit any "
+                             "more: {}",
+                             role_, refused, answer.text, refusal.what()));
+    }
   }
   /// Throws StartupError.
   void adopt(const ContourMessage& message) {
@@ -175,6 +205,12 @@ class ContourSubscriber {
   bool any_ = false;  ///< the thread's: a contour is in force
   std::optional<ContourMessage>
       waiting_;  ///< the thread's: for an operator, or refused while none is in force
+  struct Taken {
+    std::uint32_t asker;
+    Clock::time_point when;
+    std::optional<ContourMessage> before;  ///< in force until then
+  };
+  std::optional<Taken> taken_;  ///< the thread's: by the last operator who was obeyed
   Handover<Prepared> prepared_;
   mutable std::mutex mutex_;
   ContourMessage message_;

@@ -104,7 +104,10 @@ std::vector<std::string> tell(Bus& bus, EventMessage event, const std::vector<st
     if (silent.empty()) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  const std::string but = done.empty() ? "" : fmt::format("; done by {}", fmt::join(done, ", "));
+  const char* const did = event.kind == EventMessage::Kind::kTakeContour
+                              ? "; {}, which had taken it, goes back to the one before"  // ContourSubscriber
+                              : "; done by {}";
+  const std::string but = done.empty() ? "" : fmt::format(fmt::runtime(did), fmt::join(done, ", "));
   if (!refusals.empty()) throw environment_error(fmt::format("{}{}", fmt::join(refusals, "; "), but));
   if (!silent.empty())
     throw environment_error(

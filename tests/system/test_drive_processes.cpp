@@ -9,6 +9,7 @@
 
 #include "tests/system/machine_noise.h"
 #include "tests/system/robot_process.h"
+#include "tests/system/spoiled_drive.h"
 #include "tests/unit/laser/laser_device.h"
 
 namespace telekerf::integration {
@@ -134,6 +135,21 @@ nlohmann::json measured_delay(const std::string& drive, const std::string& contr
                                        control_hz, "--move", "--json"});
   EXPECT_EQ(inspect.wait(seconds(30)), 0) << inspect.output();
   return nlohmann::json::parse(inspect.output(), nullptr, false);
+}
+
+TEST(DriveProcesses, OneThatReadsNonsenseEndsTheSlaveWithThatSentence) {
+  RobotProcess robot("slave-keops");
+  ASSERT_NE(robot.drive(), "") << robot.output();
+  SpoiledDrive way(robot.drive());
+  Program slave("telekerf-slave", cell({"--drive", way.drive(), "--drive-stale-s", "5"}));
+  ASSERT_TRUE(slave.says("ready in", seconds(30))) << slave.output();
+  EXPECT_FALSE(slave.says("no place", seconds(1))) << slave.output();
+  way.spoil();
+  EXPECT_EQ(slave.wait(seconds(20)), 2) << slave.output();
+  EXPECT_TRUE(slave.says(
+      "the laser is off and the currents are zero, because joint 2 is read at nan m, which is no place",
+      seconds(1)))
+      << slave.output();
 }
 
 TEST(DriveProcesses, ItsDelayIsMeasuredAndOnceStatedTheSlaveCutsWithItToTheEnd) {

@@ -58,6 +58,34 @@ TEST_F(Field, TheSamePictureAgainChangesNothingAndAnotherOneWaitsForTheOperator)
       << "not engaged by itself";
 }
 
+TEST_F(Field, AContourThatOneSideCannotTakeIsTakenByNeitherAndTheOneBeforeGoesOn) {
+  auto vision = start("telekerf-vision", {"--image", "circle"});
+  const auto slave = start("telekerf-slave");
+  const auto master = start("telekerf-master", {"--engage"});
+  ASSERT_TRUE(slave->says("beam on", seconds(30))) << slave->output();
+  vision->kill();
+  // Within the slave's reach, and at the master's scale beyond the master's.
+  vision = start("telekerf-vision", {"--image", "circle", "--width-mm", "80"});
+  ASSERT_TRUE(master->says("take-contour", seconds(20))) << master->output();
+  ASSERT_TRUE(slave->says("take-contour", seconds(20))) << slave->output();
+  const std::string waits = slave->output();
+  const std::size_t at = waits.find("take-contour ") + 13;
+  const auto [code, said] = say({"take-contour", waits.substr(at, waits.find('\n', at) - at)});
+  EXPECT_EQ(code, 2) << said;
+  EXPECT_NE(said.find("master: contour "), std::string::npos) << said;
+  EXPECT_NE(said.find("; slave, which had taken it, goes back to the one before"), std::string::npos) << said;
+  ASSERT_TRUE(slave->says("is not taken by both sides (master: contour ", seconds(5))) << slave->output();
+  ASSERT_TRUE(slave->says("is in force again", seconds(5))) << slave->output();
+  const std::size_t before = slave->output().size();
+  std::this_thread::sleep_for(seconds(2));
+  EXPECT_EQ(slave->output().find("slave: following", before), std::string::npos)
+      << "not by itself: " << slave->output();
+  EXPECT_EQ(say({"engage"}).first, 0);
+  const auto follows = [&] { return slave->output().find("slave: following", before) != std::string::npos; };
+  for (int n = 0; n < 300 && !follows(); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_TRUE(follows()) << slave->output() << master->output();
+}
+
 TEST_F(Field, AFirstContourThatDoesNotFitEndsNobodyAndTheNextOneIsCut) {
   // Sized for a robot that reaches farther than the slave.
   auto vision =
@@ -81,7 +109,8 @@ TEST_F(Field, AStopWaitsForASlaveThatHangsAndForTheMasterThatComesNext) {
   slave->interrupt(SIGSTOP);
   const auto [code, said] = say({"stop"});
   EXPECT_EQ(code, 2) << said;
-  EXPECT_NE(said.find("master has confirmed it, but no slave is seen in cell 'field'"), std::string::npos) << said;
+  EXPECT_NE(said.find("master has confirmed it, but no slave is seen in cell 'field'"), std::string::npos)
+      << said;
   const std::size_t before = slave->output().size();
   slave->interrupt(SIGCONT);
   EXPECT_TRUE(slave->says("stopped: laser off until clear-stop", seconds(5))) << slave->output();

@@ -78,6 +78,51 @@ TEST_F(Contours, ManyComeAndFewStay) {
   }));
 }
 
+TEST_F(Contours, OneThatTheOtherSideRefusesIsGivenBackForTheOneBefore) {
+  Bus master{settings("master", Site::kOperator)};
+  EventAnswers answers(master);
+  constexpr std::uint32_t kAsker = 0;  // as take() says it
+  const std::uint32_t first = publish(1);
+  ASSERT_TRUE(sees(first));
+  const std::uint32_t second = publish(2);
+  ASSERT_TRUE(takes(second));
+  const auto says = [&](std::uint32_t asker, const std::string& refusal) {
+    answers.give(asker, refusal);
+    std::this_thread::sleep_for(300ms);
+    answers.again();
+    std::this_thread::sleep_for(300ms);
+    return subscriber.current()->id;
+  };
+  const std::string why = fmt::format("contour {} (heart, 98.8 mm long) refused: too large", second);
+  EXPECT_EQ(says(kAsker + 1, why), second) << "to somebody else";
+  EXPECT_EQ(says(kAsker, ""), second) << "it is done";
+  EXPECT_EQ(says(kAsker, fmt::format("contour {} (heart) refused: too large", first)), second)
+      << "another one";
+  EXPECT_EQ(says(kAsker, "beta = 0: must be positive"), second) << "of another wish";
+  EXPECT_EQ(subscriber.unfit(), 0u);
+  EXPECT_EQ(says(kAsker, why), first);
+  EXPECT_EQ(subscriber.message().id, first);
+  EXPECT_EQ(subscriber.unfit(), 1u);
+  EXPECT_EQ(says(kAsker, why), first) << "once";
+  // One that is not there is no more taken than one that does not fit.
+  const std::uint32_t third = publish(3);
+  ASSERT_TRUE(takes(third));
+  EXPECT_EQ(says(kAsker, fmt::format("no contour {} waits here", third)), first);
+}
+
+TEST(RefusesContour, OnlyWhatAnotherProcessSaysOfThisVeryContour) {
+  const auto refuses = [](const std::string& text, double value = 1.0) {
+    return refuses_contour({.kind = EventMessage::Kind::kAnswer, .value = value, .text = text}, "slave", 12);
+  };
+  EXPECT_TRUE(refuses("master: contour 12 (heart) refused: too large"));
+  EXPECT_TRUE(refuses("master: no contour 12 waits here, but contour 13 (heart)"));
+  EXPECT_FALSE(refuses("master: contour 12 (heart) refused: too large", 0.0));
+  EXPECT_FALSE(refuses("slave: contour 12 (heart) refused: too large")) << "one's own word";
+  for (const char* other : {"", "master", "master: ", "master: done", "master: contour 123 (heart) refused",
+                            "master: no contour 1 waits here, but contour 12 (heart)", "contour 12 refused"})
+    EXPECT_FALSE(refuses(other)) << other;
+}
+
 TEST_F(Contours, ARebuildTakesTheNewestAgain) {
   const std::uint32_t id = publish(7);
   ASSERT_TRUE(sees(id));

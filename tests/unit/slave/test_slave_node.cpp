@@ -89,6 +89,22 @@ TEST_F(SlaveNodeTest, EmergencyStopLatchesUntilItIsCleared) {
   EXPECT_LT(largest_step_, 5.5e-3);
 }
 
+TEST_F(SlaveNodeTest, AfterAStopTheToolIsHeldAgainstItsWeightWhereItCameToRest) {
+  follow(3.0);
+  stop_.number = 9;
+  follow(0.5);
+  ASSERT_EQ(out_.mode, SlaveMode::kStopped);
+  const Vec3 rest_m = out_.tool_m;
+  double farthest_m = 0.0;
+  for (int n = 0; n < 100; ++n) {
+    follow(0.05);
+    farthest_m = std::max(farthest_m, (out_.tool_m - rest_m).norm());
+    EXPECT_GT(out_.currents_a.norm(), 0.05) << "its weight is held";
+  }
+  EXPECT_LT(farthest_m, 20e-6);
+  EXPECT_EQ(out_.mode, SlaveMode::kStopped);
+}
+
 TEST_F(SlaveNodeTest, RefusesAndCountsWhatDoesNotFit) {
   follow(1.0);
   const auto refused = [&] { return station_.node().counters().refused; };
