@@ -23,7 +23,19 @@ struct Options : QuickForm {
   std::string out = "out/chaos";
 };
 
+/// Before any folder is made.
+void require_room(const ChaosSettings& each) {
+  const double least_s = shortest_s(each.mode);
+  if (each.duration_s >= least_s) return;
+  throw usage_error(
+      fmt::format("duration_s = {:g}: must be at least {:g} with mode = {}, as the last third, 7 s at the "
+                  "least, heals what "
+                  "faults before it have done; use a longer one, or --mode safety",
+                  each.duration_s, least_s, kChaosModes.word(each.mode)));
+}
+
 int run(Options& options) {
+  require_room(options.campaign.each);
   make_folder("--out", options.out);
   ChaosCampaign& campaign = options.campaign;
   if (!options.faults.empty()) campaign.kinds = parse_faults(options.faults);

@@ -12,6 +12,7 @@ namespace telekerf::experiments {
 namespace {
 
 constexpr double kLeastHealed_s = 7.0;
+constexpr double kLeastFaults_s = 1.0;
 /// The lap goes on: it still cuts in so much of the run's end.
 constexpr double kLast_s = 1.0;
 
@@ -28,6 +29,10 @@ ChaosContours chaos_contours(const master::StationSettings& master, const slave:
   contours.impostor = contours.other;
   contours.impostor.id = contours.work.id;
   return contours;
+}
+
+double shortest_s(ChaosMode mode) noexcept {
+  return mode == ChaosMode::kSafety ? kLeastFaults_s : kLeastFaults_s + kLeastHealed_s;
 }
 
 double heal_s(double duration_s, ChaosMode mode) noexcept {

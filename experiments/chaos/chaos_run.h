@@ -46,6 +46,8 @@ struct ChaosOutcome {
   bool recovered = false;  ///< liveness only
 };
 
+/// A shorter run has no room for faults, or, in liveness mode, for the healing after them.
+double shortest_s(ChaosMode mode) noexcept;
 /// When everything is healed; the end where nothing is.
 double heal_s(double duration_s, ChaosMode mode) noexcept;
 

@@ -12,7 +12,6 @@
 namespace telekerf::experiments {
 namespace {
 
-constexpr double kShortest_s = 1.0;
 constexpr double kParts[] = {0.5, 0.75, 0.9};
 
 /// As a command line says it.
@@ -29,7 +28,7 @@ void shorten(const StillFails& fails, ChaosSettings& smallest) {
     while (true) {
       ChaosSettings shorter = smallest;
       shorter.duration_s = rounded_up(part * smallest.duration_s);
-      if (shorter.duration_s < kShortest_s || shorter.duration_s >= smallest.duration_s) break;
+      if (shorter.duration_s < shortest_s(smallest.mode) || shorter.duration_s >= smallest.duration_s) break;
       if (!take_if_failing(std::move(shorter), fails, smallest)) break;
     }
   }

@@ -67,6 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
         Call{"SpaceTooLarge",
              "telekerf-experiment",
              {"space-contour", "--curvature-mm", "21", "--radius-mm", "19.5"}},
+        Call{"ChaosWithoutTime", "telekerf-experiment", {"chaos", "--runs", "1", "--duration-s", "7.9"}},
         Call{"ChaosFault", "telekerf-experiment", {"chaos", "--faults", "gremlin"}},
         Call{"LapBeta", "telekerf-experiment", {"lap", "--beta", "0.01", "--width-mm", "40"}},
         Call{"KinematicsRobot", "telekerf-experiment", {"kinematics", "--robot", "nowhere.toml"}},

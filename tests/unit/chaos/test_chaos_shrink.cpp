@@ -43,6 +43,9 @@ TEST(Shrink, KeepsTheHealingWhereItIsTheMatter) {
   const ChaosSettings smallest = shrink(failing(), fails);
   EXPECT_EQ(smallest.mode, ChaosMode::kLiveness);
   EXPECT_TRUE(smallest.kinds.empty());
+  EXPECT_EQ(shortest_s(ChaosMode::kLiveness), 8.0);
+  EXPECT_GE(smallest.duration_s, 8.0) << "a shorter run is refused: it could not recover, faults or none";
+  EXPECT_LT(smallest.duration_s, 9.0);
   EXPECT_NE(command_line(smallest).find("--mode liveness --faults none"), std::string::npos);
 }
 

@@ -64,7 +64,25 @@ TEST(Interlock, EveryDoubtForbidsTheBeamByItselfAndTheFirstOneIsSaid) {
   InterlockSettings asking = of_a_machine();
   asking.max_look_age_s = 2.0;
   EXPECT_EQ(evaluate_interlock({}, asking).forbidden, Judgement{}.forbidden) << "not one of them";
-  EXPECT_FALSE(evaluate_interlock(all_good(), {}).permits()) << "nor as long as the machine is not known";
+  EXPECT_EQ(evaluate_interlock(all_good(), {}).forbidden,
+            guard_bit("workspace") | guard_bit("speed") | guard_bit("moving") | guard_bit("power"))
+      << "nor as long as the machine is not known, whichever part of it";
+}
+
+TEST(Interlock, WhoAsksForALookAsksHoweverYoungItHasToBe) {
+  InterlockSettings asking = of_a_machine();
+  InterlockInputs inputs = all_good();
+  for (const double age_s : {1e-3, 0.05, 9.0}) {
+    asking.max_look_age_s = age_s;
+    inputs.look_age_s = age_s;
+    EXPECT_EQ(reason(inputs, asking), Interlock::kReady) << age_s;
+    inputs.look_age_s = above(age_s);
+    EXPECT_EQ(reason(inputs, asking), Interlock::kNoContour) << age_s;
+    inputs.look_age_s = kAbsent;
+    EXPECT_EQ(reason(inputs, asking), Interlock::kNoContour) << age_s;
+  }
+  asking.max_look_age_s = 0.0;
+  EXPECT_EQ(reason(inputs, asking), Interlock::kReady) << "nobody asks";
 }
 
 /// Each number with its guard and the largest value that is good. Numbers that binary fractions hold exactly.
@@ -148,6 +166,7 @@ TEST(Interlock, AsItIsSetTheCorridorIsHalfAMillimetreAndAFastToolIsStoppedEarlie
   EXPECT_EQ(settings.max_height_m, 0.5e-3);
   EXPECT_EQ(settings.max_arc_gap_m, 1e-3);
   EXPECT_EQ(settings.beam_age_s, 0.35);
+  EXPECT_EQ(settings.min_cut_speed_m_per_s, 0.0);
   EXPECT_EQ(settings.max_dose_j, 2.0);
   EXPECT_EQ(settings.max_area_dose_j_per_mm2, 20.0);
 }
@@ -157,6 +176,8 @@ TEST(Permit, OnlyAnInterlockMakesOneAndNobodyCopiesIt) {
   static_assert(!std::is_constructible_v<Permit, std::uint64_t, std::int64_t, std::int64_t, double>);
   const Permit none;
   EXPECT_EQ(none.tick(), 0u);
+  EXPECT_EQ(none.end_ns(), 0);
+  EXPECT_EQ(none.max_w(), 0.0);
   for (const std::int64_t now_ns : {std::int64_t{-1}, std::int64_t{0}, std::int64_t{1}})
     EXPECT_FALSE(none.covers(now_ns));
 }
@@ -194,6 +215,7 @@ TEST(Permit, WhoGaveItAwayHasNone) {
   EXPECT_FALSE(first.covers(permits.now_ns));  // NOLINT: that is what is asked
   EXPECT_EQ(first.tick(), 0u);
   EXPECT_EQ(first.max_w(), 0.0);
+  EXPECT_EQ(first.end_ns(), 0);
   first = std::move(second);
   EXPECT_TRUE(first.covers(permits.now_ns));
   EXPECT_FALSE(second.covers(permits.now_ns));  // NOLINT
