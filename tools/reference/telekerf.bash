@@ -7,7 +7,7 @@ _telekerf_commands() {
   case $1 in
     telekerf-ctl) echo 'stop clear-stop look engage disengage beta stream take-contour zoom refocus choose ' ;;
     telekerf-netem) echo 'link tc verify trace replay list switch ' ;;
-    telekerf-experiment) echo 'all autofocus chaos closed-contour codec constraint contours delay hall-sensor haptics kinematics lap machine open-contour pictures replay remote-machining robots space-contour ' ;;
+    telekerf-experiment) echo 'all autofocus chaos closed-contour compression codec constraint contours delay hall-sensor haptics kinematics lap machine open-contour pictures replay remote-machining robots space-contour ' ;;
     telekerf-inspect) echo 'codec contour drive efd export inputs label recover robot run runs ' ;;
   esac
 }
@@ -43,6 +43,7 @@ _telekerf_flags() {
     'telekerf-experiment autofocus') echo '--law --starts --seed --jobs --quick --out --page --config --print-config --help --version' ;;
     'telekerf-experiment chaos') echo '--runs --seed --quick --duration-s --mode --faults --beam-age-s --no-shrink --jobs --out --config --print-config --help --version' ;;
     'telekerf-experiment closed-contour') echo '--image --robot --width-mm --speed-mm-s --controller --corner --tolerance-um --plant --material --mismatch --loop-delay --no-preview --no-model-ahead --along-rad-s --across-rad-s --sweep --seed --quick --page --out --config --print-config --help --version' ;;
+    'telekerf-experiment compression') echo '--page --out --trace --rate-hz --seconds --seed --quick --config --print-config --help --version' ;;
     'telekerf-experiment codec') echo '--page --out --trace --rate-hz --seconds --seed --quick --config --print-config --help --version' ;;
     'telekerf-experiment constraint') echo '--seed --duration-s --quick --page --out --config --print-config --help --version' ;;
     'telekerf-experiment contours') echo '--seed --quick --out --config --print-config --help --version' ;;
@@ -432,6 +433,12 @@ _telekerf_values() {
     'telekerf-experiment closed-contour --seed') echo "" ;;
     'telekerf-experiment closed-contour --page') echo "-f" ;;
     'telekerf-experiment closed-contour --out') echo "-d" ;;
+    'telekerf-experiment compression --page') echo "-f" ;;
+    'telekerf-experiment compression --out') echo "-d" ;;
+    'telekerf-experiment compression --trace') echo "-f" ;;
+    'telekerf-experiment compression --rate-hz') echo "" ;;
+    'telekerf-experiment compression --seconds') echo "" ;;
+    'telekerf-experiment compression --seed') echo "" ;;
     'telekerf-experiment codec --page') echo "-f" ;;
     'telekerf-experiment codec --out') echo "-d" ;;
     'telekerf-experiment codec --trace') echo "-f" ;;
