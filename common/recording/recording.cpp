@@ -196,7 +196,7 @@ std::optional<RunKept> Recording::close(RunEnd end) {
   thread_.join();
   look_at_fault();
   write_out();
-  for (const Running& part : parts_) end.dropped.push_back(part.dropped);
+  for (const Running& part : parts_) end.dropped[part.schema.name] += part.dropped;
   if (live_ == nullptr) return std::nullopt;
   live_.reset();
   try {

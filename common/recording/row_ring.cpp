@@ -61,9 +61,11 @@ void RowRing::push(std::span<const double> row) noexcept {
 
 std::uint64_t RowRing::copy(std::uint64_t from, std::size_t rows, std::vector<double>& out) const {
   const std::size_t width = columns();
-  const std::uint64_t end = std::min<std::uint64_t>(head(), from + rows);
+  // A reader that is far behind goes on at the oldest row that is there.
+  const std::uint64_t pushed = head();
   std::uint64_t first = from;
-  if (end > capacity()) first = std::max<std::uint64_t>(first, end - capacity());
+  if (pushed > capacity()) first = std::max<std::uint64_t>(first, pushed - capacity());
+  const std::uint64_t end = std::min<std::uint64_t>(pushed, first + rows);
   const std::size_t before = out.size();
   for (std::uint64_t n = first; n < end; ++n) {
     double* slot = slots_ + (n % header_->capacity) * width;

@@ -60,7 +60,9 @@ RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end) {
     const std::uint64_t rows = left ? std::min(series.rows, left->elsewhere) : series.rows;
     kept.damaged_rows +=
         read_pieces(from, n, rows, [&](const std::vector<double>& numbers) { to.append(there, numbers); });
-    std::uint64_t dropped = series.dropped_rows + (n < end.dropped.size() ? end.dropped[n] : 0);
+    // By name: a file lists its groups in the alphabet's order, whatever order they were made in.
+    const auto never = end.dropped.find(series.schema.name);
+    std::uint64_t dropped = series.dropped_rows + (never != end.dropped.end() ? never->second : 0);
     if (left) {
       to.append(there, left->numbers);
       kept.rows_from_memory += left->numbers.size() / series.schema.width();

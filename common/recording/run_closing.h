@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "common/recording/closed_file.h"
@@ -15,7 +17,7 @@ struct RunEnd {
   RunState state = RunState::kClosed;
   Metrics figures = {};
   Metadata words = {};
-  std::vector<std::uint64_t> dropped = {};  ///< rows of each series that never came into the file
+  std::map<std::string, std::uint64_t> dropped = {};  ///< rows not in the file, by the series' name
 };
 
 /// What became of a file.

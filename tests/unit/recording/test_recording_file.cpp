@@ -146,6 +146,27 @@ TEST_F(RecordingFile, IsFinishedWithEveryRowBitForBit) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "nothing else is left";
 }
 
+TEST_F(RecordingFile, CountsDroppedRowsAtTheSeriesThatLacksThem) {
+  // The files' order of the two is not the one that they are given in.
+  const std::vector<Recording::Part> two = {{schema_of("slave", master_columns(), true), 1.0},
+                                            {schema_of("blocks", master_columns(), true), 1.0}};
+  std::uint64_t dropped = 0;
+  {
+    Recording recording(file_, identity(), two, [](const std::string&) {});
+    for (std::uint64_t tick = 0; tick < 5000; ++tick) recording.ring(0).push(master_columns(), row(tick));
+    for (std::uint64_t tick = 0; tick < 10; ++tick) recording.ring(1).push(master_columns(), row(tick));
+    ASSERT_TRUE(recording.close({}));
+    dropped = recording.dropped();
+  }
+  ASSERT_GT(dropped, 0U);
+  const RunReader reader(file_);
+  for (const RunReader::Series& series : reader.series()) {
+    const bool lacks = series.schema.name == "slave";
+    EXPECT_EQ(series.dropped_rows, lacks ? dropped : 0U) << series.schema.name;
+    EXPECT_EQ(series.rows + series.dropped_rows, lacks ? 5000U : 10U) << series.schema.name;
+  }
+}
+
 TEST_F(RecordingFile, OfAKilledProcessNoRowIsLost) {
   std::mt19937 random(11);
   for (int trial = 0; trial < 12; ++trial) {
