@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/recording/run_cells.h"
+#include "common/recording/run_content.h"
 
 namespace telekerf {
 namespace {
@@ -70,7 +71,8 @@ std::size_t ClosedFile::add(const SeriesSchema& schema) {
   run_file::write_schema(series.group.get(), schema);
   for (const Quantity& quantity : quantities_of(schema)) {
     const SeriesColumn& column = schema.columns[quantity.first];
-    h5::Id dataset = h5::make_dataset(series.group.get(), quantity.name, type_of(column.kind), quantity.count, true);
+    h5::Id dataset =
+        h5::make_dataset(series.group.get(), quantity.name, type_of(column.kind), quantity.count, true);
     h5::set_text(dataset.get(), "units", column.unit.empty() ? "1" : column.unit);
     if (!column.frame.empty()) h5::set_text(dataset.get(), "frame", column.frame);
     if (!quantity.axes.empty()) h5::set_text(dataset.get(), "axes", quantity.axes);
@@ -118,9 +120,7 @@ void ClosedFile::look_at(Series& series, std::span<const double> numbers) {
   }
 }
 
-void ClosedFile::append(const RunEvent& event) {
-  run_cells::add(events_, run_file::cell_of(event));
-}
+void ClosedFile::append(const RunEvent& event) { run_cells::add(events_, run_file::cell_of(event)); }
 
 void ClosedFile::append(const RunContour& contour) {
   const std::lock_guard alone(h5::library());
@@ -164,6 +164,7 @@ std::vector<SeriesAudit> ClosedFile::finish() {
     }
     audits.push_back(audit);
   }
+  run_content::write_sum(file_.get());
   h5::check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL), "the finished file cannot be written out");
   close();
   sync_to_disk(draft_);

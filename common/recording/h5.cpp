@@ -4,12 +4,17 @@
 #include <algorithm>
 #include <array>
 
+#include <fmt/format.h>
+
 namespace telekerf::h5 {
 namespace {
 
 // A chunk that is not full is written anew by every flush, so while recording they are small.
 constexpr hsize_t kLiveRows = 256;
 constexpr hsize_t kPackedRows = 4096;
+// Of a file that nobody may trust: sizes beyond these are damage.
+constexpr std::size_t kMostBytesOfAnAttribute = std::size_t{1} << 24U;
+constexpr hsize_t kMostCompression = 1100;  // deflate makes one byte of 1032 at the most
 
 Id scalar() { return {H5Screate(H5S_SCALAR), "a scalar cannot be described"}; }
 
@@ -74,16 +79,23 @@ Id open_file(const std::filesystem::path& path) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const hid_t plain = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (plain >= 0) return {plain, ""};
-  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT), "it is no HDF5 file"};
+  const hid_t live = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT);
+  if (live >= 0) return {live, ""};
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error))
+    throw Failure("it is a folder; name a file in it, such as master.h5");
+  if (!std::filesystem::exists(path, error))
+    throw Failure("it is not there; `telekerf-inspect runs` lists what is");
+  if (H5Fis_hdf5(path.c_str()) > 0)
+    throw Failure("it is HDF5, but cut off or damaged; copy it again from where it was recorded");
+  return {-1, "it is no HDF5 file; name the recording of a process, such as master.h5"};
 }
 
 Id make_group(hid_t file, const std::string& name) {
   return {H5Gcreate2(file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "a group cannot be made"};
 }
 
-bool has(hid_t where, const std::string& name) {
-  return H5Lexists(where, name.c_str(), H5P_DEFAULT) > 0;
-}
+bool has(hid_t where, const std::string& name) { return H5Lexists(where, name.c_str(), H5P_DEFAULT) > 0; }
 
 Id text_type(std::size_t length) {
   Id type(H5Tcopy(H5T_C_S1), "no text");
@@ -119,10 +131,9 @@ std::vector<std::string> texts_of(hid_t object, const char* name) {
   const Id attribute(H5Aopen(object, name, H5P_DEFAULT), "an attribute cannot be opened");
   const Id type(H5Aget_type(attribute.get()), "an attribute has no type");
   if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) > 0) return {};
-  const Id space(H5Aget_space(attribute.get()), "an attribute has no size");
   const std::size_t length = H5Tget_size(type.get());
-  const auto count = static_cast<std::size_t>(std::max<hssize_t>(H5Sget_simple_extent_npoints(space.get()), 0));
-  std::string all(length * count, '\0');
+  std::string all(bytes_of_attribute(attribute.get(), type.get()), '\0');
+  const std::size_t count = length == 0 ? 0 : all.size() / length;
   check(H5Aread(attribute.get(), type.get(), all.data()), "an attribute cannot be read");
   std::vector<std::string> texts;
   for (std::size_t n = 0; n < count; ++n) texts.push_back(trimmed(all.data() + n * length, length));
@@ -139,6 +150,7 @@ std::optional<double> number_of(hid_t object, const char* name) {
   if (H5Aexists(object, name) <= 0) return std::nullopt;
   const Id attribute(H5Aopen(object, name, H5P_DEFAULT), "an attribute cannot be opened");
   double number = 0;
+  if (bytes_of_attribute(attribute.get(), H5T_NATIVE_DOUBLE) != sizeof number) return std::nullopt;
   if (H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &number) < 0) return std::nullopt;
   return number;
 }
@@ -178,6 +190,41 @@ hsize_t rows_of(hid_t dataset) {
   return size[0];
 }
 
+std::size_t width_of(hid_t dataset) {
+  const Id space(H5Dget_space(dataset), "a dataset has no size");
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank != 1 && rank != 2) throw Failure("a dataset is neither a list nor a table");
+  std::array<hsize_t, 2> size{0, 1};
+  check(H5Sget_simple_extent_dims(space.get(), size.data(), nullptr), "a dataset has no size");
+  return static_cast<std::size_t>(size[1]);
+}
+
+hsize_t rows_to_read(hid_t dataset) {
+  const hsize_t rows = rows_of(dataset);
+  const Id type(H5Dget_type(dataset), "a dataset has no type");
+  const auto width = static_cast<hsize_t>(width_of(dataset));
+  const hsize_t row_bytes = std::max<hsize_t>(width * H5Tget_size(type.get()), 1);
+  if (width > kMostBytesOfAnAttribute || row_bytes > kMostBytesOfAnAttribute ||
+      rows > H5Dget_storage_size(dataset) * kMostCompression / row_bytes)
+    throw Failure("a dataset says that it has more rows than the file can hold");
+  return rows;
+}
+
+std::size_t bytes_of_attribute(hid_t attribute, hid_t type) {
+  const Id space(H5Aget_space(attribute), "an attribute has no size");
+  const auto count =
+      static_cast<std::size_t>(std::max<hssize_t>(H5Sget_simple_extent_npoints(space.get()), 0));
+  const std::size_t size = H5Tget_size(type);
+  if (count > kMostBytesOfAnAttribute || size > kMostBytesOfAnAttribute ||
+      count * size > kMostBytesOfAnAttribute)
+    throw Failure("an attribute says that it is longer than any that a recording has");
+  return count * size;
+}
+
+std::string damaged_rows(const std::string& dataset, hsize_t first, hsize_t rows) {
+  return fmt::format("{}: rows {} to {} are damaged", dataset, first, first + rows - 1);
+}
+
 void append(hid_t dataset, hid_t memory_type, std::size_t width, std::size_t rows, const void* data) {
   if (rows == 0) return;
   const int rank = width > 1 ? 2 : 1;
@@ -189,7 +236,8 @@ void append(hid_t dataset, hid_t memory_type, std::size_t width, std::size_t row
   check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr),
         "rows cannot be named");
   const Id memory(H5Screate_simple(rank, count.data(), nullptr), "rows cannot be described");
-  check(H5Dwrite(dataset, memory_type, memory.get(), space.get(), H5P_DEFAULT, data), "rows cannot be written");
+  check(H5Dwrite(dataset, memory_type, memory.get(), space.get(), H5P_DEFAULT, data),
+        "rows cannot be written");
 }
 
 bool read_rows(hid_t dataset, hid_t memory_type, std::size_t width, hsize_t first, hsize_t rows, void* out) {
@@ -198,6 +246,7 @@ bool read_rows(hid_t dataset, hid_t memory_type, std::size_t width, hsize_t firs
   const std::array<hsize_t, 2> from{first, 0};
   const std::array<hsize_t, 2> count{rows, width};
   const Id space(H5Dget_space(dataset), "a dataset has no size");
+  if (H5Sget_simple_extent_ndims(space.get()) != rank) return false;
   const Id memory(H5Screate_simple(rank, count.data(), nullptr), "rows cannot be described");
   return H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, from.data(), nullptr, count.data(), nullptr) >= 0 &&
          H5Dread(dataset, memory_type, memory.get(), space.get(), H5P_DEFAULT, out) >= 0;

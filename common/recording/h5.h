@@ -52,7 +52,8 @@ void check(herr_t status, const char* what);
 
 /// `newest`: in the format that SWMR needs; otherwise in one that HDF5 1.8 reads.
 Id create_file(const std::filesystem::path& path, bool newest);
-/// A finished file, or one that is being written or was left by a killed process.
+/// A finished file, or one that is being written or was left by a killed process. Throws Failure that says
+/// whether it is missing, a folder, no HDF5 file, or one that is cut off or damaged, and what to do.
 Id open_file(const std::filesystem::path& path);
 
 Id make_group(hid_t file, const std::string& name);
@@ -71,6 +72,14 @@ std::vector<std::string> attributes_of(hid_t object);
 /// with a checksum.
 Id make_dataset(hid_t where, const std::string& name, hid_t type, std::size_t width, bool packed);
 hsize_t rows_of(hid_t dataset);
+/// Likewise, of a file that nobody may trust: throws Failure if what is stored cannot be so many rows.
+hsize_t rows_to_read(hid_t dataset);
+/// Numbers or texts a row. Throws Failure: it is no list and no table.
+std::size_t width_of(hid_t dataset);
+/// What an attribute takes in memory as `type`. Throws Failure if that is more than any recording has.
+std::size_t bytes_of_attribute(hid_t attribute, hid_t type);
+/// "slave/tool: rows 4096 to 8191 are damaged".
+std::string damaged_rows(const std::string& dataset, hsize_t first, hsize_t rows);
 /// After the last row.
 void append(hid_t dataset, hid_t memory_type, std::size_t width, std::size_t rows, const void* data);
 /// False: damaged there.

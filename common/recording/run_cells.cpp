@@ -48,20 +48,23 @@ std::vector<std::byte> read(hid_t where, const std::string& name, hid_t type) {
   std::vector<std::byte> cells;
   if (const hid_t one = H5Dopen2(where, name.c_str(), H5P_DEFAULT); one >= 0) {
     const h5::Id dataset(one, "");
-    cells.resize(h5::rows_of(dataset.get()) * width);
+    cells.resize(h5::rows_to_read(dataset.get()) * width);
     if (!h5::read_rows(dataset.get(), type, 1, 0, cells.size() / width, cells.data()))
-      throw h5::Failure("a list is damaged");
+      throw h5::Failure(h5::damaged_rows(name, 0, cells.size() / width));
     return cells;
   }
   const h5::Id group(H5Gopen2(where, name.c_str(), H5P_DEFAULT), "a list is missing");
   std::vector<std::byte> column;
-  for (const Member& member : members_of(type)) {
+  const std::vector<Member> members = members_of(type);
+  for (const Member& member : members) {
     const h5::Id dataset(H5Dopen2(group.get(), member.name.c_str(), H5P_DEFAULT), "a dataset is missing");
-    const std::size_t rows = h5::rows_of(dataset.get());
+    const std::size_t rows = h5::rows_to_read(dataset.get());
+    if (&member != &members.front() && rows * width != cells.size())
+      throw h5::Failure(name + "/" + member.name + ": has another number of rows than its neighbours");
     column.resize(rows * member.size);
     cells.resize(rows * width);
     if (!h5::read_rows(dataset.get(), member.type.get(), 1, 0, rows, column.data()))
-      throw h5::Failure("a list is damaged");
+      throw h5::Failure(h5::damaged_rows(name + "/" + member.name, 0, rows));
     for (std::size_t n = 0; n < rows; ++n)
       std::copy_n(column.data() + n * member.size, member.size, cells.data() + n * width + member.offset);
   }

@@ -24,9 +24,9 @@ struct RunEnd {
 struct RunKept {
   std::vector<SeriesAudit> series = {};
   std::uint64_t rows_from_memory = 0;  ///< that the file did not hold yet when its process was killed
-  std::uint64_t damaged_rows = 0;      ///< that could not be read
+  std::uint64_t damaged_rows = 0;      ///< that could not be read, or cannot be (RowJudge)
   std::uint64_t overwritten_rows = 0;  ///< that nobody has any more
-  bool memory = false;  ///< that the process had left was there: what is not kept never was
+  bool memory = false;  ///< that the process had left was there for every series: what is not kept never was
   std::size_t events = 0;
   std::size_t contours = 0;
   std::uint64_t rows() const;
@@ -34,8 +34,8 @@ struct RunKept {
 
 /// Copies `file` into its finished form and puts that in its place. Of a killed process the rows that it had
 /// not written out yet are taken from the memory that it left (RowRing), and the last ten seconds are written
-/// into a file beside it as well. Throws StartupError if it is no recording, h5::Failure if the copy cannot be
-/// written; `file` is as before then.
+/// into a file beside it as well. Throws StartupError if it is no recording, h5::Failure if the copy cannot
+/// be written; `file` is as before then.
 RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end);
 
 }  // namespace telekerf

@@ -73,7 +73,8 @@ const char* word_of(RunState state);
 namespace run_file {
 
 inline constexpr const char* kFormat = "telekerf-run";
-inline constexpr std::uint64_t kVersion = 1;
+inline constexpr std::uint64_t kVersion = 2;
+inline constexpr std::uint64_t kVersionWithoutSum = 1;  ///< is read as well
 
 /// The rows of `events` and of `contours/list` as they stand in memory and in the file.
 struct EventCell {

@@ -8,8 +8,8 @@
 #include <mutex>
 
 #include "common/recording/run_cells.h"
+#include "common/recording/run_content.h"
 #include "common/recording/run_process.h"
-#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -30,44 +30,91 @@ std::vector<Cell> cells_in(hid_t file, const char* name, const h5::Id& type) {
 
 RunState state_of(hid_t file) {
   const std::string word = h5::text_of(file, "state").value_or("");
-  for (const RunState state : {RunState::kClosed, RunState::kRecovered})
+  for (const RunState state : {RunState::kRecording, RunState::kClosed, RunState::kRecovered})
     if (word == word_of(state)) return state;
-  return RunState::kRecording;
+  throw h5::Failure("it does not say whether it was finished");
 }
 
 }  // namespace
 
-RunReader::RunReader(const std::filesystem::path& file) {
+RunReader::RunReader(const std::filesystem::path& file, Check check) : path_(file) {
   const std::lock_guard alone(h5::library());
+  bool known = false;
   try {
     file_ = h5::open_file(file);
     if (h5::text_of(file_.get(), "format") != run_file::kFormat)
       throw h5::Failure("it is HDF5, but no recording of a run");
-    if (const auto version = h5::number_of(file_.get(), "format_version"); version != run_file::kVersion)
+    const auto version = h5::number_of(file_.get(), "format_version");
+    if (version != run_file::kVersion && version != run_file::kVersionWithoutSum)
       throw h5::Failure("its format is of another version of Telekerf");
     state_ = state_of(file_.get());
-    identity_ = run_file::read_identity(file_.get());
-    if (state_ == RunState::kRecording) writer_ = writing_process(file_.get());
-    hsize_t groups = 0;
-    h5::check(H5Gget_num_objs(file_.get(), &groups), "it cannot be listed");
-    for (hsize_t n = 0; n < groups; ++n) {
-      char name[64] = {};
-      if (H5Gget_objname_by_idx(file_.get(), n, name, sizeof name) < 0 ||
-          H5Gget_objtype_by_idx(file_.get(), n) != H5G_GROUP)
-        continue;
-      const h5::Id group(H5Gopen2(file_.get(), name, H5P_DEFAULT), "a group cannot be opened");
-      if (H5Aexists(group.get(), "columns") <= 0) continue;
-      Series series{run_file::read_schema(group.get(), name), 0, h5::text_of(group.get(), "ring").value_or(""), 0};
-      if (series.schema.columns.empty()) throw h5::Failure("a series has no columns");
-      series.dropped_rows =
-          static_cast<std::uint64_t>(h5::number_of(group.get(), "dropped_rows").value_or(0));
-      const std::string dataset = h5::has(group.get(), "rows") ? "rows" : quantities_of(series.schema)[0].name;
-      series.rows = h5::rows_of(open_dataset(group.get(), dataset).get());
-      series_.push_back(std::move(series));
+    known = state_ != RunState::kRecording;
+    if (known && check == Check::kAll) {
+      if (version == run_file::kVersion) {
+        run_content::check_sum(file_.get());
+      } else {
+        (void)run_content::sum_of(file_.get());  // all of it can be read
+      }
     }
+    open(check);
   } catch (const h5::Failure& failure) {
+    if (known) damaged(failure.what());
     throw input_error(fmt::format("{}: cannot be read as a recording: {}", file.string(), failure.what()));
   }
+}
+
+void RunReader::damaged(const std::string& what) const {
+  throw DamagedRecording(ErrorKind::kInput,
+                         fmt::format("{}: is damaged: {}; use another copy of it", path_.string(), what));
+}
+
+void RunReader::open(Check check) {
+  identity_ = run_file::read_identity(file_.get());
+  if (state_ == RunState::kRecording) writer_ = writing_process(file_.get());
+  hsize_t groups = 0;
+  h5::check(H5Gget_num_objs(file_.get(), &groups), "it cannot be listed");
+  for (hsize_t n = 0; n < groups; ++n) {
+    char name[64] = {};
+    if (H5Gget_objname_by_idx(file_.get(), n, name, sizeof name) < 0 ||
+        H5Gget_objtype_by_idx(file_.get(), n) != H5G_GROUP)
+      continue;
+    const h5::Id group(H5Gopen2(file_.get(), name, H5P_DEFAULT), "a group cannot be opened");
+    if (H5Aexists(group.get(), "columns") > 0) add_series(group.get(), name);
+  }
+  if (state_ == RunState::kRecording || check == Check::kHead) return;
+  // A robot's side without its rows would look like one that did nothing.
+  for (const char* role : {"master", "slave"}) {
+    const auto of_role = [&](const Series& series) { return series.schema.name == role; };
+    if (identity_.role == role && std::none_of(series_.begin(), series_.end(), of_role))
+      throw h5::Failure(fmt::format("its data set {} is missing", role));
+  }
+}
+
+void RunReader::add_series(hid_t group, const std::string& name) {
+  Series series{run_file::read_schema(group, name), 0, h5::text_of(group, "ring").value_or(""), 0};
+  if (series.schema.columns.empty()) throw h5::Failure("a series has no columns");
+  series.dropped_rows = static_cast<std::uint64_t>(h5::number_of(group, "dropped_rows").value_or(0));
+  if (h5::has(group, "rows")) {
+    const h5::Id rows = open_dataset(group, "rows");
+    series.rows = h5::rows_to_read(rows.get());
+    if (h5::width_of(rows.get()) != series.schema.width())
+      throw h5::Failure(fmt::format("{}/rows: has another number of columns than its head says", name));
+    series_.push_back(std::move(series));
+    return;
+  }
+  std::optional<double> said = h5::number_of(group, "rows");
+  for (const Quantity& quantity : quantities_of(series.schema)) {
+    const std::string path = fmt::format("{}/{}", name, quantity.name);
+    if (!h5::has(group, quantity.name)) throw h5::Failure(fmt::format("its data set {} is missing", path));
+    const h5::Id dataset = open_dataset(group, quantity.name);
+    series.rows = h5::rows_to_read(dataset.get());
+    if (h5::width_of(dataset.get()) != quantity.count)
+      throw h5::Failure(fmt::format("{}: has another number of columns than its head says", path));
+    if (!said) said = static_cast<double>(series.rows);
+    if (static_cast<double>(series.rows) != *said)
+      throw h5::Failure(fmt::format("{}: has {} rows of {}", path, series.rows, *said));
+  }
+  series_.push_back(std::move(series));
 }
 
 RunReader::~RunReader() {
@@ -75,31 +122,38 @@ RunReader::~RunReader() {
   file_.close();
 }
 
+void RunReader::read_or_throw(std::size_t index, std::uint64_t first, std::uint64_t rows,
+                              std::vector<double>& out) const {
+  const Series& series = series_[index];
+  const std::string& name = series.schema.name;
+  const std::size_t width = series.schema.width();
+  const std::size_t before = out.size();
+  const h5::Id group(H5Gopen2(file_.get(), name.c_str(), H5P_DEFAULT), "a group is missing");
+  out.resize(before + rows * width);
+  if (h5::has(group.get(), "rows")) {
+    if (!h5::read_rows(open_dataset(group.get(), "rows").get(), H5T_NATIVE_DOUBLE, width, first, rows,
+                       out.data() + before))
+      throw h5::Failure(h5::damaged_rows(name + "/rows", first, rows));
+    return;
+  }
+  std::vector<double> part;
+  for (const Quantity& quantity : quantities_of(series.schema)) {
+    part.resize(rows * quantity.count);
+    if (!h5::read_rows(open_dataset(group.get(), quantity.name).get(), H5T_NATIVE_DOUBLE, quantity.count,
+                       first, rows, part.data()))
+      throw h5::Failure(h5::damaged_rows(name + "/" + quantity.name, first, rows));
+    for (std::uint64_t n = 0; n < rows; ++n)
+      for (std::size_t c = 0; c < quantity.count; ++c)
+        out[before + n * width + quantity.first + c] = part[n * quantity.count + c];
+  }
+}
+
 bool RunReader::read(std::size_t index, std::uint64_t first, std::uint64_t rows,
                      std::vector<double>& out) const {
   const std::lock_guard alone(h5::library());
-  const Series& series = series_[index];
-  const std::size_t width = series.schema.width();
   const std::size_t before = out.size();
   try {
-    const h5::Id group(H5Gopen2(file_.get(), series.schema.name.c_str(), H5P_DEFAULT), "a group is missing");
-    out.resize(before + rows * width);
-    if (h5::has(group.get(), "rows")) {
-      if (h5::read_rows(open_dataset(group.get(), "rows").get(), H5T_NATIVE_DOUBLE, width, first, rows,
-                        out.data() + before))
-        return true;
-      throw h5::Failure("damaged");
-    }
-    std::vector<double> part;
-    for (const Quantity& quantity : quantities_of(series.schema)) {
-      part.resize(rows * quantity.count);
-      if (!h5::read_rows(open_dataset(group.get(), quantity.name).get(), H5T_NATIVE_DOUBLE, quantity.count,
-                         first, rows, part.data()))
-        throw h5::Failure("damaged");
-      for (std::uint64_t n = 0; n < rows; ++n)
-        for (std::size_t c = 0; c < quantity.count; ++c)
-          out[before + n * width + quantity.first + c] = part[n * quantity.count + c];
-    }
+    read_or_throw(index, first, rows, out);
     return true;
   } catch (const h5::Failure&) {
     out.resize(before);
@@ -113,8 +167,19 @@ std::optional<SeriesData> RunReader::data(const std::string& name) const {
     SeriesData data{series_[index].schema, {}};
     const std::uint64_t all = series_[index].rows;
     data.numbers.reserve(all * data.schema.width());
-    for (std::uint64_t first = 0; first < all; first += kRowsAtOnce)
-      (void)read(index, first, std::min(kRowsAtOnce, all - first), data.numbers);
+    for (std::uint64_t first = 0; first < all; first += kRowsAtOnce) {
+      const std::uint64_t rows = std::min(kRowsAtOnce, all - first);
+      if (state_ == RunState::kRecording) {
+        (void)read(index, first, rows, data.numbers);
+        continue;
+      }
+      const std::lock_guard alone(h5::library());
+      try {
+        read_or_throw(index, first, rows, data.numbers);
+      } catch (const h5::Failure& failure) {
+        damaged(failure.what());
+      }
+    }
     return data;
   }
   return std::nullopt;
@@ -124,8 +189,10 @@ std::vector<RunEvent> RunReader::events() const {
   const std::lock_guard alone(h5::library());
   std::vector<RunEvent> events;
   try {
-    for (const auto& cell : cells_in<run_file::EventCell>(file_.get(), "events", run_file::event_type())) events.push_back(run_file::event_of(cell));
-  } catch (const h5::Failure&) {
+    for (const auto& cell : cells_in<run_file::EventCell>(file_.get(), "events", run_file::event_type()))
+      events.push_back(run_file::event_of(cell));
+  } catch (const h5::Failure& failure) {
+    if (state_ != RunState::kRecording) damaged(failure.what());
     return {};
   }
   return events;
@@ -136,17 +203,23 @@ std::vector<RunContour> RunReader::contours() const {
   std::vector<RunContour> contours;
   try {
     const h5::Id points = open_dataset(file_.get(), "contours/points");
-    const std::uint64_t there = h5::rows_of(points.get());
-    for (const auto& cell : cells_in<run_file::ContourCell>(file_.get(), "contours/list", run_file::contour_type())) {
+    const std::uint64_t there = h5::rows_to_read(points.get());
+    for (const auto& cell :
+         cells_in<run_file::ContourCell>(file_.get(), "contours/list", run_file::contour_type())) {
       RunContour contour = run_file::contour_of(cell);
-      if (cell.first > there || cell.count > there - cell.first) continue;
-      std::vector<double> numbers(2 * cell.count);
-      if (!h5::read_rows(points.get(), H5T_NATIVE_DOUBLE, 2, cell.first, cell.count, numbers.data())) continue;
+      const bool inside = cell.first <= there && cell.count <= there - cell.first;
+      std::vector<double> numbers(inside ? 2 * cell.count : 0);
+      if (!inside ||
+          !h5::read_rows(points.get(), H5T_NATIVE_DOUBLE, 2, cell.first, cell.count, numbers.data())) {
+        if (state_ == RunState::kRecording) continue;
+        throw h5::Failure(fmt::format("contours/points: those of contour {} are damaged", cell.id));
+      }
       for (std::size_t n = 0; n < cell.count; ++n)
         contour.points_m.emplace_back(numbers[2 * n], numbers[2 * n + 1]);
       contours.push_back(std::move(contour));
     }
-  } catch (const h5::Failure&) {
+  } catch (const h5::Failure& failure) {
+    if (state_ != RunState::kRecording) damaged(failure.what());
     return {};
   }
   return contours;

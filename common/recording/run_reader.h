@@ -9,17 +9,27 @@
 #include <vector>
 
 #include "common/recording/run_file.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 
+/// A recording that is no longer what was written. The sentence says where.
+struct DamagedRecording : StartupError {
+  using StartupError::StartupError;
+};
+
 class RunReader {
  public:
-  /// Throws StartupError that names the file: it is no recording, or none of this format.
-  explicit RunReader(const std::filesystem::path& file);
+  /// Of a finished file all that is in it is read and checked; or its head only.
+  enum class Check { kAll, kHead };
+  /// Throws StartupError that names the file: it is no recording, or none of this format; DamagedRecording:
+  /// of a finished one a data set is missing or damaged, or the contents are not those that were written.
+  explicit RunReader(const std::filesystem::path& file, Check check = Check::kAll);
   ~RunReader();
   RunReader(const RunReader&) = delete;
   RunReader& operator=(const RunReader&) = delete;
 
+  const std::filesystem::path& file() const noexcept { return path_; }
   RunState state() const noexcept { return state_; }
   const RunIdentity& identity() const noexcept { return identity_; }
   /// The process that still writes it, on this computer.
@@ -34,12 +44,20 @@ class RunReader {
   const std::vector<Series>& series() const noexcept { return series_; }
   /// Rows `first` .. of a series appended to `out`; false: they are damaged, and `out` is as before.
   bool read(std::size_t series, std::uint64_t first, std::uint64_t rows, std::vector<double>& out) const;
-  /// All of it; damaged rows are left out. None: the file has no such series.
+  /// All of it. None: the file has no such series. Damaged rows: of a finished file throws DamagedRecording,
+  /// of an unfinished one they are left out. The same for what follows.
   std::optional<SeriesData> data(const std::string& name) const;
   std::vector<RunEvent> events() const;
   std::vector<RunContour> contours() const;
 
  private:
+  void open(Check check);
+  void add_series(hid_t group, const std::string& name);
+  void read_or_throw(std::size_t series, std::uint64_t first, std::uint64_t rows,
+                     std::vector<double>& out) const;
+  [[noreturn]] void damaged(const std::string& what) const;
+
+  std::filesystem::path path_;
   h5::Id file_;
   RunState state_ = RunState::kRecording;
   RunIdentity identity_;

@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "common/recording/run_folder.h"
+#include "common/recording/run_match.h"
+#include "common/recording/run_probe.h"
 #include "common/recording/run_reader.h"
 #include "common/recording/run_tables.h"
 #include "common/runtime/startup_error.h"
@@ -101,11 +103,13 @@ fs::path required(const char* role, std::span<const fs::path> folders) {
 
 RecordedRun read_recorded(std::span<const fs::path> folders) {
   RecordedRun run;
+  probe_recordings(folders);
   const fs::path master_file = required("master", folders);
   const fs::path slave_file = required("slave", folders);
   run.record = read_run(folders);
   const RunReader master(master_file);
   const RunReader slave(slave_file);
+  refuse_unrelated(master, slave);
   if (run.record.master.empty() || run.record.slave.empty())
     throw input_error(fmt::format("{}: the run has no rows to play", folders.front().string()));
   run.virtual_time = master.identity().virtual_time;

@@ -69,7 +69,8 @@ TEST(RecordingProcesses, AKilledSlaveLosesLessThanATenthOfASecond) {
       const RunReader left(file);
       for (const auto& series : left.series()) fs::remove(series.ring);
     }
-    ASSERT_EQ(inspect({"recover", file.string()}, &said), 0) << said;
+    ASSERT_EQ(inspect({"recover", file.string()}, &said), trial % 2)
+        << "without the memory nobody knows the end: " << said;
     const RunReader reader(file);
     EXPECT_EQ(reader.state(), RunState::kRecovered);
     const auto rows = rows_of(*reader.data("slave"), slave_columns());

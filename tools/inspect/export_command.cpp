@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-inspect export RUN WHAT: one thing of a run, to standard output or into a file. Changes nothing of the run.
+// telekerf-inspect export RUN WHAT: one thing of a run, to standard output or into a file. Changes nothing of
+// the run.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <iterator>
 
 #include "common/recording/run_folder.h"
+#include "common/recording/run_probe.h"
 #include "common/recording/run_reader.h"
 #include "common/reporting/run_playback.h"
 #include "common/reporting/run_report.h"
@@ -74,7 +76,8 @@ std::string made(const ExportOptions& o, const fs::path& run, const std::string&
     case RunPart::kSlaveFile:
       break;
   }
-  throw input_error(fmt::format("{}: holds no {}; what is there, `telekerf-inspect runs` lists", o.run, file));
+  throw input_error(
+      fmt::format("{}: holds no {}; what is there, `telekerf-inspect runs` lists", o.run, file));
 }
 
 int export_one(const ExportOptions& o) {
@@ -82,6 +85,7 @@ int export_one(const ExportOptions& o) {
   const fs::path run = place_of_run(o.run);
   if (!fs::exists(run / "master.h5") && !fs::exists(run / "slave.h5"))
     throw input_error(fmt::format("{}: holds no recording of a run", o.run));
+  probe_recordings(run);
   const std::string bytes =
       o.what != RunPart::kPlayback && fs::exists(run / file) ? bytes_of(run / file) : made(o, run, file);
   if (o.out.empty()) {

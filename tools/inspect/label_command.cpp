@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/recording/run_folder.h"
+#include "common/recording/run_probe.h"
 #include "common/runtime/enum_table.h"
 #include "tools/inspect/commands.h"
 
@@ -27,6 +28,7 @@ void add_label_command(Program& program) {
         s.add("text", o.label.text, kName, "why").as_argument();
       },
       [](const LabelOptions& o) {
+        probe_recordings(o.folder);
         label_run(o.folder, o.label);
         fmt::print("{}: {}\n", o.label.good ? "good" : "bad", o.label.text);
         return 0;

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-inspect recover FILE: finishes the recording that a killed process has left, and says what it kept.
+// telekerf-inspect recover FILE: finishes the recording that a killed process has left, and says what it
+// kept.
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
-#include <thread>
 
 #include "common/recording/run_folder.h"
+#include "common/recording/run_probe.h"
 #include "common/recording/run_reader.h"
 #include "common/reporting/tables.h"
-#include "common/runtime/startup_error.h"
 #include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {
@@ -23,18 +19,21 @@ namespace fs = std::filesystem;
 void print_kept(const fs::path& file, const RunKept& kept) {
   for (const SeriesAudit& series : kept.series) {
     fmt::print("{}", reporting::table_row(
-                         series.name, fmt::format("{} rows; {} gaps ({} ticks), {} jumps, {} values that are no numbers",
-                                                  series.rows, series.gaps, series.missing_ticks, series.jumps,
-                                                  series.non_finite)));
+                         series.name,
+                         fmt::format("{} rows; {} gaps ({} ticks), {} jumps, {} values that are no numbers",
+                                     series.rows, series.gaps, series.missing_ticks, series.jumps,
+                                     series.non_finite)));
   }
-  fmt::print("{}{}{}{}", reporting::table_row("contours, events", fmt::format("{}, {}", kept.contours, kept.events)),
-             reporting::table_row("from memory", fmt::format("{} rows that were not in the file yet", kept.rows_from_memory)),
-             reporting::table_row("lost", fmt::format("{} rows damaged, {} overwritten", kept.damaged_rows,
-                                                      kept.overwritten_rows)),
-             reporting::table_row("recovered", file.string()));
+  fmt::print(
+      "{}{}{}{}", reporting::table_row("contours, events", fmt::format("{}, {}", kept.contours, kept.events)),
+      reporting::table_row("from memory",
+                           fmt::format("{} rows that were not in the file yet", kept.rows_from_memory)),
+      reporting::table_row(
+          "lost", fmt::format("{} rows damaged, {} overwritten", kept.damaged_rows, kept.overwritten_rows)),
+      reporting::table_row("recovered", file.string()));
 }
 
-/// 0: nothing is lost; 1: something is, or nothing is there and nobody knows whether something was.
+/// 0: nothing is lost; 1: something is, or nobody knows whether something is.
 int recover(const fs::path& file) {
   const auto kept = recover_run_file(file);
   if (!kept) {
@@ -47,44 +46,29 @@ int recover(const fs::path& file) {
   }
   print_kept(file, *kept);
   const bool nothing = kept->rows() == 0;
-  if (nothing)
-    fmt::print("{}", reporting::table_row("verdict", kept->memory ? "it was killed before its first step"
-                                                                  : "bad: no row was there to keep"));
-  return (nothing && !kept->memory) || kept->damaged_rows + kept->overwritten_rows > 0 ? 1 : 0;
+  const char* const verdict =
+      nothing && kept->memory ? "it was killed before its first step"
+      : nothing               ? "bad: no row was there to keep"
+      : !kept->memory
+          ? "bad: up to 100 ms before the end may be missing, since the memory of its process is gone"
+      : kept->damaged_rows + kept->overwritten_rows > 0 ? "bad: not all of it could be kept"
+                                                        : "";
+  if (*verdict != 0) fmt::print("{}", reporting::table_row("verdict", verdict));
+  return kept->memory && kept->damaged_rows + kept->overwritten_rows == 0 ? 0 : 1;
 }
 
-/// HDF5 has been seen to hang or to crash on damaged files, so a child reads them, with a time limit.
 int recover_in_child(const fs::path& file) {
-  std::error_code ignored;
-  const auto bytes = fs::file_size(file, ignored);
-  const auto limit = std::chrono::seconds(20 + (ignored ? 0 : bytes >> 21U));  // at 2 MB/s
-  std::fflush(stdout);
-  const pid_t child = ::fork();
-  if (child < 0) throw environment_error("recover: no process can be started");
-  if (child == 0) {
-    int code = 2;
+  return in_child(file, [&] {
     try {
-      code = recover(file);
+      return recover(file);
+    } catch (const DamagedRecording& error) {
+      fmt::print("{}", reporting::table_row("verdict", fmt::format("bad: {}", error.what())));
+      return 1;
     } catch (const std::exception& error) {
       fmt::print(stderr, "telekerf-inspect: {}\n", error.what());
+      return 2;
     }
-    std::fflush(stdout);
-    ::_exit(code);
-  }
-  int status = 0;
-  const auto end = std::chrono::steady_clock::now() + limit;
-  while (::waitpid(child, &status, WNOHANG) == 0) {
-    if (std::chrono::steady_clock::now() > end) {
-      ::kill(child, SIGKILL);
-      ::waitpid(child, &status, 0);
-      throw input_error(fmt::format("{}: is damaged so that reading it does not end; it is as it was", file.string()));
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  if (!WIFEXITED(status))
-    throw input_error(fmt::format("{}: is damaged so that reading it fails (signal {}); it is as it was",
-                                  file.string(), WTERMSIG(status)));
-  return WEXITSTATUS(status);
+  });
 }
 
 }  // namespace
@@ -94,7 +78,8 @@ void add_recover_command(Program& program) {
       "recover", "Finishes the recording of a process that was killed; exit 1: not all of it could be kept",
       std::string(),
       [](std::string& file, Settings& s) {
-        s.add("file", file, kFile, "recording that a process has left: DIR/master.h5, DIR/slave.h5").as_argument();
+        s.add("file", file, kFile, "recording that a process has left: DIR/master.h5, DIR/slave.h5")
+            .as_argument();
       },
       [](const std::string& file) { return recover_in_child(file); });
 }

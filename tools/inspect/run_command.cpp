@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "common/recording/run_folder.h"
+#include "common/recording/run_match.h"
+#include "common/recording/run_probe.h"
 #include "common/reporting/run_report.h"
 #include "common/reporting/tables.h"
 #include "common/runtime/results.h"
@@ -36,8 +38,12 @@ int report_run(const RunOptions& options) {
   std::vector<fs::path> folders = {options.folder};
   if (!options.other.empty()) folders.emplace_back(options.other);
   const std::string out = options.out.empty() ? options.folder : options.out;
-  if (!options.out.empty()) make_folder("--out", out);
+  probe_recordings(folders);
+  const auto master = recording_of("master", folders);
+  const auto slave = recording_of("slave", folders);
+  if (master && slave) refuse_unrelated(RunReader(*master), RunReader(*slave));
   const RunRecord record = read_run(folders);
+  if (!options.out.empty()) make_folder("--out", out);
   if (options.csv) {
     write_contour(out, record);
     write_master(out, record);
