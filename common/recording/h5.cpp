@@ -66,17 +66,20 @@ void check(herr_t status, const char* what) {
   if (status < 0) throw Failure(what);
 }
 
+void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
 Id create_file(const std::filesystem::path& path, bool newest) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are said in our own words
+  keep_quiet();
   const Id access(H5Pcreate(H5P_FILE_ACCESS), "no file access");
   check(newest ? H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST)
                : H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18),
         "the format is not known");
-  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), "the file cannot be made"};
+  const unsigned how = newest ? H5F_ACC_EXCL : H5F_ACC_TRUNC;
+  return {H5Fcreate(path.c_str(), how, H5P_DEFAULT, access.get()), "the file cannot be made"};
 }
 
 Id open_file(const std::filesystem::path& path) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  keep_quiet();
   const hid_t plain = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (plain >= 0) return {plain, ""};
   const hid_t live = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT);

@@ -50,7 +50,9 @@ class Id {
 /// Throws Failure with `what` if `status` is an error's.
 void check(herr_t status, const char* what);
 
-/// `newest`: in the format that SWMR needs; otherwise in one that HDF5 1.8 reads.
+/// In this thread: errors are said in our own words.
+void keep_quiet();
+/// `newest`: a new file in the format that SWMR needs; otherwise one that HDF5 1.8 reads, in place of any.
 Id create_file(const std::filesystem::path& path, bool newest);
 /// A finished file, or one that is being written or was left by a killed process. Throws Failure that says
 /// whether it is missing, a folder, no HDF5 file, or one that is cut off or damaged, and what to do.
@@ -78,7 +80,7 @@ hsize_t rows_to_read(hid_t dataset);
 std::size_t width_of(hid_t dataset);
 /// What an attribute takes in memory as `type`. Throws Failure if that is more than any recording has.
 std::size_t bytes_of_attribute(hid_t attribute, hid_t type);
-/// "slave/tool: rows 4096 to 8191 are damaged".
+/// "tool: rows 4096 to 8191 are damaged".
 std::string damaged_rows(const std::string& dataset, hsize_t first, hsize_t rows);
 /// After the last row.
 void append(hid_t dataset, hid_t memory_type, std::size_t width, std::size_t rows, const void* data);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <pthread.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -28,6 +29,16 @@ std::filesystem::path ring_file(const RunIdentity& identity, const std::string& 
   return fmt::format("/dev/shm/telekerf-{}-{}-{}-{}-{}", identity.role, ::getpid(), monotonic_ns(), count++, series);
 }
 
+/// While nothing can be written.
+constexpr std::size_t kMostWaiting = 10'000;
+constexpr std::size_t kMostContoursWaiting = 64;
+
+/// 0: there is no such file.
+ino_t inode_of(const std::filesystem::path& file) {
+  struct stat found {};
+  return ::stat(file.c_str(), &found) == 0 ? found.st_ino : 0;
+}
+
 /// What processes that were killed more than ten minutes ago have left, and nobody has recovered: at most the last
 /// tenth of a second is not in their files.
 void sweep_rings() {
@@ -45,8 +56,8 @@ void sweep_rings() {
 }  // namespace
 
 Recording::Recording(std::filesystem::path file, const RunIdentity& identity, const std::vector<Part>& parts,
-                     Say say)
-    : file_(std::move(file)), identity_(identity), say_(std::move(say)) {
+                     Say say, FreeSpace space)
+    : file_(std::move(file)), identity_(identity), say_(std::move(say)), space_(std::move(space)) {
   sweep_rings();
   std::vector<LiveFile::Part> series;
   for (const Part& part : parts) {
@@ -59,7 +70,11 @@ Recording::Recording(std::filesystem::path file, const RunIdentity& identity, co
   }
   try {
     live_ = std::make_unique<LiveFile>(file_, identity, series);
+    inode_ = inode_of(file_);
   } catch (const h5::Failure& failure) {
+    if (std::filesystem::exists(file_))
+      throw environment_error(fmt::format("--record {}: another process records into it; name another folder",
+                                          file_.string()));
     throw environment_error(
         fmt::format("--record {}: {}; name a folder on a local disk, or on a network's set "
                     "HDF5_USE_FILE_LOCKING=FALSE",
@@ -73,20 +88,29 @@ Recording::~Recording() {
   if (thread_.joinable()) thread_.join();
 }
 
+std::optional<std::uint64_t> Recording::free_space(const std::filesystem::path& file) {
+  struct statvfs disk {};
+  if (::statvfs(file.c_str(), &disk) != 0) return std::nullopt;
+  return static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize;
+}
+
 void Recording::add(RunEvent event) {
   const std::lock_guard lock(mutex_);
+  if (events_.size() >= kMostWaiting) return;
   if (event.t_s == 0.0) event.t_s = 1e-9 * static_cast<double>(monotonic_ns());
   events_.push_back(std::move(event));
 }
 
 void Recording::add(RunContour contour) {
   const std::lock_guard lock(mutex_);
+  if (contours_.size() >= kMostContoursWaiting) return;
   if (contour.t_s == 0.0) contour.t_s = 1e-9 * static_cast<double>(monotonic_ns());
   contours_.push_back(std::move(contour));
 }
 
 void Recording::run(const std::stop_token& stop) {
   ::pthread_setname_np(::pthread_self(), "recorder");
+  h5::keep_quiet();
   auto next = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
     look_at_disk();
@@ -119,14 +143,15 @@ void Recording::take_rows(bool write) {
 void Recording::write_out() {
   std::vector<RunEvent> events;
   std::vector<RunContour> contours;
-  {
+  const bool writes = live_ != nullptr && !disk_full_;
+  if (writes) {  // otherwise they wait until there is room
     const std::lock_guard lock(mutex_);
     events.swap(events_);
     contours.swap(contours_);
   }
   try {
-    take_rows(live_ != nullptr && !disk_full_);
-    if (live_ == nullptr || disk_full_) return;
+    take_rows(writes);
+    if (!writes) return;
     for (const RunContour& contour : contours) live_->append(contour);
     for (const RunEvent& event : events) live_->append(event);
     live_->flush();
@@ -134,7 +159,8 @@ void Recording::write_out() {
     if (!parts_.empty()) acknowledged_.store(live_->rows(0), std::memory_order_release);
   } catch (const h5::Failure& failure) {
     live_.reset();
-    say_(fmt::format("nothing more is recorded: {}: {}", file_.string(), failure.what()));
+    say_(fmt::format("nothing more is recorded: {}: {}; telekerf-inspect recover {} keeps what is there",
+                     file_.string(), failure.what(), file_.string()));
   }
 }
 
@@ -142,17 +168,23 @@ void Recording::look_at_disk() {
   const auto now = std::chrono::steady_clock::now();
   if (now - looked_ < std::chrono::seconds(1)) return;
   looked_ = now;
-  struct statvfs disk {};
-  if (::statvfs(file_.c_str(), &disk) != 0) return;
-  const std::uint64_t left = static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize;
-  if (!disk_full_ && left < kStop_bytes) {
+  look_at_file();
+  const auto left = space_(file_);
+  if (!left) return;
+  if (!disk_full_ && *left < kStop_bytes) {
     disk_full_ = true;
-    say_(fmt::format("the disk is full ({} MB left at {}): nothing is recorded until there is room again", left >> 20U,
+    say_(fmt::format("the disk is full ({} MB left at {}): nothing is recorded until there is room again", *left >> 20U,
                      file_.parent_path().string()));
-  } else if (disk_full_ && left > kGoOn_bytes) {
+  } else if (disk_full_ && *left > kGoOn_bytes) {
     disk_full_ = false;
     say_("there is room on the disk again: the run is recorded");
   }
+}
+
+void Recording::look_at_file() {
+  if (gone_ || inode_of(file_) == inode_) return;
+  gone_ = true;
+  say_(fmt::format("{} has been removed: this run leaves no record; start anew to have one", file_.string()));
 }
 
 void Recording::look_at_drops() {
@@ -197,7 +229,10 @@ std::optional<RunKept> Recording::close(RunEnd end) {
   look_at_fault();
   write_out();
   for (const Running& part : parts_) end.dropped[part.schema.name] += part.dropped;
-  if (live_ == nullptr) return std::nullopt;
+  if (live_ == nullptr || gone_) {
+    if (!gone_ && dropped() > 0) say_(fmt::format("{} rows are not in {}", dropped(), file_.string()));
+    return std::nullopt;
+  }
   live_.reset();
   try {
     return finish_run_file(file_, end);

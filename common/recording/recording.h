@@ -4,6 +4,8 @@
 // out yet lies in memory that outlives it.
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -33,10 +35,14 @@ class Recording {
     double rows_per_s = 0.0;  ///< at most
   };
   using Say = std::function<void(const std::string&)>;
+  /// Bytes free where a file lies; none: nobody knows.
+  using FreeSpace = std::function<std::optional<std::uint64_t>(const std::filesystem::path&)>;
+  static std::optional<std::uint64_t> free_space(const std::filesystem::path& file);
 
   /// Makes the file and everything in it; `say` hears, in the recorder's thread, what people should know.
   /// Throws StartupError.
-  Recording(std::filesystem::path file, const RunIdentity& identity, const std::vector<Part>& parts, Say say);
+  Recording(std::filesystem::path file, const RunIdentity& identity, const std::vector<Part>& parts, Say say,
+            FreeSpace space = free_space);
   /// Unless it was closed, the file stays as that of a killed process.
   ~Recording();
 
@@ -69,6 +75,7 @@ class Recording {
   void write_out();
   void take_rows(bool write);
   void look_at_disk();
+  void look_at_file();
   void look_at_drops();
   void look_at_fault();
   void write_flight(const RunEvent& event);
@@ -84,7 +91,10 @@ class Recording {
   std::atomic<const char*> fault_{nullptr};
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<std::uint64_t> acknowledged_{0};
+  FreeSpace space_;
   bool disk_full_ = false;
+  ino_t inode_ = 0;    ///< of the file
+  bool gone_ = false;  ///< somebody has removed it
   std::uint64_t dropped_said_ = 0;
   std::chrono::steady_clock::time_point looked_;
   int flights_ = 0;

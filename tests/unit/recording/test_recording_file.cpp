@@ -4,10 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <mutex>
 #include <random>
 #include <thread>
 
@@ -77,6 +79,7 @@ class RecordingFile : public testing::Test {
     std::uint64_t pushed = 0;
   };
   Killed kill_after(milliseconds after) {
+    fs::remove(file_);
     int words[2];
     EXPECT_EQ(::pipe(words), 0);
     const pid_t child = ::fork();
@@ -153,8 +156,10 @@ TEST_F(RecordingFile, CountsDroppedRowsAtTheSeriesThatLacksThem) {
   const std::vector<Recording::Part> two = {{schema_of("slave", master_columns(), true), 1.0},
                                             {schema_of("blocks", master_columns(), true), 1.0}};
   std::uint64_t dropped = 0;
+  RunIdentity slave = identity();
+  slave.role = "slave";
   {
-    Recording recording(file_, identity(), two, [](const std::string&) {});
+    Recording recording(file_, slave, two, [](const std::string&) {});
     for (std::uint64_t tick = 0; tick < 5000; ++tick) recording.ring(0).push(master_columns(), row(tick));
     for (std::uint64_t tick = 0; tick < 10; ++tick) recording.ring(1).push(master_columns(), row(tick));
     ASSERT_TRUE(recording.close({}));
@@ -224,6 +229,57 @@ TEST_F(RecordingFile, AuditFindsGapsJumpsAndWhatIsNoNumber) {
   EXPECT_EQ(audit[0].missing_ticks, 2U);
   EXPECT_EQ(audit[0].jumps, 1U);
   EXPECT_EQ(audit[0].non_finite, 1U);
+}
+
+TEST_F(RecordingFile, WhatComesWhileTheDiskIsFullIsWrittenWhenThereIsRoomAgain) {
+  std::atomic<std::uint64_t> free_bytes{1U << 20U};
+  {
+    Recording recording(
+        file_, identity(), parts(), [](const std::string&) {},
+        [&](const fs::path&) -> std::optional<std::uint64_t> { return free_bytes.load(); });
+    std::this_thread::sleep_for(milliseconds(200));
+    recording.add(RunContour{.id = 5, .mode = "outline", .source = "heart", .points_m = {{0, 0}, {1, 2}}});
+    recording.add(RunEvent{1.5, 12, "said", 0.0, "engaged"});
+    std::this_thread::sleep_for(milliseconds(200));
+    free_bytes = std::uint64_t{1} << 40U;
+    std::this_thread::sleep_for(milliseconds(1300));
+    recording.ring(0).push(master_columns(), row(0));
+    ASSERT_TRUE(recording.close({}));
+  }
+  const RunReader reader(file_);
+  ASSERT_EQ(reader.contours().size(), 1U);
+  EXPECT_EQ(reader.contours()[0].id, 5U);
+  ASSERT_EQ(reader.events().size(), 1U);
+  EXPECT_EQ(reader.events()[0].text, "engaged");
+}
+
+TEST_F(RecordingFile, OfTwoProcessesOneRecordsAndTheOtherIsRefused) {
+  Recording first(file_, identity(), parts(), [](const std::string&) {});
+  try {
+    const Recording second(file_, identity(), parts(), [](const std::string&) {});
+    FAIL() << "it overwrites the first one's record";
+  } catch (const StartupError& error) {
+    EXPECT_NE(std::string(error.what()).find("another process records into it"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(RecordingFile, ThatIsRemovedIsMissedAtOnce) {
+  std::mutex mutex;
+  std::string said;
+  Recording recording(file_, identity(), parts(), [&](const std::string& sentence) {
+    const std::lock_guard lock(mutex);
+    said += sentence;
+  });
+  std::this_thread::sleep_for(milliseconds(100));
+  fs::remove(file_);
+  const auto heard = [&] {
+    const std::lock_guard lock(mutex);
+    return said.find("has been removed") != std::string::npos;
+  };
+  for (int n = 0; n < 500 && !heard(); ++n) std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_TRUE(heard()) << said;
+  EXPECT_FALSE(recording.close({}));
 }
 
 TEST_F(RecordingFile, AFaultWritesTheLastSeconds) {
