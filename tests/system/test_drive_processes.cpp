@@ -137,7 +137,7 @@ nlohmann::json measured_delay(const std::string& drive, const std::string& contr
   return nlohmann::json::parse(inspect.output(), nullptr, false);
 }
 
-TEST(DriveProcesses, OneThatReadsNonsenseEndsTheSlaveWithThatSentence) {
+TEST(DriveProcesses, OneThatReadsNonsenseIsRefusedInWordsAndEndsTheSlave) {
   RobotProcess robot("slave-keops");
   ASSERT_NE(robot.drive(), "") << robot.output();
   SpoiledDrive way(robot.drive());
@@ -146,9 +146,9 @@ TEST(DriveProcesses, OneThatReadsNonsenseEndsTheSlaveWithThatSentence) {
   EXPECT_FALSE(slave.says("no place", seconds(1))) << slave.output();
   way.spoil();
   EXPECT_EQ(slave.wait(seconds(20)), 2) << slave.output();
-  EXPECT_TRUE(slave.says(
-      "the laser is off and the currents are zero, because joint 2 is read at nan m, which is no place",
-      seconds(1)))
+  EXPECT_TRUE(slave.says("or what is no number; who sends to it", seconds(1))) << slave.output();
+  EXPECT_TRUE(slave.says("no reading for 5 s (drive_stale_s), so the laser is off and the currents are zero",
+                         seconds(1)))
       << slave.output();
 }
 
