@@ -199,7 +199,9 @@ tl::expected<std::size_t, CodecError> BlockEncoder::encode(std::span<const Vec3>
   auto& block = s.back(0);
   block.button = button;
   const double cost_bits = s.code(samples, trend, s.model, false, block);
-  if (s.codec->bounded_by_truncation) s.bound_by_truncation(samples, trend, cost_bits, block);
+  // Truncation has no use for an anchor, and does not keep the integral that counts of an integrated stream.
+  if (s.codec->bounded_by_truncation && !s.settings.anchored && !s.settings.integrated)
+    s.bound_by_truncation(samples, trend, cost_bits, block);
 
   BitWriter writer(out);
   PacketHead head;
