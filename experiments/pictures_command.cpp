@@ -70,8 +70,9 @@ std::vector<double> sorted(const std::vector<Lap>& laps, const std::string& netw
 }
 
 reporting::PageTable table_of(const std::vector<Lap>& laps, const std::vector<std::string>& networks) {
-  reporting::TableRows rows{{"network", "runs", "tracking rms um", "furthest from the master, beam on, um",
-                             "cut rms um", "cut furthest um", "coverage %", "outside J"}};
+  reporting::TableRows rows{{"network", "runs", "tracked", "tracking rms um", "lit",
+                             "furthest from the master, beam on, um", "cut rms um", "cut furthest um",
+                             "coverage %", "outside J"}};
   for (const std::string& network : networks) {
     const auto of = [&](const char* place) {
       return sorted(laps, network, ordered_json::json_pointer(place));
@@ -84,11 +85,12 @@ reporting::PageTable table_of(const std::vector<Lap>& laps, const std::vector<st
     const auto largest = [](const std::vector<double>& values) {
       return values.empty() ? std::string("-") : fmt::format("{:.3g}", values.back());
     };
-    const auto runs = std::count_if(laps.begin(), laps.end(), [&](const Lap& lap) {
-      return lap.network == network && !lap.row.contains("ended");
-    });
-    rows.push_back({network, std::to_string(runs), median_and_worst(of("/tracking/rms_um"), false, 1.0),
-                    largest(of("/tracking/laser_on/max_um")), median_and_worst(of("/cut/rms_um"), false, 1.0),
+    const auto runs =
+        std::count_if(laps.begin(), laps.end(), [&](const Lap& lap) { return lap.network == network; });
+    const std::vector<double> tracking = of("/tracking/rms_um"), cut = of("/cut/rms_um");
+    rows.push_back({network, std::to_string(runs), std::to_string(tracking.size()),
+                    median_and_worst(tracking, false, 1.0), std::to_string(cut.size()),
+                    largest(of("/tracking/laser_on/max_um")), median_and_worst(cut, false, 1.0),
                     largest(of("/cut/max_um")), median_and_worst(of("/cut/coverage"), true, 100.0),
                     largest(of("/cut/energy_outside_corridor_j"))});
   }
