@@ -28,11 +28,10 @@ bool has(const std::vector<std::string>& words, const std::string& flag) {
   return std::find(words.begin(), words.end(), flag) != words.end();
 }
 
-/// With TELEKERF_TEST_SECURITY set every process of a cell is started with keys of it, made as they are needed.
 std::vector<std::string> with_keys(std::vector<std::string> words) {
   const bool of_a_cell = has(words, "--domain") || has(words, "--cell");
   const bool given = has(words, "--security") || has(words, "--insecure");
-  if (std::getenv("TELEKERF_TEST_SECURITY") == nullptr || !of_a_cell || given) return words;
+  if (!everyone_has_keys() || !of_a_cell || given) return words;
   const std::string named = word_after(words, "--cell");
   const std::string cell = named.empty() ? "cell-1" : named;
   const std::filesystem::path store = Program::scratch() / "keys";
@@ -46,6 +45,8 @@ std::vector<std::string> with_keys(std::vector<std::string> words) {
 }
 
 }  // namespace
+
+bool everyone_has_keys() { return std::getenv("TELEKERF_TEST_SECURITY") != nullptr; }
 
 struct Program::Child : bp::child {
   using bp::child::child;

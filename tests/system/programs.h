@@ -39,6 +39,9 @@ class Program {
   std::unique_ptr<Child> child_;
 };
 
+/// Whether every process of a cell is started with keys of it, made as they are needed (TELEKERF_TEST_SECURITY is set).
+bool everyone_has_keys();
+
 /// A DDS domain of this test process' own, away from the default one.
 std::string own_domain();
 

@@ -21,7 +21,11 @@ TEST(Imaging, IsCalibratedAndThenKeepsContourAndScaleThroughAZoom) {
   {
     Program calibration("telekerf-vision", {"--imaging", "simulated", "--calibrate", unit});
     ASSERT_EQ(calibration.wait(seconds(100)), 0) << calibration.output();
-    EXPECT_TRUE(calibration.says("calibrated to", seconds(1))) << calibration.output();
+    const std::string said = calibration.output(), word = "calibrated to ";
+    ASSERT_NE(said.find(word), std::string::npos) << said;
+    const double percent = std::stod(said.substr(said.find(word) + word.size()));
+    EXPECT_GT(percent, 0.001) << said;
+    EXPECT_LT(percent, 0.1) << said;
   }
   EXPECT_NEAR(imaging::load_imaging(unit).model.distortion, -0.01, 1e-3);
 

@@ -8,7 +8,6 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -117,7 +116,7 @@ TEST_F(SecuredCell, WhoSpeaksAnotherProtectionIsToldWhichOneTheCellHas) {
 }
 
 TEST_F(SecuredCell, WithoutKeysTheStartSaysSoAndOtherComputersAreNotReached) {
-  if (std::getenv("TELEKERF_TEST_SECURITY") != nullptr) GTEST_SKIP() << "every process is given keys";
+  if (everyone_has_keys()) GTEST_SKIP() << "is about cells without keys";
   Program slave("telekerf-slave", {"--domain", own_domain(), "--cell", "bare"});
   ASSERT_TRUE(slave.says("slave: not secured", seconds(20))) << slave.output();
   Program ctl("telekerf-ctl", {"stop", "--domain", own_domain(), "--cell", "bare"});

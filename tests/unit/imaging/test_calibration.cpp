@@ -62,6 +62,14 @@ TEST(GridView, ADotsMiddleIsItsCentreOfDarkness) {
   for (std::size_t i = 0; i < dots.size(); ++i) EXPECT_LT(cv::norm(dots[i] - truth[i]), 0.1) << dots[i];
 }
 
+TEST(GridView, TwelvePixelsAreASpeckAndThirteenADot) {
+  cv::Mat paper(100, 100, CV_8U, cv::Scalar(220));
+  cv::rectangle(paper, {20, 20, 3, 4}, cv::Scalar(30), cv::FILLED);
+  EXPECT_TRUE(dots_in(paper).empty());
+  paper.at<std::uint8_t>(24, 21) = 30;
+  EXPECT_EQ(dots_in(paper).size(), 1U);
+}
+
 /// Dots on a lattice with distortion k, drawn where they would be seen, under light that falls off.
 cv::Mat distorted_grid(double pitch_px, double k, const cv::Point2d& origin, const ImagingModel& light) {
   const cv::Size size(640, 480);
