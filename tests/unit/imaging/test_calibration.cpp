@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <opencv2/imgproc.hpp>
 
 #include "experiments/autofocus/focus_zoom.h"
@@ -185,42 +186,74 @@ TEST(Calibration, FindsTheTruthOfAUnit) {
   }
 }
 
-TEST(Calibration, AnAxisThatEndsNearTheFocusDoesNotFalsifyTheScale) {
-  // Below the focus there is room for a third of a depth of field only: what is seen there is not as far off.
-  MicroscopeSettings settings;
-  settings.picture = {640, 480};
-  settings.read_noise = settings.shot_noise = 1.0;
-  settings.model.ridge_m = {0.015, 0.0, 0.0};
-  settings.model.focus_scale_per_m = 8.0;
-  settings.ridge_cubic_m = 0.0;
-  Object grid;
-  grid.metres_per_texel = 1e-5;
-  grid.texture = draw_target(Target::kGrid, 1801, 50.0, 1);
-  SimulatedMicroscope scope(settings, grid);
+/// A unit over a grid whose focus lies at 15 mm. Twenty-four pictures find it; one is taken in it, one below,
+/// one above.
+struct UnitOverAGrid {
+  UnitOverAGrid() : lowest_m(0.015 - 4.0 * dof_m()), scope(settings(), grid()) {}
+  static MicroscopeSettings settings() {
+    MicroscopeSettings all;
+    all.picture = {640, 480};
+    all.read_noise = all.shot_noise = 1.0;
+    all.model.ridge_m = {0.015, 0.0, 0.0};
+    all.model.focus_scale_per_m = 8.0;
+    all.ridge_cubic_m = 0.0;
+    return all;
+  }
+  static Object grid() {
+    Object grid;
+    grid.metres_per_texel = 1e-5;
+    grid.texture = draw_target(Target::kGrid, 1801, 50.0, 1);
+    return grid;
+  }
+  static double dof_m() { return settings().model.depth_of_field_m(0.04); }
+  /// `look`: told the number of the picture, from 1 on, and where the focus is wanted; says where it comes to
+  /// be.
+  auto calibrated(const std::function<tl::expected<double, std::string>(int, double)>& look) {
+    CalibrationSettings once;
+    once.magnifications = 1;
+    return calibrate({.zoom = [&](double to_m) -> tl::expected<void, std::string> {
+                        axes.magnification_m = to_m;
+                        return {};
+                      },
+                      .look = [&](double to_m) -> tl::expected<cv::Mat, std::string> {
+                        const auto place_m = look(++looks, to_m);
+                        if (!place_m) return tl::unexpected(place_m.error());
+                        axes.focus_m = std::max(lowest_m, *place_m);
+                        return scope.picture(axes, 0.0);
+                      },
+                      .positions = [&] { return axes; },
+                      .lowest_m = lowest_m,
+                      .highest_m = 0.03},
+                     settings().model, once);
+  }
   AxisPositions axes{0.04, 0.015};
-  const double dof_m = settings.model.depth_of_field_m(0.04);
-  const double lowest_m = 0.015 - 4.0 * dof_m;
-  double end_m = lowest_m;
   int looks = 0;
-  const CalibrationRig rig{.zoom = [&](double to_m) -> tl::expected<void, std::string> {
-                             axes.magnification_m = to_m;
-                             return {};
-                           },
-                           .look = [&](double to_m) -> tl::expected<cv::Mat, std::string> {
-                             // Twenty-four pictures find the focus; one in it; the next lies below.
-                             end_m = ++looks == 26 ? 0.015 - 0.35 * dof_m : lowest_m;
-                             axes.focus_m = std::max(end_m, to_m);
-                             return scope.picture(axes, 0.0);
-                           },
-                           .positions = [&] { return axes; },
-                           .lowest_m = lowest_m,
-                           .highest_m = 0.03};
-  CalibrationSettings once;
-  once.magnifications = 1;
-  const auto calibration = calibrate(rig, settings.model, once);
+  double lowest_m;
+  SimulatedMicroscope scope;
+};
+
+TEST(Calibration, AnAxisThatEndsNearTheFocusDoesNotFalsifyTheScale) {
+  UnitOverAGrid unit;
+  // Below the focus there is room for a third of a depth of field only: what is seen there is not as far off.
+  const auto calibration = unit.calibrated([](int look, double to_m) -> tl::expected<double, std::string> {
+    return look == 22 ? std::max(0.015 - 0.35 * UnitOverAGrid::dof_m(), to_m) : to_m;
+  });
   ASSERT_TRUE(calibration) << calibration.error();
-  EXPECT_NEAR(axes.magnification_m, 0.04, 1e-12);
+  EXPECT_EQ(unit.looks, 23);
+  EXPECT_NEAR(unit.axes.magnification_m, 0.04, 1e-12);
   EXPECT_NEAR(calibration->model.focus_scale_per_m, 8.0, 0.8);
+}
+
+TEST(Calibration, PassesOnWhatTheUnitSaysAtWhicheverPicture) {
+  for (const int failing : {1, 2, 20, 21, 22, 23}) {
+    UnitOverAGrid unit;
+    const auto calibration = unit.calibrated([=](int look, double to_m) -> tl::expected<double, std::string> {
+      if (look == failing) return tl::unexpected<std::string>("the axis is stuck");
+      return to_m;
+    });
+    ASSERT_FALSE(calibration) << failing;
+    EXPECT_EQ(calibration.error(), "the axis is stuck") << failing;
+  }
 }
 
 TEST(Calibration, SaysWhereItWasThatNothingWasFound) {
