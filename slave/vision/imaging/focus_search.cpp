@@ -15,8 +15,8 @@ constexpr int kMostExtensions = 4;  ///< pictures beyond the ends of the sweeps,
 /// What lies farther from the highest picture is no parabola any more, and on one side of the peak only.
 constexpr double kNear_dof = 1.05;
 
-/// Of the tiles that are set and touch each other, corners included: how many rows or columns they reach
-/// over.
+}  // namespace
+
 int longest_span(std::array<bool, kTiles> tiles) {
   int longest = 0;
   std::vector<int> open;
@@ -46,7 +46,9 @@ int longest_span(std::array<bool, kTiles> tiles) {
   return longest;
 }
 
-}  // namespace
+bool rises(double top, double bottom, double min_rise, double deviation) noexcept {
+  return top > (1.0 + min_rise) * bottom + 6.0 * std::sqrt(2.0) * deviation;
+}
 
 double peak_width_dof(const Optics& optics, double magnification) noexcept {
   return kWidthOverBlur * optics.sharpest_px / optics.blur_px_per_dof(magnification);
@@ -173,8 +175,7 @@ void FocusSearch::judge_coarse() {
   const auto best = static_cast<std::size_t>(top - looks_.begin());
   const Sharpness& sharpest = top->sharpness;
   const double lowest = std::min_element(looks_.begin(), looks_.end(), by_variance)->sharpness.variance;
-  const double deviation = std::hypot(sharpest.variance_deviation, sharpest.variance_deviation);
-  if (sharpest.variance <= (1.0 + settings_.min_rise) * lowest + 6.0 * deviation)
+  if (!rises(sharpest.variance, lowest, settings_.min_rise, sharpest.variance_deviation))
     return finish(FocusVerdict::kBlank, range_.start_m);
   if (best == 0 || best + 1 == looks_.size()) {
     if (!extend(best, step_m_)) finish(FocusVerdict::kOutOfRange, top->position_m);
@@ -230,8 +231,7 @@ void FocusSearch::judge_fine() {
   const auto top = std::max_element(looks_.begin(), looks_.end(), by_slope);
   const auto best = static_cast<std::size_t>(top - looks_.begin());
   const double lowest = std::min_element(looks_.begin(), looks_.end(), by_slope)->sharpness.tenengrad;
-  const double deviation = std::sqrt(2.0) * top->sharpness.tenengrad_deviation;
-  if (top->sharpness.tenengrad <= (1.0 + settings_.min_rise) * lowest + 6.0 * deviation)
+  if (!rises(top->sharpness.tenengrad, lowest, settings_.min_rise, top->sharpness.tenengrad_deviation))
     return finish(FocusVerdict::kBlank, top->position_m);
   if (best == 0 || best + 1 == looks_.size()) {
     if (!extend(best, step_m_)) finish(FocusVerdict::kNoPeak, top->position_m);

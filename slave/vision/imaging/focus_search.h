@@ -55,6 +55,14 @@ struct FocusSearchSettings {
       0.05;  ///< of the second look below the parabola, as a share, beside 3 standard deviations
 };
 
+/// Of the tiles that are set (row by row) and touch each other, corners included: how many rows or columns
+/// they reach over at the most.
+int longest_span(std::array<bool, kTiles> tiles);
+
+/// Whether a sharpness stands out from the least one: by the share `min_rise` of that, and by six standard
+/// deviations of the difference of the two, each of which noise gives `deviation`.
+bool rises(double top, double bottom, double min_rise, double deviation) noexcept;
+
 /// Where the search may go.
 struct FocusRange {
   double start_m = 0.0;

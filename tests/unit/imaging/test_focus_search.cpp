@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <opencv2/imgproc.hpp>
@@ -51,6 +52,47 @@ std::vector<double> run(FocusSearch& search, Plain& scene) {
     search.seen(scene.at(*next_m), *next_m);
   }
   return places;
+}
+
+/// Those that are marked.
+std::array<bool, kTiles> tiles_of(const std::array<const char*, kTileRows>& rows) {
+  std::array<bool, kTiles> tiles{};
+  for (std::size_t tile = 0; tile < kTiles; ++tile)
+    tiles[tile] = rows[tile / kTileColumns][tile % kTileColumns] == '#';
+  return tiles;
+}
+
+TEST(FocusSearch, ASpanIsOfTilesThatTouch) {
+  EXPECT_EQ(longest_span({}), 0);
+  EXPECT_EQ(longest_span(tiles_of({"#.......", "........", "........", "........", "........", "........",
+                                   "........", "........"})),
+            1);
+  // Corners count; over rows as over columns.
+  EXPECT_EQ(longest_span(tiles_of({"#.......", ".#......", "..#.....", "...#....", "....#...", ".....#..",
+                                   "......#.", ".......#"})),
+            8);
+  EXPECT_EQ(longest_span(tiles_of({"...##...", "..#.....", "..#.....", "...#....", "........", "........",
+                                   "........", "........"})),
+            4);
+  // A row or a column in between parts them, on either side.
+  EXPECT_EQ(longest_span(tiles_of({".#......", "........", ".##.....", "........", "...#....", "........",
+                                   "......#.", "......#."})),
+            2);
+  EXPECT_EQ(longest_span(tiles_of({"........", "........", "........", "#.#.#.##", "........", "........",
+                                   "........", "........"})),
+            2);
+  EXPECT_EQ(longest_span(tiles_of({"#......#", "........", "........", "........", "........", "........",
+                                   "........", "#......#"})),
+            1);
+}
+
+TEST(FocusSearch, WhatStandsOutDoesSoByAShareAndBySixDeviationsOfADifference) {
+  const double noise = 6.0 * std::sqrt(2.0) * 0.01;
+  EXPECT_TRUE(rises(1.05 + noise + 1e-9, 1.0, 0.05, 0.01));
+  EXPECT_FALSE(rises(1.05 + noise - 1e-9, 1.0, 0.05, 0.01));
+  EXPECT_TRUE(rises(2.2 + 1e-9, 2.0, 0.1, 0.0));
+  EXPECT_FALSE(rises(2.2 - 1e-9, 2.0, 0.1, 0.0));
+  EXPECT_FALSE(rises(1.0, 1.0, 0.0, 0.0)) << "a flat sweep";
 }
 
 TEST(FocusSearch, FindsTheFocusOfAPlainScene) {

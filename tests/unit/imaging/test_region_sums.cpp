@@ -95,6 +95,7 @@ TEST(RegionSums, RefuseWhatIsNoGreyRegion) {
   EXPECT_THROW(grey_sums(cv::Mat(10, 10, CV_8UC3)), cv::Exception);
   EXPECT_THROW(RegionSums(7, 100), cv::Exception);
   EXPECT_THROW(RegionSums(100, 7), cv::Exception);
+  EXPECT_NO_THROW(RegionSums(8, 8));
   RegionSums sums(64, 64);
   EXPECT_THROW(sums.add_rows(cv::Mat(1, 63, CV_8U)), cv::Exception);
 }

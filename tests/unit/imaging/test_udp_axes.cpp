@@ -87,6 +87,15 @@ TEST_F(UdpAxesTest, AnAnswerIsAReading) {
   EXPECT_FALSE(axes_->read().valid);  // once
 }
 
+TEST_F(UdpAxesTest, ALookTakesSixtyFourDatagramsAndLeavesTheRestToTheNext) {
+  for (int i = 0; i < 70; ++i) axes_->write({});
+  for (int i = 0; i < 70; ++i) hear();
+  for (std::uint64_t sequence = 1; sequence <= 70; ++sequence) answer(reading_for(sequence));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(axes_->read().tick, 70U + 64U);
+  EXPECT_EQ(axes_->read().tick, 70U + 70U);
+}
+
 TEST_F(UdpAxesTest, WhatIsNoAnswerIsDropped) {
   axes_->write({});
   hear();
