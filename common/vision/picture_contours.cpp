@@ -34,6 +34,9 @@ bool is_sure(const Extraction& drawing) {
     return true;
   // Edges of what was cleared away are still explained by nothing.
   if (e.cleared && e.unevenness < 0.15 && e.ink_range < 0.5) return e.explained > 0.5;
+  // The lit half of paper in shadow: most of what is drawn runs over the border, and lines lie on its other
+  // side.
+  if (e.cut_off > 0 && e.cut_off_share > 0.5 && e.opposite > 0.2) return false;
   if (!e.one_pen || (e.cut_off >= 3 && e.cut_off_share > 0.35)) return false;
   // Even ink under a faint shadow, whose own edge is explained by nothing.
   if (e.cut_off == 0 && e.ink_range < 0.12 && e.unevenness < 0.45 && e.explained > 0.75) return true;

@@ -132,6 +132,26 @@ Separation with_fainter(Separation first) {
   return first;
 }
 
+/// Half of the paper in a deep shadow looks like the background, and the lit half like what is drawn: most of
+/// that runs over the border, and the lines lie off the background to the other side. Lines on paper whose
+/// light was evened out, if they leave nothing over.
+std::optional<Separation> lines_in_half_shadow(const Separation& first, const cv::Mat& grey) {
+  constexpr double kOtherSide = 0.2;  // edges, beside one of what is drawn
+  constexpr double kMostOf = 2.0;     // what is drawn over what of it is whole
+  if (first.edges.opposite < kOtherSide || first.outlines.cut_off == 0) return std::nullopt;
+  double whole = 0.0;
+  for (const double area : first.outlines.areas_px) whole += std::max(0.0, area);
+  if (cv::countNonZero(first.field.drawn) < kMostOf * whole) return std::nullopt;
+  std::optional<Separation> best;
+  for (Separation& lines : across_shadows(grey)) {
+    if (lines.outlines.cut_off > 0 || lines.edges.explained <= kExplained ||
+        lines.edges.opposite > kOtherSide || (best && best->edges.explained >= lines.edges.explained))
+      continue;
+    best = std::move(lines);
+  }
+  return best;
+}
+
 /// The other way round: a lit plate in a dark frame.
 std::optional<Separation> in_frame(const Field& field) {
   if (!frames(field.drawn)) return std::nullopt;
@@ -146,7 +166,10 @@ tl::expected<Separation, std::string> separated(const cv::Mat& grey) {
   auto field = make_field(grey);
   if (!field) return tl::unexpected(field.error());
   Separation first = judged(std::move(*field));
-  if (!first.complaint && first.edges.explained > kExplained) return with_fainter(std::move(first));
+  if (!first.complaint && first.edges.explained > kExplained) {
+    auto lines = lines_in_half_shadow(first, grey);
+    return with_fainter(lines ? std::move(*lines) : std::move(first));
+  }
   const auto complaint = first.complaint;
   std::vector<Separation> candidates;
   auto level = by_level(first);

@@ -36,8 +36,9 @@ struct Separation {
 };
 
 /// Drawing and background of a picture. Where the first level finds no whole drawing or leaves sharp edges
-/// over, a better one if there is any, or lines across shadows, whichever scores best.
-/// The error is one sentence that says why the picture is no drawing on a background.
+/// over, a better one if there is any, or lines across shadows, whichever scores best; where it finds the lit
+/// half of paper, the lines on it. The error is one sentence that says why the picture is no drawing on a
+/// background.
 tl::expected<Separation, std::string> separated(const cv::Mat& grey);
 /// At that share of the way from background to drawing, and at no other level.
 tl::expected<Separation, std::string> separated_at(const cv::Mat& grey, double share);

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/vision/files/foreign_file.h"
 #include "common/vision/raster/picture_tags.h"
 
 namespace telekerf::vision {
@@ -172,27 +173,14 @@ bool is_jpeg(std::ifstream& file) {
 /// Why a file is no picture.
 std::string what_it_is(std::ifstream& file) {
   const auto head = bytes_at<64>(file, 0);
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-  if (text.starts_with("GIF8")) return "a GIF picture, which is not read; save it as PNG";
-  if (text.starts_with("%PDF")) return "a PDF document, which is not read; export it as SVG, or as PNG";
-  if (text.starts_with("%!PS") || text.starts_with("\xC5\xD0\xD3\xC6"))
-    return "a PostScript file (EPS, AI), which is not read; export it as SVG";
-  if (text.substr(4, 4) == "ftyp") {
-    const std::string_view brand = text.substr(8, 4);
-    if (brand == "avif" || brand == "avis")
-      return "an AVIF picture, which is not read; save it as JPEG or PNG";
-    if (brand.starts_with("he") || brand.starts_with("mif1") || brand.starts_with("msf1"))
-      return "a HEIC picture, which is not read; save it as JPEG or PNG";
-    return "a video; give telekerf-vision the video, or save one frame as PNG";
-  }
-  if (text.starts_with("AC10")) return "a DWG drawing, which is not read; save it as DXF";
-  if (text.starts_with("8BPS")) return "a Photoshop file, which is not read; save it as PNG";
-  if (text.starts_with("gimp xcf")) return "a GIMP file, which is not read; export it as PNG";
-  if (text.starts_with("PK\x03\x04")) return "a ZIP archive or a document; take the picture out of it first";
+  const std::string_view text(reinterpret_cast<const char*>(head.data()),
+                              static_cast<std::size_t>(file.gcount()));
+  if (std::string known = what_a_file_is(text); !known.empty()) return known;
   if (text.starts_with("\x1F\x8B"))
     return "compressed with gzip; unpack it, or name it .svgz if it is a drawing";
   if (text.find("<svg") != std::string_view::npos || text.starts_with("<?xml"))
     return "an XML file; name it .svg if it is a drawing";
+  if (looks_like_dxf(text)) return "a DXF drawing; name it .dxf";
   return "not a picture that can be read, or damaged";
 }
 

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "common/vision/segmentation/judging.h"
 #include "common/vision/segmentation/rating.h"
 
 namespace telekerf::vision {
@@ -225,10 +226,6 @@ class Search {
 
 tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing& pointing) {
   constexpr double kMinScore = 2.4;
-  constexpr double kBackground = 0.46;  // of the outline lies along the border
-  constexpr double kAround = 0.25;      // likewise, where it touches three sides or more
-  constexpr double kRagged = 0.1;       // see Rating::round
-  constexpr double kBlind = 0.15;       // and Rating::blind: of things that are right at most a third of this
   const auto refused = [](const char* why) {
     return tl::unexpected(
         fmt::format("{}; give --box X,Y,WIDTH,HEIGHT around the thing, more points of it (--at), or points "
@@ -254,14 +251,7 @@ tl::expected<cv::Mat, std::string> pointed_at(const Scene& scene, const Pointing
   }
   if (found.score < kMinScore)
     return refused("no region with an outline of its own is found where --at or --box points");
-  const auto outlines = outlines_of_mask(found.mask, 12.0);
-  for (const auto& outline : outlines) {
-    const Rating rating = rating_of(scene, outline);
-    if (rating.touching > (rating.sides >= 3 ? kAround : kBackground))
-      return refused("what is pointed at runs along the picture's border: it looks like the background");
-    if (rating.round < kRagged || rating.blind > kBlind)
-      return refused("what is pointed at has no outline that can be told from its surroundings");
-  }
+  if (const char* why = why_no_thing(scene, found.mask)) return refused(why);
   return found.mask;
 }
 

@@ -95,7 +95,10 @@ void DrawnLines::add(CurveWriter& writer, const Eigen::Affine2d& here, bool clos
   for (Vec2& p : line.points_m) p = metres_.cwiseProduct(here * p);
   if (!geometry::all_finite(line.points_m)) return fail("a coordinate is not a finite number");
   line = geometry::without_duplicates(line, closed ? kSame_m : 0.0);
-  if (line.size() < 2) return;
+  if (line.size() < 2) {
+    dots_ += left_out_why.empty();
+    return;
+  }
   if (fills && !closed) {
     const double length = geometry::length_m(line);
     if (area_of(line) > kFlat * length * length) {
@@ -180,6 +183,7 @@ tl::expected<VectorDrawing, std::string> DrawnLines::drawing(std::string_view fo
       std::count_if(out.contours.begin(), out.contours.end(), [](const auto& c) { return !c.closed; });
   if (open > 0) notes.push_back(fmt::format("{} of {} contours are open", open, out.contours.size()));
   if (!out.left_out.empty()) notes.push_back("left out: " + counted(out.left_out));
+  if (dots_ > 0) notes.push_back(fmt::format("left out: {} without any length", dots_));
   out.notes = std::move(notes);
   return out;
 }

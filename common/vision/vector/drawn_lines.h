@@ -61,6 +61,7 @@ class DrawnLines {
   std::vector<geometry::Polyline> lines_;
   std::vector<Pen> pens_;
   std::vector<std::string> why_;  ///< not to be cut
+  std::size_t dots_ = 0;          ///< lines to be cut whose points are all one
   std::string complaint_;
 };
 

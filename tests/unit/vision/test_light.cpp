@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "common/vision/extraction/contour_extraction.h"
+#include "common/vision/picture_contours.h"
 #include "tests/unit/vision/truth.h"
 
 namespace telekerf::vision {
@@ -79,6 +80,43 @@ TEST(Extract, AShadowsEdgeIsNoPartOfADrawing) {
       EXPECT_LT(off.rms_px, 0.23) << c.shape << " " << angle;
       EXPECT_LT(off.max_px, 1.1) << c.shape << " " << angle;
       EXPECT_LT(off.missed_px, 1.45) << c.shape << " " << angle;
+    }
+  }
+}
+
+TEST(Extract, TheLitHalfOfAShapeUnderADeepShadowIsNoDrawing) {
+  for (const char* shape : {"circle", "heart", "figure-8"}) {
+    const drawing::Drawing drawing = turned(shape, 1);
+    const cv::Mat lit = drawing::render(drawing, {.paper = 240.0, .ink = 40.0, .blur_px = 1.0, .noise = 2.0});
+    for (const double darker : {0.5, 0.58, 0.65}) {
+      for (const double angle : {0.4, 1.57, 3.9}) {
+        for (const double edge_px : {2.0, 4.0}) {
+          SCOPED_TRACE(testing::Message() << shape << ", " << 100.0 * darker << " % darker beyond an edge of "
+                                          << edge_px << " px at " << angle << " rad");
+          const auto found = extract(in_half_shadow(lit, angle, darker, edge_px));
+          ASSERT_TRUE(found) << found.error();
+          EXPECT_EQ(found->mode, ExtractionMode::kStroke) << found->why;
+          ASSERT_EQ(found->contours.size(), 1u) << found->why;
+          const Comparison off = compare(found->contours.front(), drawing.lines_px.front());
+          EXPECT_LT(off.rms_px, 0.6);
+          EXPECT_LT(off.missed_px, 4.5);  // at the shadow's edge
+        }
+      }
+    }
+  }
+}
+
+TEST(Extract, UnderAShadowAsSharpAsTheLinesTheyAreFoundOrThePictureIsRefused) {
+  for (const char* shape : {"circle", "heart"}) {
+    const drawing::Drawing drawing = turned(shape, 1);
+    const cv::Mat lit = drawing::render(drawing, {.paper = 240.0, .ink = 40.0, .blur_px = 1.0, .noise = 2.0});
+    for (const double darker : {0.5, 0.6, 0.7}) {
+      const auto found = contours_in(in_half_shadow(lit, 3.9, darker, 0.7), {});
+      if (!found) {
+        EXPECT_NE(found.error().find("--at X,Y"), std::string::npos) << found.error();
+      } else {
+        EXPECT_LT(compare(found->contours.front(), drawing.lines_px.front()).missed_px, 4.5) << found->why;
+      }
     }
   }
 }

@@ -169,22 +169,5 @@ TEST(PictureTags, AScanHasItsTrueSize) {
   }
 }
 
-TEST(PictureTags, WhatIsNoPictureIsNamed) {
-  for (const auto& [bytes, word] : {std::pair(std::string("GIF89a......"), "GIF"),
-                                    {std::string("%PDF-1.7 ..."), "PDF"},
-                                    {std::string("\0\0\0\x18"
-                                                 "ftypheic....",
-                                                 16),
-                                     "HEIC"},
-                                    {std::string("AC1027......"), "DWG"},
-                                    {std::string("%!PS-Adobe-3.0"), "PostScript"}}) {
-    const std::string file = written(".png", bytes);
-    const auto picture = read_picture(file);
-    std::filesystem::remove(file);
-    ASSERT_FALSE(picture);
-    EXPECT_NE(picture.error().find(word), std::string::npos) << picture.error();
-  }
-}
-
 }  // namespace
 }  // namespace telekerf::vision

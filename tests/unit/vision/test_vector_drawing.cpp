@@ -201,6 +201,10 @@ TEST(Svg, DamageIsAnErrorThatSaysWhere) {
   EXPECT_NE(error("<svg><g transform='spin(3)'><line x2='1'/></g></svg>").find("transform"),
             std::string::npos);
   EXPECT_NE(error("<svg><polyline points='1 2 3'/></svg>").find("odd"), std::string::npos);
+  EXPECT_NE(
+      error("<svg><polyline points='0,0 5,5 x 9,9'/></svg>").find("near \"0,0 5,5 x 9,9\" (character 9"),
+      std::string::npos)
+      << error("<svg><polyline points='0,0 5,5 x 9,9'/></svg>");
   EXPECT_NE(error("<svg viewBox='0 0 0 0'><line x2='1'/></svg>").find("viewBox"), std::string::npos);
   for (const std::string width : {"10,5mm", "-5mm", "0", "3 apples", "nan"}) {
     const std::string svg = "<svg width='" + width + "' viewBox='0 0 9 9'><line x2='1'/></svg>";
@@ -337,6 +341,8 @@ TEST(Dxf, DamageIsAnError) {
   EXPECT_FALSE(read_dxf(entities("0\nSPLINE\n71\n3\n40\n0\n10\n0\n20\n0\n10\n1\n20\n1\n")));
   const auto text = entities("0\nTEXT\n10\n0\n20\n0\n");
   EXPECT_NE(read_dxf(text).error().find("1 TEXT"), std::string::npos);
+  const auto unit = read_dxf(entities(text, "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n99\n0\nENDSEC\n"));
+  EXPECT_NE(unit.error().find("--units"), std::string::npos) << unit.error();
 }
 
 }  // namespace

@@ -295,5 +295,22 @@ TEST(DrawnLines, TakeAsManyPointsAsTheirLimit) {
   EXPECT_NE(read_svg("<svg><line x2='1'/></svg>", limits).error().find("larger than"), std::string::npos);
 }
 
+TEST(DrawnLines, WhatHasNoLengthIsCounted) {
+  const auto notes = [](const std::string& body) {
+    const auto out = read_svg("<svg stroke='black' fill='none'>" + body + "</svg>");
+    EXPECT_TRUE(out) << out.error();
+    std::string all;
+    for (const std::string& note : out->notes) all += note + "; ";
+    return all;
+  };
+  const std::string line = "<line x2='9'/>";
+  EXPECT_EQ(notes(line).find("without any length"), std::string::npos);
+  EXPECT_EQ(notes(line + "<g display='none'><path d='M5 5h0'/></g>").find("without any length"),
+            std::string::npos);
+  EXPECT_NE(notes(line + "<path d='M5 5h0M6 6L6 6z'/>").find("left out: 2 without any length"),
+            std::string::npos)
+      << notes(line + "<path d='M5 5h0M6 6L6 6z'/>");
+}
+
 }  // namespace
 }  // namespace telekerf::vision

@@ -196,7 +196,9 @@ tl::expected<DxfContents, std::string> contents_of(std::string_view text, std::o
       if (variable != "$INSUNITS" || group->code != 70 || unit_m) continue;
       const auto metres = metres_of_unit(group->value);
       if (!metres)
-        return tl::unexpected(fmt::format("$INSUNITS {:.20} is not a unit that is understood", group->value));
+        return tl::unexpected(fmt::format(
+            "$INSUNITS {:.20} is not a unit that is understood; say what a unit is: --units mm|cm|m|inch",
+            group->value));
       unit = *metres;
     }
   }

@@ -15,19 +15,32 @@
 namespace telekerf::vision {
 namespace {
 
+/// Where `data` cannot be read on, with what stands round the place in letters that can be printed. `rest`:
+/// what of it is not read yet. `what`: "a path's data".
+std::string damage(std::string_view what, std::string_view data, std::string_view rest) {
+  const std::size_t at = data.size() - rest.size();
+  const std::size_t from = at < 20 ? 0 : at - 20;
+  std::string near(data.substr(from, at - from + 20));
+  std::replace_if(
+      near.begin(), near.end(), [](char c) { return c < ' ' || c > '~'; }, ' ');
+  return fmt::format("{} cannot be read near \"{}\" (character {} of {})", what, near,
+                     std::min(at + 1, data.size()), data.size());
+}
+
 void draw_points(const char* points, bool closed, CurveWriter& w, const Eigen::Affine2d& here,
                  DrawnLines& out) {
-  std::string_view text = points != nullptr ? points : "";
+  const std::string_view data = points != nullptr ? points : "";
+  std::string_view text = data;
   bool first = true;
   while (auto x = take_number(text)) {
     const auto y = take_number(text);
-    if (!y) return out.fail("a polyline has an odd number of coordinates");
+    if (!y) return out.fail(damage("a polyline has an odd number of coordinates: its points", data, text));
     first ? w.move_to({*x, *y}) : w.line_to({*x, *y});
     first = false;
     if (w.full() || w.bad()) break;
   }
   skip_separators(text);
-  if (!text.empty() && !w.full() && !w.bad()) return out.fail("a polyline's points cannot be read");
+  if (!text.empty() && !w.full() && !w.bad()) return out.fail(damage("a polyline's points", data, text));
   out.add(w, here, closed);
 }
 
@@ -54,17 +67,6 @@ void draw_rectangle(const SvgCoordinates& at, CurveWriter& w, const Eigen::Affin
   out.add(w, here, true);
 }
 
-/// What stands before and behind the place, in letters that can be printed.
-std::string damage(std::string_view d, const PathData& data) {
-  const std::size_t at = d.size() - data.rest().size();
-  const std::size_t from = at < 20 ? 0 : at - 20;
-  std::string near(d.substr(from, at - from + 20));
-  std::replace_if(
-      near.begin(), near.end(), [](char c) { return c < ' ' || c > '~'; }, ' ');
-  return fmt::format("a path's data cannot be read near \"{}\" (character {} of {})", near,
-                     std::min(at + 1, d.size()), d.size());
-}
-
 void draw_path(std::string_view d, CurveWriter& w, const Eigen::Affine2d& here, DrawnLines& out) {
   const auto end_subpath = [&](bool closed) {
     if (w.points().size() > 1) {
@@ -85,7 +87,7 @@ void draw_path(std::string_view d, CurveWriter& w, const Eigen::Affine2d& here, 
     draw(*segment, w);
     if (w.full() || w.bad()) return out.add(w, here, false);
   }
-  if (data.damaged()) return out.fail(damage(d, data));
+  if (data.damaged()) return out.fail(damage("a path\'s data", d, data.rest()));
   end_subpath(false);
 }
 
