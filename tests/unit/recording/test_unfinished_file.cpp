@@ -206,7 +206,11 @@ TEST_F(UnfinishedFile, ALabelIsThereOrNotButTheFileIsWhole) {
     ::waitpid(child, nullptr, 0);
     ASSERT_NO_THROW(probe_recording(file_)) << "trial " << trial;
   }
+  const fs::path before = folder_ / "before";
+  fs::create_hard_link(file_, before);
+  const std::string bytes = bytes_of(before);
   label_run(folder_, {false, "the last word"});
+  EXPECT_TRUE(bytes_of(before) == bytes) << "written in place: a kill would have left half of it";
   EXPECT_TRUE(told(file_) == was);
   EXPECT_EQ(label_of(file_)->text, "the last word");
   EXPECT_FALSE(label_of(file_)->good);
