@@ -25,6 +25,9 @@ void LapOptions::add_parameters(Settings& s) {
   lap.slave.add_node_parameters(s);
   s.only_with({"bare_accelerations"}, "law", {"remote-acceleration"});
   s.prefix("");
+  s.not_with({"image", "width_mm"}, kReplays, {"contour"});
+  s.not_with({"hand_speed_mm_s", "hand_sideways_n", "control_hz"}, kReplays,
+             {"hand"});  // a row a control step
   s.add("duration_s", lap.duration_s, {.min = 1, .max = 600, .unit = "s"}, "length of the run");
 }
 

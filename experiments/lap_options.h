@@ -13,6 +13,9 @@ struct LapOptions {
   simulation::SimulationSettings lap;
   std::string netem = "thesis-constant";
 
+  /// Conditions on it say what a recording stands for, where a run is played again.
+  static constexpr const char* kReplays = "replays";
+
   void add_parameters(Settings& settings);
   /// What both stations share, and the network. Throws StartupError.
   simulation::SimulationSettings prepared() const;

@@ -67,7 +67,7 @@ void RunRecording::values(const TelemetryMessage& values) {
 bool RunRecording::close(RunRecord& record) {
   record.master_figures["dropped_rows"] = static_cast<double>(recording_.dropped());
   if (!recording_.close({.figures = record.master_figures, .words = record.words}) || !text_) return false;
-  if (const auto rows = RunReader(recording_.file()).data("master"))
+  if (const auto rows = RunReader(recording_.file(), RunReader::Check::kHead).data("master"))
     record.master = rows_of(*rows, master_columns());
   return true;
 }

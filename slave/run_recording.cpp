@@ -61,7 +61,7 @@ void RunRecording::step(std::int64_t now_ns, const Corridor* corridor,
 bool RunRecording::close(RunRecord& record) {
   record.slave_figures["dropped_rows"] = static_cast<double>(recording_.dropped());
   if (!recording_.close({.figures = record.slave_figures}) || !text_) return false;
-  if (const auto rows = RunReader(recording_.file()).data("slave"))
+  if (const auto rows = RunReader(recording_.file(), RunReader::Check::kHead).data("slave"))
     record.slave = rows_of(*rows, slave_columns());
   return true;
 }

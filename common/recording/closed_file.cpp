@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/recording/closed_file.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
 #include <hdf5_hl.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <mutex>
 #include <utility>
 
+#include "common/recording/draft.h"
 #include "common/recording/run_cells.h"
 #include "common/recording/run_content.h"
 
@@ -30,17 +28,10 @@ hid_t type_of(ColumnKind kind) {
   return H5T_IEEE_F64LE;
 }
 
-void sync_to_disk(const std::filesystem::path& file) {
-  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return;
-  ::fsync(fd);
-  ::close(fd);
-}
-
 }  // namespace
 
 ClosedFile::ClosedFile(std::filesystem::path file, const RunIdentity& identity, RunState state)
-    : place_(std::move(file)), draft_(place_.string() + fmt::format(".{}.part", ::getpid())) {
+    : place_(std::move(file)), draft_(draft_of(place_)) {
   const std::lock_guard alone(h5::library());
   file_ = h5::create_file(draft_, false);
   run_file::write_identity(file_.get(), identity, state);
@@ -64,9 +55,9 @@ void ClosedFile::close() {
   file_.close();
 }
 
-std::size_t ClosedFile::add(const SeriesSchema& schema) {
+std::size_t ClosedFile::add(const SeriesSchema& schema, Begin begin) {
   const std::lock_guard alone(h5::library());
-  Series series{schema, h5::make_group(file_.get(), schema.name), {}, {}, {}};
+  Series series{schema, h5::make_group(file_.get(), schema.name), begin, {}, {}, {}};
   series.audit.name = schema.name;
   run_file::write_schema(series.group.get(), schema);
   for (const Quantity& quantity : quantities_of(schema)) {
@@ -105,9 +96,11 @@ void ClosedFile::look_at(Series& series, std::span<const double> numbers) {
     const auto row = numbers.subspan(at, width);
     for (std::size_t c = 0; c < width; ++c) {
       if (!std::isfinite(row[c])) ++series.audit.non_finite;
-      if (!series.schema.every_tick || series.last.empty()) continue;
       const SeriesColumn& column = series.schema.columns[c];
-      const double step = row[c] - series.last[c];
+      const bool first = series.last.empty();
+      if (!series.schema.every_tick || (first && (series.begin == Begin::kAnywhere || column.name != "tick")))
+        continue;
+      const double step = row[c] - (first ? -1.0 : series.last[c]);
       if (column.name == "tick" && step != 1.0) {
         ++series.audit.gaps;
         if (step > 1.0) series.audit.missing_ticks += static_cast<std::uint64_t>(step) - 1;
@@ -167,10 +160,7 @@ std::vector<SeriesAudit> ClosedFile::finish() {
   run_content::write_sum(file_.get());
   h5::check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL), "the finished file cannot be written out");
   close();
-  sync_to_disk(draft_);
-  std::error_code failed;
-  std::filesystem::rename(draft_, place_, failed);
-  if (failed) throw h5::Failure("the finished file cannot be put in place: " + failed.message());
+  put_in_place(draft_, place_);
   return audits;
 }
 

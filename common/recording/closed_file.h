@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The finished file of a run: a dataset a quantity, compressed, in the format that every HDF5 since 1.8 reads.
+// The finished file of a run: a dataset a quantity, compressed, in the format that every HDF5 since 1.8
+// reads.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +18,7 @@ namespace telekerf {
 struct SeriesAudit {
   std::string name;
   std::uint64_t rows = 0;
-  std::uint64_t gaps = 0;           ///< places where ticks are missing
+  std::uint64_t gaps = 0;           ///< places where ticks are missing, also before the first row
   std::uint64_t missing_ticks = 0;  ///< there, together
   std::uint64_t non_finite = 0;     ///< numbers that are none
   std::uint64_t jumps = 0;          ///< a robot's place further from the one a tick before than kJump_m
@@ -33,7 +34,10 @@ class ClosedFile {
   ClosedFile(const ClosedFile&) = delete;
   ClosedFile& operator=(const ClosedFile&) = delete;
 
-  std::size_t add(const SeriesSchema& schema);
+  /// Where the rows of a series that has one each tick begin: with tick 0, and what is missing before the
+  /// first is a gap; or anywhere, as the last seconds do.
+  enum class Begin { kAtFirstTick, kAnywhere };
+  std::size_t add(const SeriesSchema& schema, Begin begin = Begin::kAtFirstTick);
   void append(std::size_t series, std::span<const double> numbers);
   void append(const RunEvent& event);
   void append(const RunContour& contour);
@@ -50,6 +54,7 @@ class ClosedFile {
   struct Series {
     SeriesSchema schema;
     h5::Id group;
+    Begin begin;
     std::vector<Column> columns;
     std::vector<double> last;
     SeriesAudit audit;

@@ -82,7 +82,12 @@ Id open_file(const std::filesystem::path& path) {
   keep_quiet();
   const hid_t plain = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (plain >= 0) return {plain, ""};
-  const hid_t live = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT);
+  // What a writer is at reads wrongly for a moment; HDF5 tries again after 1, 2, 4, ... ns. Of its 100
+  // attempts the last would come after more than an age: a damaged piece would be waited for without an end.
+  constexpr unsigned kAttempts = 24;  // 17 ms
+  const Id access(H5Pcreate(H5P_FILE_ACCESS), "no file access");
+  check(H5Pset_metadata_read_attempts(access.get(), kAttempts), "no number of attempts can be set");
+  const hid_t live = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.get());
   if (live >= 0) return {live, ""};
   std::error_code error;
   if (std::filesystem::is_directory(path, error))

@@ -44,7 +44,9 @@ constexpr Column<MasterRow> kMaster[] = {
 constexpr Column<SlaveRow> kSlave[] = {
     slave<&SlaveRow::tick>("tick", "", "control step of the slave"),
     slave<&SlaveRow::t_s>("t_s", "s", "monotonic clock of the slave's computer"),
-    slave<&SlaveRow::applied>("applied_tick", "", "master tick that is applied; negative: none, the slave holds"),
+    slave<&SlaveRow::applied>(
+        "applied_tick", "",
+        "master tick that is applied, between two of them a fraction; negative: none, the slave holds"),
     component<&SlaveRow::ref_m, 0, SlaveRow>("ref_x_m", "m", kFrame, "reference of the control loop"),
     component<&SlaveRow::ref_m, 1, SlaveRow>("ref_y_m", "m", kFrame, ""),
     component<&SlaveRow::ref_m, 2, SlaveRow>("ref_z_m", "m", kFrame, ""),

@@ -49,8 +49,8 @@ bool goes_on(const RowRing::Left& left, const RunReader& from, std::size_t index
   const auto& columns = series.schema.columns;
   const auto tick =
       std::find_if(columns.begin(), columns.end(), [](const SeriesColumn& c) { return c.name == "tick"; });
-  if (!series.schema.every_tick || tick == columns.end()) return true;
   if (left.elsewhere > series.rows) return false;
+  if (!series.schema.every_tick || tick == columns.end()) return true;
   const auto at = static_cast<std::size_t>(tick - columns.begin());
   const std::uint64_t capacity_rows = left.last.size() / columns.size();
   if (left.elsewhere == 0) return left.overwritten <= (std::uint64_t{1} << 40U);
@@ -65,6 +65,12 @@ bool goes_on(const RowRing::Left& left, const RunReader& from, std::size_t index
 std::uint64_t RunKept::rows() const {
   std::uint64_t sum = 0;
   for (const SeriesAudit& audit : series) sum += audit.rows;
+  return sum;
+}
+
+std::uint64_t RunKept::missing_ticks() const {
+  std::uint64_t sum = 0;
+  for (const SeriesAudit& audit : series) sum += audit.missing_ticks;
   return sum;
 }
 
@@ -108,11 +114,11 @@ RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end) {
     }
     to.set_dropped(there, dropped);
   }
-  for (const RunEvent& event : from.events()) {
+  for (const RunEvent& event : from.events(&kept.damaged_rows)) {
     to.append(event);
     ++kept.events;
   }
-  for (const RunContour& contour : from.contours()) {
+  for (const RunContour& contour : from.contours(&kept.damaged_rows)) {
     to.append(contour);
     ++kept.contours;
   }

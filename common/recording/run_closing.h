@@ -24,12 +24,16 @@ struct RunEnd {
 struct RunKept {
   std::vector<SeriesAudit> series = {};
   std::uint64_t rows_from_memory = 0;  ///< that the file did not hold yet when its process was killed
-  std::uint64_t damaged_rows = 0;      ///< that could not be read, or cannot be (RowJudge)
+  std::uint64_t damaged_rows =
+      0;  ///< that could not be read, or cannot be (RowJudge); events and contours too
   std::uint64_t overwritten_rows = 0;  ///< that nobody has any more
   bool memory = false;  ///< that the process had left was there for every series: what is not kept never was
   std::size_t events = 0;
   std::size_t contours = 0;
   std::uint64_t rows() const;
+  std::uint64_t missing_ticks() const;
+  /// Nothing is lost, and somebody knows that.
+  bool whole() const { return memory && damaged_rows + overwritten_rows + missing_ticks() == 0; }
 };
 
 /// Copies `file` into its finished form and puts that in its place. Of a killed process the rows that it had

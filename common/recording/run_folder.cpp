@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "common/recording/draft.h"
 #include "common/recording/run_reader.h"
 #include "common/recording/run_tables.h"
 #include "common/runtime/startup_error.h"
@@ -62,23 +63,29 @@ fs::path folder_with(const std::string& file, std::span<const fs::path> folders)
   std::string all;
   for (const fs::path& folder : folders) all += (all.empty() ? "" : ", ") + folder.string();
   const std::string role = file.substr(0, file.find('.'));
-  throw input_error(fmt::format("{}: holds no {}.h5, the recording of telekerf-{}; is this the folder of a run, or must the "
-                                "other site's be named as well?",
-                                all, role, role));
+  throw input_error(fmt::format(
+      "{}: holds no {}.h5, the recording of telekerf-{}; is this the folder of a run, or must the "
+      "other site's be named as well?",
+      all, role, role));
 }
 
 }  // namespace
 
 std::optional<RunKept> recover_run_file(const fs::path& file) {
   {
-    const RunReader reader(file);
-    if (reader.state() != RunState::kRecording) return std::nullopt;
+    const RunReader reader(file, RunReader::Check::kHead);
+    if (reader.state() != RunState::kRecording) {
+      remove_drafts(file);
+      return std::nullopt;
+    }
     if (const auto writer = reader.writer())
       throw environment_error(fmt::format("{}: process {} still records into it; end it first (kill -INT {})",
                                           file.string(), *writer, *writer));
   }
   try {
-    return finish_run_file(file, {.state = RunState::kRecovered});
+    const RunKept kept = finish_run_file(file, {.state = RunState::kRecovered});
+    remove_drafts(file);
+    return kept;
   } catch (const h5::Failure& failure) {
     throw environment_error(fmt::format("{}: cannot be recovered: {}", file.string(), failure.what()));
   }
@@ -97,12 +104,12 @@ std::optional<fs::path> recording_of(const std::string& role, std::span<const fs
 RunRecord read_run(std::span<const fs::path> folders) {
   RunRecord record;
   if (const auto file = recording_of("master", folders)) {
-    take_master(RunReader(*file), record);
+    take_master(RunReader(*file, RunReader::Check::kHead), record);
   } else {
     read_master(folder_with("master.csv", folders), record);
   }
   if (const auto file = recording_of("slave", folders)) {
-    take_slave(RunReader(*file), record);
+    take_slave(RunReader(*file, RunReader::Check::kHead), record);
   } else {
     read_slave(folder_with("slave.csv", folders), record);
   }
@@ -112,8 +119,9 @@ RunRecord read_run(std::span<const fs::path> folders) {
 fs::path place_of_run(const fs::path& folder) {
   std::error_code error;
   const auto has_some = [&error](const fs::path& place) {
-    return std::any_of(std::begin(kRecordedRoles), std::end(kRecordedRoles),
-                       [&](const char* role) { return fs::exists(place / fmt::format("{}.h5", role), error); });
+    return std::any_of(std::begin(kRecordedRoles), std::end(kRecordedRoles), [&](const char* role) {
+      return fs::exists(place / fmt::format("{}.h5", role), error);
+    });
   };
   if (has_some(folder)) return folder;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
@@ -124,10 +132,39 @@ fs::path place_of_run(const fs::path& folder) {
 
 RunRecord read_run_so_far(const fs::path& folder) {
   RunRecord record;
-  if (fs::exists(folder / "master.h5")) take_master(RunReader(folder / "master.h5"), record);
-  if (fs::exists(folder / "slave.h5")) take_slave(RunReader(folder / "slave.h5"), record);
+  if (fs::exists(folder / "master.h5"))
+    take_master(RunReader(folder / "master.h5", RunReader::Check::kHead), record);
+  if (fs::exists(folder / "slave.h5"))
+    take_slave(RunReader(folder / "slave.h5", RunReader::Check::kHead), record);
   return record;
 }
+
+namespace {
+
+/// Into a copy that takes the file's place: whoever is killed meanwhile leaves the file as it was.
+void label_file(const fs::path& file, const RunLabel& label) {
+  const fs::path place = fs::canonical(file);  // a link stays one
+  const fs::path draft = draft_of(place);
+  try {
+    fs::copy_file(place, draft, fs::copy_options::overwrite_existing);
+    {
+      const h5::Id open(H5Fopen(draft.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "it cannot be written to");
+      for (const char* name : {"label", "label_text"})
+        if (H5Aexists(open.get(), name) > 0)
+          h5::check(H5Adelete(open.get(), name), "its label cannot be replaced");
+      h5::set_text(open.get(), "label", label.good ? "good" : "bad");
+      h5::set_text(open.get(), "label_text", label.text);
+      h5::check(H5Fflush(open.get(), H5F_SCOPE_GLOBAL), "its label cannot be written out");
+    }
+    put_in_place(draft, place);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(draft, ignored);
+    throw;
+  }
+}
+
+}  // namespace
 
 void label_run(const fs::path& folder, const RunLabel& label) {
   const std::lock_guard alone(h5::library());
@@ -137,13 +174,13 @@ void label_run(const fs::path& folder, const RunLabel& label) {
     if (!file) continue;
     ++files;
     try {
-      const h5::Id open(H5Fopen(file->c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "it cannot be written to");
-      for (const char* name : {"label", "label_text"})
-        if (H5Aexists(open.get(), name) > 0) h5::check(H5Adelete(open.get(), name), "its label cannot be replaced");
-      h5::set_text(open.get(), "label", label.good ? "good" : "bad");
-      h5::set_text(open.get(), "label_text", label.text);
+      label_file(*file, label);
     } catch (const h5::Failure& failure) {
       throw environment_error(fmt::format("{}: {}", file->string(), failure.what()));
+    } catch (const fs::filesystem_error& failure) {
+      throw environment_error(
+          fmt::format("{}: cannot be labelled: {}; is there room in its folder, and may you write there?",
+                      file->string(), failure.code().message()));
     }
   }
   if (files == 0) throw input_error(fmt::format("{}: holds no recording of a run", folder.string()));

@@ -16,8 +16,8 @@ namespace telekerf {
 /// Whose recordings a folder may hold: ROLE.h5.
 inline constexpr const char* kRecordedRoles[] = {"master", "slave", "vision", "machine", "console"};
 
-/// The recording of a role in the first of the folders that has one; none: none has. One that a killed process
-/// has left is finished first. Throws StartupError: a process is still at it.
+/// The recording of a role in the first of the folders that has one; none: none has. One that a killed
+/// process has left is finished first. Throws StartupError: a process is still at it.
 std::optional<std::filesystem::path> recording_of(const std::string& role,
                                                   std::span<const std::filesystem::path> folders);
 
@@ -25,17 +25,18 @@ std::optional<std::filesystem::path> recording_of(const std::string& role,
 /// recording, still being written, or cannot be replaced.
 std::optional<RunKept> recover_run_file(const std::filesystem::path& file);
 
-/// The record of the run from its recordings; a part that has none from the text that a process left (read_run).
-/// Throws StartupError that names what is missing.
+/// Of finished files their checksum is not looked at again here: see probe_recordings().
+/// The record of the run from its recordings; a part that has none from the text that a process left
+/// (read_run). Throws StartupError that names what is missing.
 RunRecord read_run(std::span<const std::filesystem::path> folders);
 inline RunRecord read_run(const std::filesystem::path& folder) { return read_run(std::span(&folder, 1)); }
 
-/// Where the recordings of a run lie: in its folder, or in the draft below it (.run-*) that ./telekerf keeps until
-/// the run has ended. Without recordings: the folder itself.
+/// Where the recordings of a run lie: in its folder, or in the draft below it (.run-*) that ./telekerf keeps
+/// until the run has ended. Without recordings: the folder itself.
 std::filesystem::path place_of_run(const std::filesystem::path& folder);
 
-/// What is there so far of a run that may still go on: nothing is finished or changed, and what a folder lacks stays
-/// empty. Throws StartupError: a recording is none.
+/// What is there so far of a run that may still go on: nothing is finished or changed, and what a folder
+/// lacks stays empty. Throws StartupError: a recording is none.
 RunRecord read_run_so_far(const std::filesystem::path& folder);
 
 /// A person's verdict on a run.

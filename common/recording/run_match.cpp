@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "common/recording/rows.h"
 #include "common/recording/run_tables.h"
 #include "common/runtime/startup_error.h"
 
@@ -18,14 +17,10 @@ namespace {
 constexpr double kDateTolerance_s = 60.0;
 
 /// First and last stamp of a role's rows, s; none: it has no rows.
-template <typename Row>
-std::optional<std::pair<double, double>> span_of(const RunReader& reader,
-                                                 std::span<const Column<Row>> columns) {
-  const auto data = reader.data(reader.identity().role);
-  if (!data) return std::nullopt;
-  const std::vector<Row> rows = rows_of(*data, columns);
-  if (rows.empty()) return std::nullopt;
-  return std::pair{rows.front().t_s, rows.back().t_s};
+std::optional<std::pair<double, double>> span_of(const RunReader& reader) {
+  for (std::size_t n = 0; n < reader.series().size(); ++n)
+    if (reader.series()[n].schema.name == reader.identity().role) return reader.span_s(n);
+  return std::nullopt;
 }
 
 std::optional<std::string> difference_of_contours(const RunReader& master, const RunReader& slave) {
@@ -53,8 +48,8 @@ std::optional<std::string> difference_of_epochs(const RunReader& master, const R
 }
 
 std::optional<std::string> difference_of_times(const RunReader& master, const RunReader& slave) {
-  const auto ours = span_of(master, master_columns());
-  const auto theirs = span_of(slave, slave_columns());
+  const auto ours = span_of(master);
+  const auto theirs = span_of(slave);
   if (!ours || !theirs || master.identity().virtual_time) return std::nullopt;
   const auto& figures = master.identity().figures;
   const auto compared = figures.find("clock_offset_us");

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -19,10 +20,13 @@
 namespace telekerf {
 namespace fs = std::filesystem;
 
-int in_child(const fs::path& file, const std::function<int()>& work) {
-  std::error_code ignored;
-  const auto bytes = fs::file_size(file, ignored);
-  const auto limit = std::chrono::seconds(20 + (ignored ? 0 : bytes >> 21U));  // at 2 MB/s
+std::chrono::seconds patience_with(const fs::path& file) {
+  std::error_code failed;
+  const auto bytes = fs::file_size(file, failed);
+  return std::chrono::seconds(20 + (failed ? 0 : bytes >> 21U));
+}
+
+int in_child(const fs::path& file, const std::function<int()>& work, std::chrono::seconds limit) {
   std::fflush(stdout);
   const pid_t child = ::fork();
   if (child < 0)
@@ -51,40 +55,53 @@ int in_child(const fs::path& file, const std::function<int()>& work) {
   return WEXITSTATUS(status);
 }
 
-void probe_recording(const fs::path& file) {
+std::string told_by_child(const fs::path& file, const std::function<std::string()>& work,
+                          std::chrono::seconds limit) {
   std::array<int, 2> words{};
   if (::pipe(words.data()) != 0)
     throw environment_error(fmt::format("{}: no pipe to read it by", file.string()));
   const auto said = [&] {
     ::close(words[1]);
-    std::string sentence(2048, '\0');
-    const ssize_t length = ::read(words[0], sentence.data(), sentence.size());
+    std::string text(kMostTold, '\0');
+    const ssize_t length = ::read(words[0], text.data(), text.size());
     ::close(words[0]);
-    sentence.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
-    return sentence;
+    text.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
+    return text;
   };
-  int code = 0;
+  const auto tell = [&](const std::string& text) {
+    return ::write(words[1], text.data(), std::min(text.size(), kMostTold)) >= 0;
+  };
+  constexpr int kTold = 0, kThrew = 2, kMute = 3;
+  int code = kTold;
   try {
-    code = in_child(file, [&] {
+    const auto child = [&] {
       try {
-        const RunReader reader(file);
-        for (const auto& series : reader.series()) (void)reader.data(series.schema.name);
-        (void)reader.events();
-        (void)reader.contours();
-        return 0;
+        return tell(work()) ? kTold : kMute;
       } catch (const std::exception& error) {
-        const std::string sentence = std::string(error.what()).substr(0, 2048);
-        return ::write(words[1], sentence.data(), sentence.size()) < 0 ? 3 : 2;
+        return tell(error.what()) ? kThrew : kMute;
       }
-    });
+    };
+    code = in_child(file, child, limit);
   } catch (...) {
     (void)said();
     throw;
   }
-  const std::string sentence = said();
-  if (code == 0) return;
-  throw input_error(sentence.empty() ? fmt::format("{}: is damaged so that reading it fails", file.string())
-                                     : sentence);
+  std::string text = said();
+  if (code == kTold) return text;
+  throw input_error(text.empty() ? fmt::format("{}: is damaged so that reading it fails", file.string())
+                                 : text);
+}
+
+void probe_recording(const fs::path& file) {
+  const auto read = [&]() -> std::string {
+    const RunReader reader(file);
+    if (reader.state() != RunState::kRecording) return {};  // its checksum was made of all that is in it
+    for (const auto& series : reader.series()) (void)reader.data(series.schema.name);
+    (void)reader.events();
+    (void)reader.contours();
+    return {};
+  };
+  (void)told_by_child(file, read, patience_with(file));
 }
 
 void probe_recordings(std::span<const fs::path> folders) {

@@ -35,6 +35,17 @@ RunState state_of(hid_t file) {
   throw h5::Failure("it does not say whether it was finished");
 }
 
+void count(std::uint64_t* damaged, std::uint64_t more) {
+  if (damaged != nullptr) *damaged += more;
+}
+
+/// Points that follow each other at the very origin: a piece of a file that was never written reads as zeros.
+bool has_hole(const std::vector<double>& points) {
+  for (std::size_t at = 0; at + 4 <= points.size(); at += 2)
+    if (std::all_of(&points[at], &points[at] + 4, [](double number) { return number == 0.0; })) return true;
+  return false;
+}
+
 }  // namespace
 
 RunReader::RunReader(const std::filesystem::path& file, Check check) : path_(file) {
@@ -161,6 +172,19 @@ bool RunReader::read(std::size_t index, std::uint64_t first, std::uint64_t rows,
   }
 }
 
+std::optional<std::pair<double, double>> RunReader::span_s(std::size_t index) const {
+  const Series& series = series_[index];
+  const auto& columns = series.schema.columns;
+  const auto time =
+      std::find_if(columns.begin(), columns.end(), [](const SeriesColumn& c) { return c.name == "t_s"; });
+  std::vector<double> ends;
+  if (series.rows == 0 || time == columns.end() || !read(index, 0, 1, ends) ||
+      !read(index, series.rows - 1, 1, ends))
+    return std::nullopt;
+  const auto at = static_cast<std::size_t>(time - columns.begin());
+  return std::pair{ends[at], ends[columns.size() + at]};
+}
+
 std::optional<SeriesData> RunReader::data(const std::string& name) const {
   for (std::size_t index = 0; index < series_.size(); ++index) {
     if (series_[index].schema.name != name) continue;
@@ -185,7 +209,7 @@ std::optional<SeriesData> RunReader::data(const std::string& name) const {
   return std::nullopt;
 }
 
-std::vector<RunEvent> RunReader::events() const {
+std::vector<RunEvent> RunReader::events(std::uint64_t* damaged_events) const {
   const std::lock_guard alone(h5::library());
   std::vector<RunEvent> events;
   try {
@@ -193,12 +217,15 @@ std::vector<RunEvent> RunReader::events() const {
       events.push_back(run_file::event_of(cell));
   } catch (const h5::Failure& failure) {
     if (state_ != RunState::kRecording) damaged(failure.what());
+    count(damaged_events, 1);
     return {};
   }
+  if (state_ == RunState::kRecording)
+    count(damaged_events, std::erase_if(events, [](const RunEvent& e) { return e.kind.empty(); }));
   return events;
 }
 
-std::vector<RunContour> RunReader::contours() const {
+std::vector<RunContour> RunReader::contours(std::uint64_t* damaged_contours) const {
   const std::lock_guard alone(h5::library());
   std::vector<RunContour> contours;
   try {
@@ -209,17 +236,21 @@ std::vector<RunContour> RunReader::contours() const {
       RunContour contour = run_file::contour_of(cell);
       const bool inside = cell.first <= there && cell.count <= there - cell.first;
       std::vector<double> numbers(inside ? 2 * cell.count : 0);
-      if (!inside ||
-          !h5::read_rows(points.get(), H5T_NATIVE_DOUBLE, 2, cell.first, cell.count, numbers.data())) {
-        if (state_ == RunState::kRecording) continue;
-        throw h5::Failure(fmt::format("contours/points: those of contour {} are damaged", cell.id));
+      const bool read =
+          inside && h5::read_rows(points.get(), H5T_NATIVE_DOUBLE, 2, cell.first, cell.count, numbers.data());
+      const bool unfinished = state_ == RunState::kRecording;
+      if (unfinished && (!read || contour.mode.empty() || has_hole(numbers))) {
+        count(damaged_contours, 1);
+        continue;
       }
+      if (!read) throw h5::Failure(fmt::format("contours/points: those of contour {} are damaged", cell.id));
       for (std::size_t n = 0; n < cell.count; ++n)
         contour.points_m.emplace_back(numbers[2 * n], numbers[2 * n + 1]);
       contours.push_back(std::move(contour));
     }
   } catch (const h5::Failure& failure) {
     if (state_ != RunState::kRecording) damaged(failure.what());
+    count(damaged_contours, 1);
     return {};
   }
   return contours;

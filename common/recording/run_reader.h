@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/recording/run_file.h"
@@ -44,11 +45,15 @@ class RunReader {
   const std::vector<Series>& series() const noexcept { return series_; }
   /// Rows `first` .. of a series appended to `out`; false: they are damaged, and `out` is as before.
   bool read(std::size_t series, std::uint64_t first, std::uint64_t rows, std::vector<double>& out) const;
+  /// Stamps of its first and last row, s. None: it has no row, no stamps, or these are damaged.
+  std::optional<std::pair<double, double>> span_s(std::size_t series) const;
   /// All of it. None: the file has no such series. Damaged rows: of a finished file throws DamagedRecording,
   /// of an unfinished one they are left out. The same for what follows.
   std::optional<SeriesData> data(const std::string& name) const;
-  std::vector<RunEvent> events() const;
-  std::vector<RunContour> contours() const;
+  /// `damaged`: of an unfinished file the number of those left out is added; a list that cannot be read is
+  /// one.
+  std::vector<RunEvent> events(std::uint64_t* damaged = nullptr) const;
+  std::vector<RunContour> contours(std::uint64_t* damaged = nullptr) const;
 
  private:
   void open(Check check);

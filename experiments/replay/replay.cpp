@@ -16,6 +16,7 @@
 #include "common/recording/run_reader.h"
 #include "common/recording/run_tables.h"
 #include "common/runtime/startup_error.h"
+#include "experiments/replay/what_if.h"
 
 namespace telekerf::experiments {
 namespace {
@@ -107,8 +108,8 @@ RecordedRun read_recorded(std::span<const fs::path> folders) {
   const fs::path master_file = required("master", folders);
   const fs::path slave_file = required("slave", folders);
   run.record = read_run(folders);
-  const RunReader master(master_file);
-  const RunReader slave(slave_file);
+  const RunReader master(master_file, RunReader::Check::kHead);
+  const RunReader slave(slave_file, RunReader::Check::kHead);
   refuse_unrelated(master, slave);
   if (run.record.master.empty() || run.record.slave.empty())
     throw input_error(fmt::format("{}: the run has no rows to play", folders.front().string()));
@@ -169,8 +170,13 @@ RunRecord replay(const RecordedRun& run, const std::string& given) {
   settings.add("quick", quick, "of the lap, whose other settings say what it came to");
   settings.add("out", out, kFolder, "of the lap");
   const ConfigFile wanted(given, "command line");
-  settings.load(ConfigFile(run.settings, "the recorded settings"));
+  const ConfigFile recorded(run.settings, "the recorded settings");
+  refuse_recorded(settings.declared(), recorded, wanted);
+  settings.load(recorded);
+  const double rows_s = static_cast<double>(run.record.master.size()) / options.lap.master.node.control_hz;
+  const double recorded_s = std::max(options.lap.duration_s, rows_s);
   settings.load(wanted);
+  refuse_beyond_end(options.lap.duration_s, recorded_s);
   settings.refuse_without_effect();
   const std::string own = options.netem;
   if (!wanted.has("netem")) options.netem = "ideal";  // the recorded one follows

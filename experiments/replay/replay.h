@@ -16,6 +16,9 @@
 
 namespace telekerf::experiments {
 
+/// Beside its report: how a replay differs from the run.
+inline constexpr const char* kReplayFile = "replay.json";
+
 /// What a replay is made of.
 struct RecordedRun {
   RunRecord record;

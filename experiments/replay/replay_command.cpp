@@ -9,15 +9,15 @@
 #include "common/reporting/tables.h"
 #include "common/runtime/results.h"
 #include "experiments/commands.h"
-#include "experiments/quick_form.h"
 #include "experiments/replay/replay.h"
+#include "experiments/replay/what_if.h"
 
 namespace telekerf::experiments {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Options : LapOptions, QuickForm {
+struct Options : LapOptions {
   std::string folder;
   std::string other;
   std::string out;
@@ -31,8 +31,7 @@ std::string what_if(const std::string& given) {
   while (at < given.size()) {
     const std::size_t end = std::min(given.find('\n', at), given.size());
     const std::string line = given.substr(at, end - at);
-    if (!line.starts_with("#") && !line.starts_with("out = ") && !line.starts_with("quick = "))
-      out += line + "\n";
+    if (!line.starts_with("#") && !line.starts_with("out = ")) out += line + "\n";
     at = end + 1;
   }
   return out;
@@ -62,6 +61,7 @@ void print_measure(const char* name, const char* part, const char* field, const 
 int run(const Options& options) {
   std::vector<fs::path> folders = {options.folder};
   if (!options.other.empty()) folders.emplace_back(options.other);
+  if (!options.out.empty()) refuse_taken_folder(options.out, folders);
   const RecordedRun recorded = read_recorded(folders);
   const std::string asked = what_if(options.given);
   const RunRecord again = replay(recorded, asked);
@@ -94,7 +94,7 @@ int run(const Options& options) {
   if (!options.out.empty()) {
     make_folder("--out", options.out);
     reporting::write_report(options.out, again);
-    write_json(fs::path(options.out) / "replay.json", json);
+    write_json(fs::path(options.out) / kReplayFile, json);
   }
   const bool bad = !identical && recorded.virtual_time && asked.empty();
   fmt::print("{}",
@@ -117,7 +117,6 @@ void add_replay_command(Program& program) {
             .empty_is_said()
             .positional = true;
         o.add_parameters(s);
-        o.add_quick(s);
         s.add("out", o.out, kFolder, "folder for the report of the replay; not said: none is written")
             .empty_is_said();
       },

@@ -3,6 +3,7 @@
 // the run.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -23,7 +24,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class RunPart { kPlayback, kReport, kPicture, kMaster, kSlave, kContour, kMasterFile, kSlaveFile };
+enum class RunPart {
+  kPlayback,
+  kReport,
+  kPicture,
+  kMaster,
+  kSlave,
+  kContour,
+  kMasterFile,
+  kSlaveFile,
+  kVisionFile,
+  kMachineFile,
+  kConsoleFile
+};
 constexpr EnumRow<RunPart> kRunParts[] = {
     {"playback", RunPart::kPlayback, "what the console's page plays"},
     {"report.json", RunPart::kReport, "the run's report"},
@@ -32,7 +45,10 @@ constexpr EnumRow<RunPart> kRunParts[] = {
     {"slave.csv", RunPart::kSlave, "the slave's rows"},
     {"contour.csv", RunPart::kContour, "the contour's points"},
     {"master.h5", RunPart::kMasterFile, "the master's recording"},
-    {"slave.h5", RunPart::kSlaveFile, "the slave's recording"}};
+    {"slave.h5", RunPart::kSlaveFile, "the slave's recording"},
+    {"vision.h5", RunPart::kVisionFile, "vision's recording"},
+    {"machine.h5", RunPart::kMachineFile, "automatic machining's recording"},
+    {"console.h5", RunPart::kConsoleFile, "the console's recording"}};
 
 struct ExportOptions {
   std::string run;
@@ -51,7 +67,7 @@ reporting::PlaybackHead head_of(const fs::path& folder, const fs::path& run) {
   reporting::PlaybackHead head{.name = folder.filename().string(), .created = "", .state = ""};
   for (const char* file : {"master.h5", "slave.h5"}) {
     if (!fs::exists(run / file)) continue;
-    const RunReader reader(run / file);
+    const RunReader reader(run / file, RunReader::Check::kHead);
     if (head.created.empty()) head.created = reader.identity().created_utc;
     if (head.state.empty() || reader.state() == RunState::kRecording) head.state = word_of(reader.state());
   }
@@ -74,6 +90,9 @@ std::string made(const ExportOptions& o, const fs::path& run, const std::string&
     case RunPart::kPicture:
     case RunPart::kMasterFile:
     case RunPart::kSlaveFile:
+    case RunPart::kVisionFile:
+    case RunPart::kMachineFile:
+    case RunPart::kConsoleFile:
       break;
   }
   throw input_error(
@@ -83,7 +102,8 @@ std::string made(const ExportOptions& o, const fs::path& run, const std::string&
 int export_one(const ExportOptions& o) {
   const std::string file(EnumTable<RunPart>(kRunParts).word(o.what));
   const fs::path run = place_of_run(o.run);
-  if (!fs::exists(run / "master.h5") && !fs::exists(run / "slave.h5"))
+  if (std::none_of(std::begin(kRecordedRoles), std::end(kRecordedRoles),
+                   [&](const std::string& role) { return fs::exists(run / (role + ".h5")); }))
     throw input_error(fmt::format("{}: holds no recording of a run", o.run));
   probe_recordings(run);
   const std::string bytes =

@@ -46,15 +46,18 @@ int recover(const fs::path& file) {
   }
   print_kept(file, *kept);
   const bool nothing = kept->rows() == 0;
+  const bool spoiled = kept->damaged_rows + kept->overwritten_rows > 0;
+  const bool missing = kept->missing_ticks() > 0;
   const char* const verdict =
-      nothing && kept->memory ? "it was killed before its first step"
-      : nothing               ? "bad: no row was there to keep"
+      nothing && kept->memory && !spoiled ? "it was killed before its first step"
+      : nothing                           ? "bad: no row was there to keep"
       : !kept->memory
           ? "bad: up to 100 ms before the end may be missing, since the memory of its process is gone"
-      : kept->damaged_rows + kept->overwritten_rows > 0 ? "bad: not all of it could be kept"
-                                                        : "";
+      : spoiled ? "bad: not all of it could be kept"
+      : missing ? "bad: rows are missing that its process never wrote out"
+                : "";
   if (*verdict != 0) fmt::print("{}", reporting::table_row("verdict", verdict));
-  return kept->memory && kept->damaged_rows + kept->overwritten_rows == 0 ? 0 : 1;
+  return kept->whole() ? 0 : 1;
 }
 
 int recover_in_child(const fs::path& file) {

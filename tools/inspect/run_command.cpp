@@ -41,7 +41,8 @@ int report_run(const RunOptions& options) {
   probe_recordings(folders);
   const auto master = recording_of("master", folders);
   const auto slave = recording_of("slave", folders);
-  if (master && slave) refuse_unrelated(RunReader(*master), RunReader(*slave));
+  if (master && slave)
+    refuse_unrelated(RunReader(*master, RunReader::Check::kHead), RunReader(*slave, RunReader::Check::kHead));
   const RunRecord record = read_run(folders);
   if (!options.out.empty()) make_folder("--out", out);
   if (options.csv) {

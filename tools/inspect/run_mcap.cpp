@@ -8,7 +8,9 @@
 #include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/recording/run_folder.h"
@@ -50,8 +52,8 @@ std::string fields_of(const SeriesSchema& schema) {
   for (const SeriesColumn& column : schema.columns) {
     text += fmt::format("{} {}", type_of(column.kind), column.name);
     if (!column.unit.empty() || !column.sentence.empty())
-      text += fmt::format("  # {}{}{}", column.unit, column.unit.empty() || column.sentence.empty() ? "" : ", ",
-                          column.sentence);
+      text += fmt::format("  # {}{}{}", column.unit,
+                          column.unit.empty() || column.sentence.empty() ? "" : ", ", column.sentence);
     text += '\n';
   }
   return text;
@@ -126,10 +128,18 @@ struct Dates {
   double offset_s = 0.0;  ///< of its clock against the master's
   std::int64_t utc_at_zero_ns = 0;
   std::uint64_t operator()(double t_s) const {
-    return static_cast<std::uint64_t>(std::max<std::int64_t>(
-        std::llround((t_s - offset_s) * 1e9) + utc_at_zero_ns, 0));
+    return static_cast<std::uint64_t>(
+        std::max<std::int64_t>(std::llround((t_s - offset_s) * 1e9) + utc_at_zero_ns, 0));
   }
 };
+
+/// Whose recordings are exported, the master's first.
+struct Recorded {
+  const char* role;
+  bool at_workpiece;  ///< by the clock there
+};
+constexpr Recorded kRecorded[] = {
+    {"master", false}, {"console", false}, {"slave", true}, {"vision", true}, {"machine", true}};
 
 class Export {
  public:
@@ -156,16 +166,17 @@ class Export {
       if (json) json_channel_.push_back(channel);
     }
     const std::uint16_t said = file_.add_channel(
-        "/" + identity.role + "/events", file_.add_schema("telekerf.Event", "jsonschema", R"({"type":"object"})"),
-        "json", {});
+        "/" + identity.role + "/events",
+        file_.add_schema("telekerf.Event", "jsonschema", R"({"type":"object"})"), "json", {});
     for (const RunEvent& event : reader.events()) {
       const nlohmann::ordered_json json{
           {"kind", event.kind}, {"tick", event.tick}, {"value", event.value}, {"text", event.text}};
       messages_.push_back({dates(event.t_s), said, nullptr, nullptr,
                            json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)});
     }
-    const std::uint16_t contours = file_.add_channel(
-        "/" + identity.role + "/contour", file_.add_schema("telekerf/msg/Contour", "ros2msg", kContourFields), "cdr", {});
+    const std::uint16_t contours =
+        file_.add_channel("/" + identity.role + "/contour",
+                          file_.add_schema("telekerf/msg/Contour", "ros2msg", kContourFields), "cdr", {});
     for (const RunContour& contour : reader.contours())
       messages_.push_back({dates(contour.t_s), contours, nullptr, nullptr, cdr_of(contour)});
     McapFile::Words words = identity.words;
@@ -202,24 +213,23 @@ class Export {
 }  // namespace
 
 void write_mcap(const fs::path& file, std::span<const fs::path> folders) {
-  const auto master = recording_of("master", folders);
-  const auto slave = recording_of("slave", folders);
-  if (!master && !slave)
-    throw input_error(fmt::format("{}: holds no recording of a run", folders.front().string()));
   Export out(file);
-  Dates dates;
-  if (master) {
-    const RunReader reader(*master);
-    dates.utc_at_zero_ns = reader.identity().utc_at_zero_ns;
-    out.add(reader, dates);
-    const auto offset = reader.identity().figures.find("clock_offset_us");
-    if (offset != reader.identity().figures.end()) dates.offset_s = 1e-6 * offset->second;
+  std::optional<Dates> operators, workpieces;  // by the master, which knows both clocks
+  bool any = false;
+  for (const Recorded& recorded : kRecorded) {
+    const auto found = recording_of(recorded.role, folders);
+    if (!found) continue;
+    any = true;
+    const RunReader reader(*found, RunReader::Check::kHead);
+    const std::int64_t utc_at_zero_ns = reader.identity().utc_at_zero_ns;
+    if (recorded.role == std::string_view("master")) {
+      const auto offset = reader.identity().figures.find("clock_offset_us");
+      operators = {0.0, utc_at_zero_ns};
+      workpieces = {offset == reader.identity().figures.end() ? 0.0 : 1e-6 * offset->second, utc_at_zero_ns};
+    }
+    out.add(reader, (recorded.at_workpiece ? workpieces : operators).value_or(Dates{0.0, utc_at_zero_ns}));
   }
-  if (slave) {
-    const RunReader reader(*slave);
-    if (!master) dates.utc_at_zero_ns = reader.identity().utc_at_zero_ns;
-    out.add(reader, dates);
-  }
+  if (!any) throw input_error(fmt::format("{}: holds no recording of a run", folders.front().string()));
   out.finish();
 }
 

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "common/recording/run_folder.h"
+#include "common/recording/run_probe.h"
 #include "common/recording/run_reader.h"
 #include "common/runtime/results.h"
 #include "common/runtime/startup_error.h"
@@ -18,6 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::chrono::seconds kPatience{5};  // with a head: the console waits for the list
+constexpr std::size_t kLongestLabel = 2000;
+
 struct RunsOptions {
   std::string folder = "out";
   bool json = false;
@@ -25,43 +30,52 @@ struct RunsOptions {
 
 struct ListedRun {
   std::string name;
-  std::string created;            ///< ISO 8601; empty: nobody knows
-  std::string state;              ///< closed, recovered, recording, killed, damaged
-  double seconds = 0.0;           ///< of its longest recording
+  std::string created;             ///< ISO 8601; empty: nobody knows
+  std::string state;               ///< closed, recovered, recording, killed, damaged
+  double seconds = 0.0;            ///< of its longest recording
   std::vector<std::string> roles;  ///< whose recordings there are
-  std::string label;              ///< "good: why"
+  std::string label;               ///< "good: why"
+  std::string damage;              ///< of the first damaged recording: which and how
 };
 
 /// Time between the first row of each control step and the last.
 double seconds_of(const RunReader& reader) {
   for (std::size_t n = 0; n < reader.series().size(); ++n) {
-    const RunReader::Series& series = reader.series()[n];
-    const auto& columns = series.schema.columns;
-    const auto time =
-        std::find_if(columns.begin(), columns.end(), [](const SeriesColumn& c) { return c.name == "t_s"; });
-    if (!series.schema.every_tick || series.rows == 0 || time == columns.end()) continue;
-    std::vector<double> ends;
-    if (!reader.read(n, 0, 1, ends) || !reader.read(n, series.rows - 1, 1, ends)) continue;
-    const auto at = static_cast<std::size_t>(time - columns.begin());
-    return ends[columns.size() + at] - ends[at];
+    const auto span = reader.series()[n].schema.every_tick ? reader.span_s(n) : std::nullopt;
+    if (span) return span->second - span->first;
   }
   return 0.0;
 }
 
+/// What the list says of one recording, as JSON; only its head is read.
+std::string head_of(const fs::path& file) {
+  const RunReader reader(file, RunReader::Check::kHead);
+  const bool unfinished = reader.state() == RunState::kRecording;
+  nlohmann::ordered_json head{{"created", reader.identity().created_utc},
+                              {"unfinished", unfinished},
+                              {"state", !unfinished       ? word_of(reader.state())
+                                        : reader.writer() ? "recording"
+                                                          : "killed"},
+                              {"seconds", seconds_of(reader)},
+                              {"label", ""}};
+  if (const auto label = unfinished ? std::nullopt : label_of(file))
+    head["label"] = fmt::format("{}{}{}", label->good ? "good" : "bad", label->text.empty() ? "" : ": ",
+                                label->text.substr(0, kLongestLabel));
+  return head.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+/// A damaged file is one line of the list, whatever reading it does to the process that reads it.
 void look_at(const fs::path& file, ListedRun& run) {
   try {
-    const RunReader reader(file);
-    if (run.created.empty()) run.created = reader.identity().created_utc;
-    const bool unfinished = reader.state() == RunState::kRecording;
-    const std::string state = !unfinished ? word_of(reader.state()) : reader.writer() ? "recording" : "killed";
-    if (run.state.empty() || unfinished) run.state = state;
-    run.seconds = std::max(run.seconds, seconds_of(reader));
-    if (!unfinished && run.label.empty()) {
-      if (const auto label = label_of(file))
-        run.label = fmt::format("{}{}{}", label->good ? "good" : "bad", label->text.empty() ? "" : ": ", label->text);
-    }
-  } catch (const std::exception&) {
+    const auto head = nlohmann::json::parse(told_by_child(
+        file, [&] { return head_of(file); }, kPatience));
+    if (run.created.empty()) run.created = head["created"];
+    if (run.damage.empty() && (run.state.empty() || head["unfinished"])) run.state = head["state"];
+    run.seconds = std::max(run.seconds, head["seconds"].get<double>());
+    if (run.label.empty()) run.label = head["label"];
+  } catch (const std::exception& error) {
     run.state = "damaged";
+    if (run.damage.empty()) run.damage = error.what();
   }
 }
 
@@ -99,7 +113,8 @@ int list_runs(const RunsOptions& options) {
                       {"state", run.state},
                       {"seconds", run.seconds},
                       {"roles", run.roles},
-                      {"label", run.label}});
+                      {"label", run.label},
+                      {"damage", run.damage}});
     }
     fmt::print("{}\n", json_text(nlohmann::ordered_json{{"folder", options.folder}, {"runs", list}}));
     return 0;
@@ -107,7 +122,7 @@ int list_runs(const RunsOptions& options) {
   if (runs.empty()) fmt::print("{}: no recorded run\n", options.folder);
   for (const ListedRun& run : runs) {
     fmt::print("{:<28} {:<20} {:8.1f} s  {:<9} {:<15} {}\n", run.name, run.created, run.seconds, run.state,
-               fmt::format("{}", fmt::join(run.roles, ", ")), run.label);
+               fmt::format("{}", fmt::join(run.roles, ", ")), run.damage.empty() ? run.label : run.damage);
   }
   return 0;
 }

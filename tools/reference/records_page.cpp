@@ -34,7 +34,7 @@ std::string records_page() {
   page += table_of("slave.csv", "The robot with the laser, by `telekerf-slave`.", slave_columns());
   page += table_of("blocks, in either recording", "The heads of the blocks that it sends and hears.", block_columns());
   page += table_of("guards, in slave.h5", "What forbids the beam, where it changes.", guard_columns());
-  page += table_of("operator, in master.h5", "What the loop heard of an operator.", operator_columns());
+  page += table_of("operator, in master.h5, vision.h5 and console.h5", "What each of them heard (the console: sent) of an operator.", operator_columns());
   page += table_of("in_force, in either recording", "Which contour was in force.", in_force_columns());
   page += table_of("contour.csv", "The contour that was cut, by `telekerf-master`.", contour_columns());
   page += table_of("trace.csv", "The tool of automatic machining, by `telekerf-machine`.",
