@@ -112,7 +112,8 @@ TEST_F(UnfinishedFile, CutOffOrWithHolesIsNeverSaidToBeWhole) {
   constexpr std::size_t kPage = 4096;
   for (int trial = 0; trial < 100; ++trial) {
     std::string other = bytes;
-    const std::size_t at = trial == 0 ? bytes.size() : random() % bytes.size();
+    constexpr std::size_t kHead = 100;  // of trial 1: too short to be opened at all
+    const std::size_t at = trial == 0 ? bytes.size() : trial == 1 ? kHead : random() % bytes.size();
     if (trial % 3 == 1) {
       other.resize(at);
     } else if (trial > 0) {
