@@ -19,7 +19,7 @@ namespace {
 /// Finest step of coded accelerations, m/s^2.
 constexpr double kAccelerationQuantum = 1e-2;
 /// Silence after which a slave stops, unless it is told otherwise.
-constexpr double kLongestBlock_s = 0.15;
+constexpr double kSlaveStale_s = 0.15;
 /// w / stream rate: at 1 the law's sampled loop is no longer stable.
 constexpr double kFastestLaw = 0.8;
 
@@ -72,7 +72,7 @@ void StationSettings::add_guidance_parameters(Settings& settings) {
   settings.add("hand_speed_mm_s", hand_speed_mm_s, {.min = 0.1, .max = 200, .unit = "mm/s"},
                "mean speed of the simulated hand");
   settings.add("hand_sideways_n", hand.max_sideways_n, {.min = 0, .max = 30, .unit = "N"},
-               "how hard the simulated hand pushes off the curve");
+               "how hard the simulated hand pushes off the curve at most; two thirds of it in the mean (rms)");
   settings.add("felt_depth_mm", felt_depth_mm, {.min = 0, .max = 20, .unit = "mm"},
                "depth of the cut that the hand feels itself held to, 0: it feels nothing of the cut");
   settings.add("felt_depth_speed_mm2_per_s", felt_depth_speed_mm2_per_s,
@@ -135,11 +135,13 @@ StationSettings StationSettings::validated() const {
   }
   auto& command = settings.node.command;
   const double block_s = command.codec.block / node.stream_hz;
-  if (block_s >= kLongestBlock_s) {
+  // What is lost comes again with the next block.
+  if (2.0 * block_s >= kSlaveStale_s) {
     throw configuration_error(fmt::format(
-        "block = {} samples at stream_hz = {:g} take {:.0f} ms, but a slave that hears nothing for {:.0f} ms "
-        "stops; use a smaller block or a faster stream",
-        command.codec.block, node.stream_hz, block_s * 1e3, kLongestBlock_s * 1e3));
+        "block = {} samples at stream_hz = {:g} take {:.0f} ms and must take less than {:.0f}: a slave that "
+        "hears nothing for {:.0f} ms stops, and what is lost comes again with the next block; use a smaller "
+        "block or a faster stream",
+        command.codec.block, node.stream_hz, block_s * 1e3, 0.5 * kSlaveStale_s * 1e3, kSlaveStale_s * 1e3));
   }
   if (tracking_rad_s > kFastestLaw * node.stream_hz) {
     throw configuration_error(

@@ -59,7 +59,7 @@ bool asks_for_one(Options options) {
 void add_parameters(Options& o, Settings& s) {
   add_conditions(o, s);
   s.add("duration_s", o.duration_s, {.min = 2, .max = 600, .unit = "s"},
-        "length of a run; without it 8, on the shipped profiles 30");
+        "length of a run; without it 8, on a profile 30");
   s.add("only_rtt_ms", o.only_rtt_ms, 0, {.min = 0, .max = 1000, .unit = "ms"},
         "all rivals at these round trips, 10 % jitter and 1 % loss, and no tables; none: everything");
   s.add("seed", o.seed, kSeeds, "of everything random");
@@ -93,7 +93,7 @@ Run one_run(const Options& options) {
   }
   if (!options.page.empty()) throw usage_error("--page wants all runs: leave out what asks for one");
   run.tuning = tuning_of(run.trial);
-  run.duration_s = options.duration_s.value_or(Length{}.grid_s);
+  run.duration_s = options.duration_s.value_or(options.netem.empty() ? Length{}.grid_s : Length{}.profile_s);
   run.result = run_trial(record_hand("heart", run.duration_s, options.seed), run.trial);
   return run;
 }

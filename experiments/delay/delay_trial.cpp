@@ -98,7 +98,6 @@ DelayResult run_trial(const HandRecord& hand, const DelayTrial& trial) {
   slave::StationSettings slave_settings = trial.slave;
   slave_settings.seed = trial.seed;
   slave_settings.record_s = 1.0;
-  slave_settings.node.interlock.beam_age_s = 2.0;  // it is motion that is measured, on slow networks too
   slave_settings.node.touched = trial.push_n != 0.0;
   slave::Station slave(slave_settings);
   const auto corridor = slave.prepare(hand.contour);

@@ -26,6 +26,8 @@ struct HandRecord {
 HandRecord record_hand(const std::string& image, double duration_s, std::uint64_t seed);
 
 struct DelayTrial {
+  /// Commands may be as old as they ever may: it is motion that is measured, on slow networks too.
+  DelayTrial() { slave.node.interlock.beam_age_s = 2.0; }
   /// Of the command stream and its law; the hand's side is in the recording.
   master::StationSettings master;
   slave::StationSettings slave;

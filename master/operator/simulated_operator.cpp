@@ -56,8 +56,8 @@ HandSample SimulatedOperator::sample(double now_s, const Vec3& tool_m, const Vec
   const double pace_memory = std::exp(-dt_s / 1.5);
   pace_ = 1.0 + pace_memory * (pace_ - 1.0) + 0.3 * std::sqrt(1.0 - pace_memory * pace_memory) * normal();
   const double push_memory = std::exp(-dt_s / 0.35);
-  sideways_n_ =
-      push_memory * sideways_n_ + settings_.wander_n * std::sqrt(1.0 - push_memory * push_memory) * normal();
+  const double wander_n = settings_.wander_n.value_or(2.0 / 3.0 * settings_.max_sideways_n);
+  sideways_n_ = push_memory * sideways_n_ + wander_n * std::sqrt(1.0 - push_memory * push_memory) * normal();
   tremor_phase_rad_ += 2.0 * std::numbers::pi * 9.0 * dt_s;
 
   *goal_arc_m_ += way_ * settings_.speed_m_per_s * std::clamp(pace_, 0.2, 1.8) * dt_s;

@@ -24,7 +24,7 @@ struct SimulatedOperatorSettings {
   double damping_n_s_per_m = 8.0;
   double lead_m = 3e-3;                           ///< the hand aims at most this far ahead of the pen
   double max_sideways_n = 3.0;                    ///< how hard it pushes off the curve at most
-  double wander_n = 2.0;                          ///< rms of the sideways push
+  std::optional<double> wander_n;                 ///< rms of the sideways push; without: 2/3 of the most
   double tremor_n = 0.05;                         ///< amplitude, 9 Hz
   double press_share = 0.8;                       ///< of the time that the button is held, in stretches
   std::vector<OperatorDisturbance> disturbances;  ///< beside the work

@@ -94,8 +94,9 @@ TEST(MasterSettings, RatesThatCannotWorkAreRefused) {
     }
   };
   EXPECT_NE(refused(200, 32, 0).find("a slave that hears nothing for 150 ms stops"), std::string::npos);
-  EXPECT_NE(refused(200, 30, 0), "") << "150 ms";
-  EXPECT_EQ(refused(200, 29, 0), "");
+  EXPECT_NE(refused(200, 32, 0).find("take 160 ms and must take less than 75"), std::string::npos);
+  EXPECT_NE(refused(200, 15, 0), "") << "75 ms";
+  EXPECT_EQ(refused(200, 14, 0), "");
   EXPECT_NE(refused(500, 16, 401).find("tracking_rad_s = 401 is too fast for stream_hz = 500: at most 400"),
             std::string::npos);
   EXPECT_EQ(refused(500, 16, 400), "");
