@@ -200,6 +200,7 @@ TEST(StopLatch, AReasonOfSeveralLinesIsOneInItsText) {
 }
 
 TEST(StopOrder, WhatTheOtherSideQuotesHoldsUnlessItIsOver) {
+  EXPECT_EQ(StopOrder{}.in_force(0), 0u);
   EXPECT_EQ((StopOrder{0, {0}}).in_force(0), 0u);
   EXPECT_EQ((StopOrder{5, {0}}).in_force(0), 5u);
   EXPECT_EQ((StopOrder{5, {0}}).in_force(6), 5u);
