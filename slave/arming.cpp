@@ -6,13 +6,13 @@ namespace {
 
 /// By how many engagements `a` is after `b`, around the end of 32 bits.
 std::int32_t after(std::uint32_t a, std::uint32_t b) noexcept { return static_cast<std::int32_t>(a - b); }
+std::uint32_t later(std::uint32_t a, std::uint32_t b) noexcept { return after(a, b) > 0 ? a : b; }
 
 }  // namespace
 
 void Arming::step(const streaming::Played& played, const Circumstances& now) noexcept {
   // Another master counts anew, and what it began before it was heard is spent.
-  if (now.heard && (!known_ || now.master_epoch != master_epoch_)) {
-    known_ = true;
+  if (now.heard && now.master_epoch != master_epoch_) {
     master_epoch_ = now.master_epoch;
     spent_ = leading_ = newest_led_ = now.newest_engage;
     spend(now.newest_engage);
@@ -43,14 +43,13 @@ bool Arming::may_lead(std::uint32_t engage) noexcept {
   if (after(engage, spent_) <= 0) return false;
   if (!armed_ || engage != leading_) button_armed_ = false;
   leading_ = engage;
-  if (after(engage, newest_led_) > 0) newest_led_ = engage;
+  newest_led_ = later(engage, newest_led_);
   armed_ = true;
   return true;
 }
 
 void Arming::spend(std::uint32_t engage) noexcept {
-  if (after(engage, spent_) > 0) spent_ = engage;
-  if (after(newest_led_, spent_) > 0) spent_ = newest_led_;
+  spent_ = later(later(engage, spent_), newest_led_);
   armed_ = button_armed_ = false;
   outage_s_ = 0.0;
 }

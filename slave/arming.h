@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "common/streaming/command_receiver.h"
 
@@ -50,8 +51,7 @@ class Arming {
 
   FreshnessSettings settings_;
   double dt_s_;
-  bool known_ = false;  ///< a master has been heard
-  std::uint32_t master_epoch_ = 0;
+  std::optional<std::uint32_t> master_epoch_;  ///< none: no master has been heard
   std::uint32_t contour_id_ = 0;
   std::uint32_t spent_ = 0;
   std::uint32_t leading_ = 0;     ///< at present, or last

@@ -53,7 +53,7 @@ StopLatch::Heard StopLatch::hear(const StopMessage& message) {
 }
 
 StopLatch::Heard StopLatch::quoted(std::uint32_t number) {
-  return hear({.epoch = 0, .number = number, .source = {}, .set = true, .obeyed = false, .reason = {}});
+  return hear({.number = number, .source = {}, .reason = {}});
 }
 
 StopOrder StopLatch::order() const noexcept {
@@ -83,12 +83,7 @@ StopLatch StopLatch::from_text(const std::string& text) {
       continue;
     const unsigned long long value = std::stoull(number);
     if (value == 0 || value > 0xFFFFFFFFULL) continue;
-    (void)latch.hear({.epoch = 0,
-                      .number = static_cast<std::uint32_t>(value),
-                      .source = source,
-                      .set = true,
-                      .obeyed = false,
-                      .reason = reason});
+    (void)latch.hear({.number = static_cast<std::uint32_t>(value), .source = source, .reason = reason});
   }
   return latch;
 }

@@ -19,6 +19,9 @@
 namespace telekerf {
 namespace {
 
+/// How often the disk is looked at, and what is lost to it is said.
+constexpr std::chrono::seconds kLook{1};
+
 constexpr double kSpare_s = 2.0;  // that the disk may be slow for
 constexpr std::uint64_t kStop_bytes = 64ULL << 20U;
 constexpr std::uint64_t kGoOn_bytes = 128ULL << 20U;
@@ -113,9 +116,15 @@ void Recording::run(const std::stop_token& stop) {
   h5::keep_quiet();
   auto next = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
-    look_at_disk();
+    const auto now = std::chrono::steady_clock::now();
+    const bool looks = now - looked_ >= kLook;
+    if (looks) {
+      looked_ = now;
+      look_at_file();
+      look_at_disk();
+    }
     write_out();
-    look_at_drops();
+    if (looks) look_at_drops();
     look_at_fault();
     next = std::max(next + kPeriod, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);
@@ -165,10 +174,6 @@ void Recording::write_out() {
 }
 
 void Recording::look_at_disk() {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - looked_ < std::chrono::seconds(1)) return;
-  looked_ = now;
-  look_at_file();
   const auto left = space_(file_);
   if (!left) return;
   if (!disk_full_ && *left < kStop_bytes) {
@@ -189,7 +194,7 @@ void Recording::look_at_file() {
 
 void Recording::look_at_drops() {
   const std::uint64_t dropped = this->dropped();
-  if (dropped == dropped_said_ || looked_ + std::chrono::milliseconds(100) < std::chrono::steady_clock::now()) return;
+  if (dropped == dropped_said_) return;
   dropped_said_ = dropped;
   say_(fmt::format("{} rows are not in the record", dropped));
   add(RunEvent{0.0, -1, "recorder", static_cast<double>(dropped), "rows that are not in the record, so far"});

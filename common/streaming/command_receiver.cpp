@@ -52,7 +52,6 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
     buffer_->clear();
     clock_.reset();
     cursor_.reset();
-    next_.reset();
     begins_ = true;
   }
   const CommandHeader& header = received.value;
@@ -60,7 +59,6 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
   buffer_->store(samples, header, stream_.generation());
   if (asleep(now_ns)) {  // of a queue, the newest alone counts
     clock_.reset();
-    next_.reset();
   } else {
     keep_time(now_ns);
   }
@@ -76,12 +74,11 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
 }
 
 bool CommandReceiver::asleep(std::int64_t now_ns) const noexcept {
-  return played_ns_ && now_ns - *played_ns_ > settings_.control_period_ns + kAsleep_ns;
+  return now_ns - played_ns_.value_or(now_ns) > settings_.control_period_ns + kAsleep_ns;
 }
 
 void CommandReceiver::keep_time(std::int64_t now_ns) noexcept {
-  if (!played_ns_) return;
-  const std::int64_t lost_ns = now_ns - *played_ns_ - settings_.control_period_ns;
+  const std::int64_t lost_ns = now_ns - played_ns_.value_or(now_ns) - settings_.control_period_ns;
   if (lost_ns < settings_.control_period_ns) return;
   clock_.overslept(lost_ns);
   *played_ns_ += lost_ns;
@@ -137,8 +134,8 @@ Played CommandReceiver::play(std::int64_t now_ns, const KinematicState& tool) no
 }
 
 void CommandReceiver::wait_for(bool missing, Played& out) noexcept {
+  if (!clock_.went_on()) next_.reset();                  // given up, or begun anew
   if (header().law == Law::kRemoteAcceleration) return;  // what has no place cannot be gone on from
-  if (!clock_.went_on()) next_.reset();                  // given up
   const bool stands = pace_ == 0.0;
   if (missing || stands) missing_s_ += 1e-9 * static_cast<double>(settings_.control_period_ns);
   if (next_ && missing_s_ > kBrief_s) {

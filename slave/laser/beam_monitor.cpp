@@ -23,7 +23,7 @@ Triple cross(const Triple& a, const Triple& b) noexcept {
 
 CorridorRaster::CorridorRaster(std::span<const geometry::Polyline> lines, double half_m, double radius_m)
     : origin_m_(static_cast<float>(-radius_m - 2.0 * half_m)),
-      side_(static_cast<int>(std::ceil(-2.0F * origin_m_ / kCell_m)) + 1),
+      side_(static_cast<int>(std::ceil(-2.0F * origin_m_ / kCell_m))),
       cells_(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), 0) {
   for (const geometry::Polyline& line : lines) draw(line, half_m);
 }

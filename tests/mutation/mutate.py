@@ -141,16 +141,18 @@ class Worker:
             file.write_text(original, encoding="utf-8")
 
 
-def unnoticeable():
+def unnoticeable(top=TOP, file=Path(__file__).parent / "unnoticeable.txt"):
     """{(path, line as it is, line as changed)} of unnoticeable.txt: blocks of path, `- line`, `+ line`, reason."""
     listed = set()
-    for block in re.split(r"\n\s*\n", (Path(__file__).parent / "unnoticeable.txt").read_text(encoding="utf-8")):
+    for block in re.split(r"\n\s*\n", file.read_text(encoding="utf-8")):
         words = [line for line in block.splitlines() if not line.startswith("#")]
         if not words:
             continue
         if len(words) < 4 or words[1][:2] != "- " or words[2][:2] != "+ ":
             sys.exit(f"mutation: unnoticeable.txt: expected path, '- line', '+ line', reason; got: {words}")
-        text = (TOP / words[0]).read_text(encoding="utf-8")
+        if any(line[:2] in ("- ", "+ ") for line in words[3:]):
+            sys.exit(f"mutation: unnoticeable.txt: two entries in one, put an empty line between them: {words}")
+        text = (top / words[0]).read_text(encoding="utf-8")
         if words[1][2:] not in (line.strip() for line in text.splitlines()):
             sys.exit(f"mutation: unnoticeable.txt: {words[0]} holds no line '{words[1][2:]}'; remove or mend the entry")
         listed.add((words[0], words[1][2:], words[2][2:]))

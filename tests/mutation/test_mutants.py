@@ -57,6 +57,16 @@ class Mutants(unittest.TestCase):
     def test_what_is_listed_as_unnoticeable_is_a_line_of_today(self):
         self.assertTrue(mutate.unnoticeable())
 
+    def test_entries_of_the_list_are_told_apart_by_an_empty_line(self):
+        entry = "a.cpp\n- x = 3;\n+ x = 4;\nNobody looks.\n"
+        with tempfile.TemporaryDirectory() as top:
+            (Path(top) / "a.cpp").write_text("x = 3;\n")
+            (Path(top) / "list.txt").write_text(entry + "\n" + entry.replace("4", "5"))
+            self.assertEqual(2, len(mutate.unnoticeable(Path(top), Path(top) / "list.txt")))
+            (Path(top) / "list.txt").write_text(entry + entry.replace("4", "5"))
+            with self.assertRaisesRegex(SystemExit, "two entries in one"):
+                mutate.unnoticeable(Path(top), Path(top) / "list.txt")
+
 
 if __name__ == "__main__":
     unittest.main()

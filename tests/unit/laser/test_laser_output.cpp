@@ -4,9 +4,11 @@
 
 #include <limits>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "common/runtime/settings.h"
 #include "common/runtime/startup_error.h"
 #include "slave/laser/laser_output.h"
 #include "tests/unit/laser/permits.h"
@@ -33,12 +35,24 @@ TEST(Laser, WhatIsNoneIsRefusedWithWhatItMustBe) {
             std::string::npos);
 }
 
+TEST(Laser, IsNamedByASettingThatRefusesWhatIsNone) {
+  LaserOutputSettings output;
+  Settings settings;
+  output.add_parameters(settings);
+  settings.load(std::vector<std::string>{"--laser", "udp:127.0.0.1:7200", "--laser-max-w", "5"});
+  EXPECT_EQ(output.laser, "udp:127.0.0.1:7200");
+  EXPECT_EQ(output.laser_max_w, 5.0);
+  EXPECT_THROW(settings.load(std::vector<std::string>{"--laser", "spi"}), StartupError);
+}
+
 TEST(Laser, MoreThanItMayGiveIsRefusedBeforeTheStart) {
   LaserOutputSettings settings;
   EXPECT_EQ(settings.max_w(), 1000.0);
   EXPECT_EQ(refusal_of(settings, 1000.5),
             "laser_w = 1000.5 must be at most laser_max_w = 1000; lower it, or raise laser_max_w if the "
             "laser can give more");
+  settings.laser_max_w = 0.05;
+  EXPECT_EQ(settings.max_w(), 0.05) << "however little";
   settings.laser_max_w = 20.0;
   EXPECT_EQ(refusal_of(settings, 20.0), "accepted");
   EXPECT_EQ(
@@ -148,6 +162,7 @@ TEST(Laser, ThatIsNotSimulatedHasItsLargestPowerStated) {
             "laser = udp:127.0.0.1:7200: laser_max_w must be stated for a laser that is not simulated; give "
             "the power "
             "that it may never exceed");
+  EXPECT_NO_THROW(stated("udp:127.0.0.1:7200", 0.05).validate(0.05)) << "however little it is";
 }
 
 TEST(LaserOutput, TellsTheLaserWhenTheLightEndsAndByWhichPermit) {
@@ -191,6 +206,17 @@ TEST(LaserOutput, ALaserThatGivesLightThoughToldToBeOffIsGivenUpAtTheSecondStep)
   EXPECT_EQ(beam.emit(5.0, true), 0.0) << "for good";
   EXPECT_EQ(steps.back(), (Told::Step{0.0, false}));
   EXPECT_NE(beam.output.failure().find("gives light that it was not told to give"), std::string::npos);
+}
+
+TEST(LaserOutput, ALaserThatGivesLightBeforeTheFirstStepIsGivenUpAtThatStepAndNotBefore) {
+  std::vector<Told::Step> steps;
+  auto laser = std::make_unique<Told>(steps);
+  laser->lights = true;
+  Permitted beam(LaserOutputSettings{}, 10.0, 1000.0, std::move(laser));
+  EXPECT_TRUE(beam.output.emission_agrees()) << "once is not enough";
+  EXPECT_FALSE(beam.output.failed());
+  beam.emit(0.0, false);
+  EXPECT_TRUE(beam.output.failed());
 }
 
 TEST(LaserOutput, CountsStepsInWhichTheLaserWasNotTold) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <iterator>
 #include <map>
 #include <random>
@@ -38,6 +39,22 @@ TEST(StopLatch, AStopHoldsUntilItsOwnerEndsIt) {
   EXPECT_EQ(latch.hear(message(5, true)), Heard::kKnown) << "said again on its way: it is over";
   EXPECT_EQ(latch.order().number, 0u);
   EXPECT_EQ(latch.hear(message(0, true)), Heard::kKnown) << "no stop has this number";
+}
+
+TEST(StopLatch, AMessageThatSaysNothingStopsNothing) {
+  StopLatch latch;
+  EXPECT_EQ(latch.hear({}), Heard::kKnown);
+  EXPECT_TRUE(latch.in_force().empty());
+}
+
+TEST(StopLatch, ItsOrderNamesTheFourThatWereClearedLastNewestFirst) {
+  StopLatch latch;
+  using Numbers = std::array<std::uint32_t, 4>;
+  EXPECT_EQ(latch.order().cleared, (Numbers{}));
+  for (std::uint32_t n = 11; n <= 12; ++n) (void)latch.hear(message(n, false));
+  EXPECT_EQ(latch.order().cleared, (Numbers{12, 11, 0, 0}));
+  for (std::uint32_t n = 13; n <= 40; ++n) (void)latch.hear(message(n, false));
+  EXPECT_EQ(latch.order().cleared, (Numbers{40, 39, 38, 37}));
 }
 
 TEST(StopLatch, SeveralStopsAreSeveral) {
@@ -161,7 +178,9 @@ TEST(StopLatch, ItSurvivesAsText) {
   (void)latch.hear(message(4294967295, true, "a b"));
   (void)latch.hear(message(7, true, "c"));
   StopLatch again = StopLatch::from_text(
-      "nonsense\n\tx\ty\n0\tx\ty\n99999999999\tx\ty\n99999999999999999999999\tx\ty\n" + latch.text());
+      "nonsense\n\tx\ty\n0\tx\ty\n4294967296\tx\ty\n9999999999\tx\ty\n99999999999\tx\ty\n99999999999999999999"
+      "999\tx\ty\n00000000001\tx\ty\n" +
+      latch.text());
   ASSERT_EQ(again.in_force().size(), 2u);
   EXPECT_EQ(again.in_force()[0].source, "a b");
   EXPECT_EQ(again.in_force()[0].reason, "smoke");
@@ -181,6 +200,7 @@ TEST(StopLatch, AReasonOfSeveralLinesIsOneInItsText) {
 }
 
 TEST(StopOrder, WhatTheOtherSideQuotesHoldsUnlessItIsOver) {
+  EXPECT_EQ(StopOrder{}.in_force(0), 0u);
   EXPECT_EQ((StopOrder{0, {0}}).in_force(0), 0u);
   EXPECT_EQ((StopOrder{5, {0}}).in_force(0), 5u);
   EXPECT_EQ((StopOrder{5, {0}}).in_force(6), 5u);

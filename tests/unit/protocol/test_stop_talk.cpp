@@ -2,6 +2,8 @@
 // What a station answers to whoever stops: once, again for each who asks, and nothing before its loop obeys.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "common/protocol/stop_talk.h"
 
 namespace telekerf {
@@ -59,6 +61,30 @@ TEST_F(Answering, SaysThatItIsOverWhenTheLoopHasLetGo) {
   EXPECT_EQ(taken(0), 0u);
   hear(said(5, false));
   EXPECT_EQ(taken(0), 1u);
+}
+
+/// The list of what is over is short, and a number may come once more after it has left.
+TEST_F(Answering, ForgetsWhomItHasToldOfWhatTheLatchHasForgotten) {
+  StopMessage over = said(5, false), again = said(5, true);
+  over.obeyed = again.obeyed = true;  // another station's words ask for nothing
+  (void)latch_.quoted(5);
+  hear(again);
+  EXPECT_EQ(taken(5), 1u) << "it obeys";
+  hear(over);
+  EXPECT_EQ(taken(0), 1u) << "it is over";
+  for (std::uint32_t n = 101; n < 140; ++n) hear(said(n, false));
+  (void)taken(0);
+  hear(again);
+  EXPECT_EQ(taken(5), 1u) << "it obeys anew";
+  hear(over);
+  EXPECT_EQ(taken(0), 1u) << "it is over anew";
+}
+
+TEST(StopNumbers, AreNoneThatAreEasilyMetAgain) {
+  std::set<std::uint32_t> drawn;
+  for (int n = 0; n < 20; ++n) drawn.insert(any_stop_number());
+  EXPECT_EQ(drawn.size(), 20u) << "once in 20 million runs two are the same";
+  EXPECT_FALSE(drawn.contains(0));
 }
 
 TEST_F(Answering, DoesNotNameAStopWhoseOwnerItDoesNotKnow) {

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -251,6 +252,32 @@ TEST_F(RecordingFile, WhatComesWhileTheDiskIsFullIsWrittenWhenThereIsRoomAgain) 
   EXPECT_EQ(reader.contours()[0].id, 5U);
   ASSERT_EQ(reader.events().size(), 1U);
   EXPECT_EQ(reader.events()[0].text, "engaged");
+}
+
+TEST_F(RecordingFile, WhatIsLostToAFullDiskIsSaidOnceASecond) {
+  std::vector<std::string> said;  // by the recorder's thread, until it is closed
+  const auto begun = std::chrono::steady_clock::now();
+  std::uint64_t dropped = 0;
+  {
+    Recording recording(
+        file_, identity(), parts(), [&](const std::string& sentence) { said.push_back(sentence); },
+        [](const fs::path&) -> std::optional<std::uint64_t> { return 1U << 20U; });
+    for (std::uint64_t tick = 0; std::chrono::steady_clock::now() - begun < milliseconds(2500); ++tick) {
+      recording.ring(0).push(master_columns(), row(tick));
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    (void)recording.close({});
+    dropped = recording.dropped();
+  }
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  EXPECT_EQ(std::count_if(said.begin(), said.end(),
+                          [](const std::string& s) { return s.find("the disk is full") != s.npos; }),
+            1);
+  const auto lost = std::count_if(said.begin(), said.end(),
+                                  [](const std::string& s) { return s.find("rows are not in") != s.npos; });
+  EXPECT_GE(lost, 1);
+  EXPECT_LE(static_cast<double>(lost), took_s + 1.0);
+  EXPECT_GT(dropped, 100U);
 }
 
 TEST_F(RecordingFile, OfTwoProcessesOneRecordsAndTheOtherIsRefused) {

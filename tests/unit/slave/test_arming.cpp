@@ -59,6 +59,37 @@ class ArmingTest : public testing::Test {
   std::optional<double> age_s_ = 0.1;
 };
 
+TEST_F(ArmingTest, NothingLeadsAtTheBeginningAndNothingIsSpent) {
+  EXPECT_FALSE(arming_.armed());
+  EXPECT_FALSE(arming_.button_armed());
+  EXPECT_EQ(arming_.spent(), 0u);
+  arming_.step({}, {.contour_id = 3});
+  EXPECT_EQ(arming_.spent(), 0u);
+}
+
+/// Every number is an epoch: a master is another one until it has been heard, whatever its own is.
+TEST_F(ArmingTest, AMasterOfAnyEpochIsAnotherOneWhenItIsHeardFirst) {
+  for (const std::uint32_t epoch : {0u, 1u, 0xFFFFFFFFu}) {
+    arming_ = Arming({}, kDt_s);
+    arming_.step({}, {});
+    arming_.step({}, {.heard = true, .master_epoch = epoch, .newest_engage = 1});
+    EXPECT_FALSE(arming_.may_lead(1)) << epoch;
+    EXPECT_TRUE(arming_.may_lead(2)) << epoch;
+  }
+}
+
+TEST_F(ArmingTest, WhatIsNotSaidOfAStepIsNothing) {
+  arming_.step({}, {.heard = true});
+  EXPECT_EQ(arming_.spent(), 0u) << "no engagement has begun";
+  now_ = {.heard = true, .master_epoch = 0, .contour_id = 0, .silent_s = 0.0};
+  EXPECT_TRUE(lead(1)) << "epoch and contour are still the ones that were not said, and nothing is stopped";
+  arming_ = Arming({.beam_age_s = 0.05}, kDt_s);
+  arming_.step({}, {.heard = true});
+  EXPECT_TRUE(arming_.may_lead(1));
+  arming_.step({}, {.heard = true, .newest_engage = 1});
+  EXPECT_TRUE(arming_.armed()) << "nor was it silent";
+}
+
 TEST_F(ArmingTest, WhatLedBeforeTheMasterWasHeardLeadsNoMore) {
   now_ = {.heard = true, .master_epoch = 7, .newest_engage = 1};
   EXPECT_FALSE(lead(1));
@@ -120,6 +151,46 @@ TEST_F(ArmingTest, AnOutageSpendsAlsoANewerEngagementThanTheOneThatLedLast) {
   nothing(0.352);
   EXPECT_FALSE(lead(2));
   EXPECT_TRUE(lead(3));
+  EXPECT_TRUE(lead(4));
+  EXPECT_TRUE(lead(5));
+  EXPECT_TRUE(lead(4)) << "played once more";
+  nothing(0.352);
+  EXPECT_FALSE(lead(5));
+  EXPECT_TRUE(lead(6));
+}
+
+TEST_F(ArmingTest, ANewEngagementUnderAHeldButtonNeedsItReleasedThoughNothingWasSpent) {
+  begin();
+  EXPECT_TRUE(lead(2, true));
+  EXPECT_TRUE(arming_.armed());
+  EXPECT_FALSE(arming_.button_armed());
+  EXPECT_TRUE(lead(2, true));
+  EXPECT_FALSE(arming_.button_armed());
+  EXPECT_TRUE(lead(2, false));
+  EXPECT_TRUE(lead(2, true));
+  EXPECT_TRUE(arming_.button_armed());
+}
+
+TEST_F(ArmingTest, AnOutageCountsFromTheEngagementThatItBeganIn) {
+  begin();
+  for (int n = 0; n < 352 && arming_.armed(); ++n) arming_.step({}, now_);
+  EXPECT_FALSE(arming_.armed());
+  EXPECT_TRUE(arming_.may_lead(2)) << "in the very step in which the one before was spent";
+  nothing(0.349);
+  EXPECT_TRUE(arming_.armed());
+  nothing(0.003);
+  EXPECT_FALSE(arming_.armed());
+}
+
+/// With steps that add up to the gate to the last bit.
+TEST_F(ArmingTest, AnOutageOfJustTheGateIsNone) {
+  constexpr double kStep_s = 1.0 / 1024.0;
+  arming_ = Arming({.beam_age_s = 128 * kStep_s}, kStep_s);
+  begin();
+  for (int n = 0; n < 128; ++n) arming_.step({}, now_);
+  EXPECT_TRUE(arming_.armed());
+  arming_.step({}, now_);
+  EXPECT_FALSE(arming_.armed());
 }
 
 TEST_F(ArmingTest, AStopOrAnotherContourWhileNobodyIsHeardEndsItToo) {

@@ -50,6 +50,31 @@ TEST(CorridorRaster, IsTheCorridorButForACell) {
   EXPECT_FALSE(open.holds(0.0F, -1.0F));
 }
 
+TEST(CorridorRaster, HoldsEachCellWhoseMiddleIsWithinUpToTheWorkspacesEdge) {
+  constexpr double kCell_m = 0.05e-3, kHalf_m = 0.5e-3, kRadius_m = 10e-3;
+  const std::vector<Vec2> lines[] = {{{-kRadius_m, 0.03e-3}, {kRadius_m, 0.03e-3}},
+                                     {{0.03e-3, -kRadius_m}, {0.03e-3, kRadius_m}},
+                                     {{-2.03e-3, 0.03e-3}, {3.03e-3, 0.03e-3}},
+                                     {{0.03e-3, -2.03e-3}, {0.03e-3, 3.03e-3}}};
+  const auto middle_m = [](int n) { return (n + 0.5) * kCell_m - kRadius_m - 2.0 * kHalf_m; };
+  for (const std::vector<Vec2>& points : lines) {
+    const laser::CorridorRaster raster({points, false}, kHalf_m, kRadius_m);
+    const geometry::NearestIndex line({points, false});
+    int held = 0;
+    for (int row = 0; row < 440; ++row) {
+      for (int column = 0; column < 440; ++column) {
+        const Vec2 at_m(middle_m(column), middle_m(row));
+        const double off_m = line.find(at_m).distance_m - kHalf_m;
+        if (std::abs(off_m) < 1e-7) continue;
+        ASSERT_EQ(raster.holds(static_cast<float>(at_m.x()), static_cast<float>(at_m.y())), off_m < 0.0)
+            << at_m.transpose();
+        held += off_m < 0.0 ? 1 : 0;
+      }
+    }
+    EXPECT_GT(held, 2000);
+  }
+}
+
 class Monitor : public testing::Test {
  protected:
   robot::JointReading at(const Vec3& tool_m) const {
@@ -73,6 +98,8 @@ TEST_F(Monitor, LightWhereNoneMayBeIsAFaultAtTheSecondStepAndStaysOne) {
   none.valid = false;
   for (const Case& bad : {Case{at({1e-3, 0.6e-3, 0.0}), &corridor_, false},
                           {at({1e-3, 0.0, 0.6e-3}), &corridor_, false},
+                          {at({1e-3, 0.0, -0.6e-3}), &corridor_, false},
+                          {at({1e-3, -0.6e-3, 0.0}), &corridor_, false},
                           {none, &corridor_, false},
                           {at(good_m), nullptr, false},
                           {at(good_m), &corridor_, true}}) {

@@ -105,6 +105,17 @@ TEST_F(CommandReceiverTest, LateStepsOfBothSidesAreNeitherJitterNorCaughtUpWith)
   EXPECT_EQ(receiver_.clock().corrections(), 0u);
 }
 
+/// The least that counts as lost.
+TEST_F(CommandReceiverTest, AStepThatBothSidesLoseIsNoJitterEither) {
+  for (int n = 0; n < 10; ++n) {
+    run(3);
+    now_ns_ += kMs;
+    lost_ns_ += kMs;
+  }
+  EXPECT_EQ(receiver_.clock().depth_samples(), 21);
+  EXPECT_EQ(receiver_.clock().corrections(), 0u);
+}
+
 /// However much it is in all, it is no delay: what is played stays as young as it was.
 TEST_F(CommandReceiverTest, WhatTheSendersLoopLosesDoesNotAddUp) {
   run(600);

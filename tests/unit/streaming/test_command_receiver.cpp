@@ -311,6 +311,19 @@ TEST_F(CommandReceiverTest, AQueueFromASleepIsNotTakenForTheLink) {
   EXPECT_EQ(receiver_.counters().refused + receiver_.counters().lost, 0u);
 }
 
+TEST_F(CommandReceiverTest, AStepThatIsATenthOfASecondLateWasLateAndALaterOneSlept) {
+  for (const std::int64_t more_ns : {0, 1}) {
+    run(50);
+    EXPECT_FALSE(played_.discontinuity);
+    now_ns_ += 100 * kMs + more_ns;
+    receiver_.receive({next(), now_ns_}, 4, now_ns_);
+    played_ = receiver_.play(now_ns_, kTool);
+    EXPECT_TRUE(played_.fresh);
+    EXPECT_EQ(played_.discontinuity, more_ns > 0) << more_ns;
+    now_ns_ += kMs;
+  }
+}
+
 TEST(Played, WhatNobodyHasSaidAllowsNothing) {
   const StreamSample sample;
   EXPECT_FALSE(sample.button || sample.engaged || sample.concealed);

@@ -44,6 +44,17 @@ TYPED_TEST(StreamBounds, ASenderWhoseCountBeganAnewIsTakenAfterASecond) {
   EXPECT_TRUE(this->last_.begins);
 }
 
+TYPED_TEST(StreamBounds, ASenderWhoseCountBeganAnewIsStaleForASecondToTheNanosecond) {
+  Sender<TypeParam> again(7);
+  (void)this->sender_.next();
+  ASSERT_EQ(this->receiver_.receive({this->sender_.next(), 0}, kAlways).kind, Kind::kNew);
+  ASSERT_EQ(this->receiver_.silent_s(1000 * kMs), 1.0);
+  EXPECT_EQ(this->receiver_.receive({again.next(), 1000 * kMs}, kAlways).kind, Kind::kStale);
+  const Arrival taken = this->receiver_.receive({again.next(), 1000 * kMs + 1}, kAlways);
+  EXPECT_EQ(taken.kind, Kind::kNew);
+  EXPECT_TRUE(taken.begins);
+}
+
 /// A tape of five seconds ago, played during an outage: the true sender is heard again a second after its
 /// end.
 TYPED_TEST(StreamBounds, WhoFollowsATapeIsHeardAgainAfterASecond) {
@@ -84,6 +95,14 @@ TYPED_TEST(StreamBounds, WhatNoArithmeticBearsIsRefused) {
     EXPECT_TRUE(refused([&](auto& block) { block.ticks_per_sample = static_cast<std::uint16_t>(ticks); }))
         << ticks;
   EXPECT_FALSE(refused([](auto& block) { block.ticks_per_sample = 1000; }));
+  EXPECT_FALSE(refused([](auto& block) {
+    block.ticks_per_sample = 1000;
+    block.first_tick = Tick{999'999'999'984'000};
+  })) << "as many samples";
+  EXPECT_TRUE(refused([](auto& block) {
+    block.ticks_per_sample = 1000;
+    block.first_tick = Tick{1'000'000'000'016'000};
+  }));
 }
 
 }  // namespace

@@ -180,6 +180,16 @@ TYPED_TEST(StreamReceiverTest, AStampMayBeASecondAheadOfWhatTheTimeAllows) {
   }
 }
 
+TYPED_TEST(StreamReceiverTest, AStampOfJustASecondAheadIsTaken) {
+  ASSERT_EQ(this->receiver_.receive({this->sender_.next(), 0}, kAlways).kind, Kind::kNew);
+  TypeParam block = this->sender_.next();
+  block.first_tick = static_cast<Tick>(this->receiver_.newest() + 1001);
+  EXPECT_EQ(this->receiver_.receive({block, 0}, kAlways).kind, Kind::kRefused);
+  block.first_tick -= 1;
+  ASSERT_EQ(1000 * (1e-9 * block.sample_period_ns), 1.0);
+  EXPECT_EQ(this->receiver_.receive({block, 0}, kAlways).kind, Kind::kNew);
+}
+
 TYPED_TEST(StreamReceiverTest, AFirstBlockOfOneSampleIsCountedAsOne) {
   codec::StreamSettings settings = codec::with_codec({}, "batched");
   settings.block = 1;
