@@ -16,6 +16,7 @@
 
 #include "common/recording/recording.h"
 #include "common/recording/rows.h"
+#include "common/recording/run_folder.h"
 #include "common/recording/run_reader.h"
 #include "common/runtime/startup_error.h"
 
