@@ -15,6 +15,9 @@ LiveFile::LiveFile(const std::filesystem::path& file, const RunIdentity& identit
   file_ = h5::create_file(file, true);
   run_file::write_identity(file_.get(), identity, RunState::kRecording);
   write_process(file_.get());
+  std::string names;
+  for (const Part& part : parts) names += (names.empty() ? "" : " ") + part.schema.name;
+  h5::set_text(file_.get(), run_file::kSeries, names);
   for (const Part& part : parts) {
     const h5::Id group = h5::make_group(file_.get(), part.schema.name);
     run_file::write_schema(group.get(), part.schema);

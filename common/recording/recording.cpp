@@ -241,7 +241,8 @@ std::optional<RunKept> Recording::close(RunEnd end) {
   live_.reset();
   try {
     return finish_run_file(file_, end);
-  } catch (const std::exception& failure) {  // it is all there, and can be finished later
+  } catch (const std::exception& failure) {  // it is all there, or in the memory, and can be finished later
+    for (const Running& part : parts_) part.ring->keep();
     say_(fmt::format("{} is not finished: {}; telekerf-inspect recover {} finishes it", file_.string(),
                      failure.what(), file_.string()));
     return std::nullopt;

@@ -27,13 +27,16 @@ struct RunKept {
   std::uint64_t damaged_rows =
       0;  ///< that could not be read, or cannot be (RowJudge); events and contours too
   std::uint64_t overwritten_rows = 0;  ///< that nobody has any more
+  std::vector<std::string> missing_series = {};  ///< of which nothing could be read, not even their head
   bool memory = false;  ///< that the process had left was there for every series: what is not kept never was
   std::size_t events = 0;
   std::size_t contours = 0;
   std::uint64_t rows() const;
   std::uint64_t missing_ticks() const;
   /// Nothing is lost, and somebody knows that.
-  bool whole() const { return memory && damaged_rows + overwritten_rows + missing_ticks() == 0; }
+  bool whole() const {
+    return memory && missing_series.empty() && damaged_rows + overwritten_rows + missing_ticks() == 0;
+  }
 };
 
 /// Copies `file` into its finished form and puts that in its place. Of a killed process the rows that it had

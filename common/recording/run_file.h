@@ -73,6 +73,8 @@ const char* word_of(RunState state);
 namespace run_file {
 
 inline constexpr const char* kFormat = "telekerf-run";
+/// Root attribute of an unfinished file: the names of its series, a space between them.
+inline constexpr const char* kSeries = "series";
 inline constexpr std::uint64_t kVersion = 2;
 inline constexpr std::uint64_t kVersionWithoutSum = 1;  ///< is read as well
 

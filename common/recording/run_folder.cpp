@@ -95,6 +95,8 @@ std::optional<fs::path> recording_of(const std::string& role, std::span<const fs
   for (const fs::path& folder : folders) {
     const fs::path file = folder / (role + ".h5");
     if (!fs::exists(file)) continue;
+    if (const std::string of = RunReader(file, RunReader::Check::kHead).identity().role; of != role)
+      throw input_error(fmt::format("{}: is the recording of telekerf-{}; name it {}.h5 again", file.string(), of, of));
     (void)recover_run_file(file);
     return file;
   }

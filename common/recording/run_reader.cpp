@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <mutex>
+#include <sstream>
 
 #include "common/recording/run_cells.h"
 #include "common/recording/run_content.h"
@@ -92,12 +93,21 @@ void RunReader::open(Check check) {
     const h5::Id group(H5Gopen2(file_.get(), name, H5P_DEFAULT), "a group cannot be opened");
     if (H5Aexists(group.get(), "columns") > 0) add_series(group.get(), name);
   }
+  if (state_ == RunState::kRecording) find_missing();
   if (state_ == RunState::kRecording || check == Check::kHead) return;
   // A robot's side without its rows would look like one that did nothing.
   for (const char* role : {"master", "slave"}) {
     const auto of_role = [&](const Series& series) { return series.schema.name == role; };
     if (identity_.role == role && std::none_of(series_.begin(), series_.end(), of_role))
       throw h5::Failure(fmt::format("its data set {} is missing", role));
+  }
+}
+
+void RunReader::find_missing() {
+  std::istringstream names(h5::text_of(file_.get(), run_file::kSeries).value_or(""));
+  for (std::string name; names >> name;) {
+    const auto is_it = [&name](const Series& series) { return series.schema.name == name; };
+    if (std::none_of(series_.begin(), series_.end(), is_it)) missing_.push_back(name);
   }
 }
 

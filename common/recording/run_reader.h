@@ -43,6 +43,8 @@ class RunReader {
     std::uint64_t dropped_rows = 0;  ///< of a finished one
   };
   const std::vector<Series>& series() const noexcept { return series_; }
+  /// Names of those that an unfinished file was begun with and that cannot be found in it any more.
+  const std::vector<std::string>& missing() const noexcept { return missing_; }
   /// Rows `first` .. of a series appended to `out`; false: they are damaged, and `out` is as before.
   bool read(std::size_t series, std::uint64_t first, std::uint64_t rows, std::vector<double>& out) const;
   /// Stamps of its first and last row, s. None: it has no row, no stamps, or these are damaged.
@@ -57,6 +59,7 @@ class RunReader {
 
  private:
   void open(Check check);
+  void find_missing();
   void add_series(hid_t group, const std::string& name);
   void read_or_throw(std::size_t series, std::uint64_t first, std::uint64_t rows,
                      std::vector<double>& out) const;
@@ -68,6 +71,7 @@ class RunReader {
   RunIdentity identity_;
   std::optional<int> writer_;
   std::vector<Series> series_;
+  std::vector<std::string> missing_;
 };
 
 }  // namespace telekerf

@@ -109,7 +109,16 @@ void CellView::hear(ContourMessage contour) {
 }
 
 void CellView::works_on(std::uint32_t id) {
-  if (!waiting_ || waiting_->id != id) return;
+  if (contour_ && contour_->id == id) worked_on_ = true;
+  // Of several contours only the last is told to who comes later: it may be one that nobody has taken yet.
+  const bool awaited = waiting_ && waiting_->id == id;
+  if (contour_ && !worked_on_ && id != 0 && contour_->id != id && !awaited) {
+    waiting_ = std::move(contour_);
+    contour_.reset();
+    forget_pictures();
+  }
+  if (!awaited) return;
+  worked_on_ = true;
   contour_ = std::move(waiting_);
   waiting_.reset();
   mark_.clear();
@@ -240,7 +249,9 @@ std::string CellView::sentence(const std::string& stop, std::int64_t now_ns) con
       if (!slave_heard_)
         return "You may move along the line. The slave is not heard: is telekerf-slave running?";
       if (!slave_fresh(now_ns)) return "You may move along the line. The slave has fallen silent";
-      if (contour_ && slave_.contour_id != contour_->id)
+      if (!contour_)
+        return "The cell works on a contour that this page has not seen; take the one that waits, or look anew";
+      if (slave_.contour_id != contour_->id)
         return "You may move along the line. The slave works on another contour";
       return "You may move along the line; engage, and the slave follows";
     case MasterMode::kEngaged:

@@ -111,6 +111,7 @@ class CellView {
   WireCost<StateBlock> state_cost_;
   std::optional<ContourMessage> contour_;
   std::optional<ContourMessage> waiting_;
+  bool worked_on_ = false;  ///< the cell has been seen at work on `contour_`
   std::map<std::uint32_t, Picture> pictures_;
   std::uint64_t picture_count_ = 0;
   std::map<std::string, double, std::less<>> vision_;  ///< telemetry

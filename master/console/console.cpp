@@ -160,6 +160,7 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
         return refuse(page, fmt::format("The scale must be within [{}, {}]", kSmallestBeta, kLargestBeta));
       if (stop_.in_force()) return refuse(page, "No other scale while everything is stopped");
       if (beam_on) return refuse(page, "No other scale while the beam is on; let go of the fire button");
+      seat_.arm(false);  // the master lets go of the slave, as at a disengagement
       asked_beta_ = command.value;
       asked_ns_ = now_ns;
       return tell(EventMessage::Kind::kSetBeta, command.value);

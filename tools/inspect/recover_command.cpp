@@ -24,6 +24,8 @@ void print_kept(const fs::path& file, const RunKept& kept) {
                                      series.rows, series.gaps, series.missing_ticks, series.jumps,
                                      series.non_finite)));
   }
+  for (const std::string& name : kept.missing_series)
+    fmt::print("{}", reporting::table_row(name, "nothing of it can be read any more"));
   fmt::print(
       "{}{}{}{}", reporting::table_row("contours, events", fmt::format("{}, {}", kept.contours, kept.events)),
       reporting::table_row("from memory",
@@ -46,7 +48,7 @@ int recover(const fs::path& file) {
   }
   print_kept(file, *kept);
   const bool nothing = kept->rows() == 0;
-  const bool spoiled = kept->damaged_rows + kept->overwritten_rows > 0;
+  const bool spoiled = kept->damaged_rows + kept->overwritten_rows > 0 || !kept->missing_series.empty();
   const bool missing = kept->missing_ticks() > 0;
   const char* const verdict =
       nothing && kept->memory && !spoiled ? "it was killed before its first step"

@@ -15,6 +15,7 @@ export class Hand {
     this.at = { x: 0, y: 0 };
     this.pressure = 0;
     this.held = false;
+    this.pressed_ms = 0;     // when the hold began
     this.fire = false;       // button or key
     this.burnWhilePulling = false;
     this.burnByPressure = false;
@@ -59,6 +60,7 @@ export class Hand {
     this.take(e);
     this.send(e.timeStamp);  // "released", once, before anything is held
     this.held = true;
+    this.pressed_ms = performance.now();
     this.send(e.timeStamp);
   }
 
@@ -120,6 +122,7 @@ export class Hand {
       this.device = "gamepad";
       this.send();
       this.pad = this.held = true;
+      this.pressed_ms = performance.now();
       return;
     }
     const stick = (n) => (Math.abs(pad.axes[n] ?? 0) > 0.12 ? pad.axes[n] : 0);

@@ -5,7 +5,7 @@ import { Stage } from "./stage.js";
 import { DepthStrip, Plot } from "./plots.js";
 import { Player } from "./play.js";
 
-const kStale_ms = 250, kLook_ms = 300;
+const kStale_ms = 190, kLook_ms = 300, kLapse_ms = 400;
 const $ = (id) => document.getElementById(id);
 let token = document.querySelector("meta[name=token]").content || location.hash.slice(1);
 const mm = (m) => (m * 1e3).toFixed(Math.abs(m) < 1e-2 ? 1 : 0);
@@ -325,7 +325,7 @@ setInterval(() => link.command("ping", { value: performance.now() }), 500);
 function age() {
   const old_ms = performance.now() - link.state_ms;
   const silent_s = newest ? newest.master_age_s : -1;
-  const stale = old_ms > kStale_ms || silent_s < 0 || silent_s > 0.25;
+  const stale = old_ms > kStale_ms || silent_s < 0 || silent_s > 0.2;
   document.body.classList.toggle("stale", stale);
   document.body.classList.toggle("live", !stale);
   $("link").textContent = !link.open ? "reconnecting" : stale ? "nothing new" : "live";
@@ -333,14 +333,16 @@ function age() {
   const seconds = (Number.isFinite(old_ms) ? old_ms / 1e3 : 0) + Math.max(0, silent_s);
   $("age").textContent = newest && silent_s >= 0 ? `This picture is ${seconds.toFixed(1)} s old` : "No picture yet";
 }
-setInterval(age, 100);
+setInterval(age, 50);
 
 function pullText(s) {
   if (!hand.held || !stage.contour) return "";
+  if (words.deaf) return "The master does not listen to this page: it has to be started with --hand browser";
+  if (!s.held && performance.now() - hand.pressed_ms > kLapse_ms)
+    return "The hold ended, because nothing was heard of this page for a tenth of a second: let go and press anew";
   const off = stage.nearest(hand.at.x, hand.at.y);
   const tool = stage.nearest(s.tool_x_m, s.tool_y_m);
   const force = Math.hypot(s.hand_x_n, s.hand_y_n).toFixed(1);
-  if (words.deaf) return "The master does not listen to this page: it has to be started with --hand browser";
   const where = `tool ${(tool.distance_m * 1e6).toFixed(tool.distance_m < 1e-5 ? 1 : 0)} µm from the line, ${force} N`;
   if (off.distance_m > 1e-3) return `You pull ${mm(off.distance_m)} mm off the line: it holds (${where})`;
   return `You pull along the line (${where})`;

@@ -114,6 +114,31 @@ TEST_F(CellViewTest, AnotherContourWaitsUntilSomebodyWorksOnIt) {
   EXPECT_EQ(view.mark().size(), 0u) << "another piece of work";
 }
 
+TEST_F(CellViewTest, WhoComesLateDoesNotTakeWhatWaitsForWhatIsWorkedOn) {
+  const auto work_on = [&](std::uint32_t id) {
+    Received<CommandBlock> command;
+    command.value.contour_id = id;
+    command.received_ns = now_ns;
+    view.hear(command);
+  };
+  view.hear(contour(5));  // the last that was published; the cell is at work on the one before
+  work_on(0);
+  EXPECT_EQ(view.contour()->id, 5u) << "nobody has taken any yet";
+  work_on(4);
+  EXPECT_FALSE(view.contour());
+  ASSERT_NE(view.waiting(), nullptr);
+  EXPECT_EQ(view.waiting()->id, 5u);
+  view.hear(contour(6));
+  work_on(4);
+  EXPECT_FALSE(view.contour());
+  EXPECT_EQ(view.waiting()->id, 6u);
+  work_on(6);  // taken
+  EXPECT_EQ(view.contour()->id, 6u);
+  EXPECT_EQ(view.waiting(), nullptr);
+  work_on(4);  // a block that was on its way
+  EXPECT_EQ(view.contour()->id, 6u);
+}
+
 TEST_F(CellViewTest, EachContourHasThePictureThatItWasFoundIn) {
   const auto picture = [](std::uint32_t id, double left_m) {
     return PreviewMessage{id, left_m, 0.0, 1.0, 1.0, {}};

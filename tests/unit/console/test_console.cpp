@@ -88,6 +88,11 @@ TEST_F(ConsoleTest, TheFireButtonCountsOnlyWhileTheLaserIsArmed) {
   say(first, R"({"do":"disengage"})");
   EXPECT_FALSE(fire());
   say(first, R"({"do":"arm","value":1})");
+  say(first, R"({"do":"beta","value":99})");
+  EXPECT_TRUE(fire()) << "a scale that is refused changes nothing";
+  say(first, R"({"do":"beta","value":0.7})");
+  EXPECT_FALSE(fire()) << "the master lets go of the slave";
+  say(first, R"({"do":"arm","value":1})");
   take(first);  // anew
   read(first);
   EXPECT_FALSE(fire());

@@ -158,6 +158,46 @@ TEST_F(UnfinishedFile, CutOffOrWithHolesIsNeverSaidToBeWhole) {
   EXPECT_GT(refused, 0);
 }
 
+TEST_F(UnfinishedFile, ATableThatHasVanishedIsMissed) {
+  leave_recording();
+  const std::string bytes = bytes_of(file_);
+  std::map<fs::path, std::string> rings;
+  for (const RunReader left(file_); const auto& series : left.series())
+    rings[series.ring] = bytes_of(series.ring);
+  int vanished = 0;
+  // One bit in what the file says of the blocks, from their group's name on.
+  for (std::size_t at = bytes.find("blocks"); at != std::string::npos; at = bytes.find("blocks", at + 1)) {
+    for (const std::size_t on : {0U, 8U, 16U, 64U, 256U, 512U, 1024U, 2048U}) {
+      std::string other = bytes;
+      if (at + on >= other.size()) continue;
+      other[at + on] ^= 4;
+      fs::remove(file_);
+      std::ofstream(file_, std::ios::binary) << other;
+      for (const auto& [ring, memory] : rings) std::ofstream(ring, std::ios::binary) << memory;
+      std::optional<RunKept> kept;
+      try {
+        kept = recover_run_file(file_);
+      } catch (const StartupError&) {
+        EXPECT_TRUE(bytes_of(file_) == other) << "what cannot be recovered stays as it was";
+        continue;
+      }
+      ASSERT_TRUE(kept);
+      if (kept->missing_series.empty()) {
+        EXPECT_TRUE(RunReader(file_).data("blocks")) << "at " << at + on;
+        continue;
+      }
+      EXPECT_FALSE(kept->whole());
+      if (kept->missing_series != std::vector<std::string>{"blocks"}) continue;
+      ++vanished;
+      const RunReader recovered(file_);
+      EXPECT_FALSE(recovered.data("blocks"));
+      EXPECT_EQ(recovered.data("master")->rows(), kRows);
+    }
+  }
+  for (const auto& [ring, memory] : rings) fs::remove(ring);
+  EXPECT_GT(vanished, 0);
+}
+
 TEST_F(UnfinishedFile, RecoveredLeavesNoDraftOfItsOwn) {
   leave_recording();
   const auto draft = [&](const std::string& file, const std::string& process) {
