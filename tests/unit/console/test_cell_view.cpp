@@ -24,6 +24,13 @@ class CellViewTest : public ::testing::Test {
             "master", 10, {{"mode", static_cast<double>(mode)}, {"beta", 0.5}, {"tool_x_m", 0.02}}},
         now_ns);
   }
+  /// A command for this contour is heard.
+  void work_on(std::uint32_t id) {
+    Received<CommandBlock> command;
+    command.value.contour_id = id;
+    command.received_ns = now_ns;
+    view.hear(command);
+  }
   std::string sentence() const { return view.sentence("", now_ns); }
 
   CellView view;
@@ -86,12 +93,6 @@ TEST_F(CellViewTest, TheTelemetryOfOthersIsNotTheMasters) {
 }
 
 TEST_F(CellViewTest, AnotherContourWaitsUntilSomebodyWorksOnIt) {
-  const auto work_on = [&](std::uint32_t id) {
-    Received<CommandBlock> command;
-    command.value.contour_id = id;
-    command.received_ns = now_ns;
-    view.hear(command);
-  };
   view.hear(contour(4));
   view.mark().add({0.01, 0.0});
   view.hear(contour(4));
@@ -115,12 +116,6 @@ TEST_F(CellViewTest, AnotherContourWaitsUntilSomebodyWorksOnIt) {
 }
 
 TEST_F(CellViewTest, WhoComesLateDoesNotTakeWhatWaitsForWhatIsWorkedOn) {
-  const auto work_on = [&](std::uint32_t id) {
-    Received<CommandBlock> command;
-    command.value.contour_id = id;
-    command.received_ns = now_ns;
-    view.hear(command);
-  };
   view.hear(contour(5));  // the last that was published; the cell is at work on the one before
   work_on(0);
   EXPECT_EQ(view.contour()->id, 5u) << "nobody has taken any yet";
