@@ -16,7 +16,6 @@
 
 #include "common/recording/recording.h"
 #include "common/recording/rows.h"
-#include "common/recording/run_folder.h"
 #include "common/recording/run_reader.h"
 #include "common/runtime/startup_error.h"
 
@@ -308,38 +307,6 @@ TEST_F(RecordingFile, ThatIsRemovedIsMissedAtOnce) {
   for (int n = 0; n < 500 && !heard(); ++n) std::this_thread::sleep_for(milliseconds(10));
   EXPECT_TRUE(heard()) << said;
   EXPECT_FALSE(recording.close({}));
-}
-
-TEST_F(RecordingFile, OneThatWasSpoiledWhileItGrewIsNotFinishedAndItsMemoryStays) {
-  std::string said;
-  fs::path ring;
-  {
-    Recording recording(file_, identity(), parts(), [&](const std::string& sentence) { said += sentence; });
-    ring = recording.ring(0).file();
-    for (std::uint64_t tick = 0; tick < 300; ++tick) recording.ring(0).push(master_columns(), row(tick));
-    while (recording.acknowledged() < 300) std::this_thread::sleep_for(milliseconds(1));
-    std::fstream(file_, std::ios::binary | std::ios::in | std::ios::out).seekp(2500) << std::string(4000, '\0');
-    EXPECT_FALSE(recording.close({}));
-  }
-  EXPECT_NE(said.find("is not finished"), std::string::npos) << said;
-  EXPECT_TRUE(fs::exists(ring)) << "the last seconds are there for who recovers it";
-  fs::remove(ring);
-}
-
-TEST_F(RecordingFile, OfAnotherRoleThanItsNameSaysIsRefused) {
-  Recording recording(file_, identity(), parts(), [](const std::string&) {});
-  recording.ring(0).push(master_columns(), row(0));
-  ASSERT_TRUE(recording.close({}));
-  fs::rename(file_, folder_ / "slave.h5");
-  const std::vector<fs::path> folders{folder_};
-  try {
-    (void)recording_of("slave", folders);
-    FAIL() << "a master's rows for a slave's";
-  } catch (const StartupError& error) {
-    EXPECT_NE(std::string(error.what()).find("is the recording of telekerf-master; name it master.h5 again"),
-              std::string::npos)
-        << error.what();
-  }
 }
 
 TEST_F(RecordingFile, AFaultWritesTheLastSeconds) {

@@ -258,5 +258,42 @@ TEST_F(UnfinishedFile, ALabelIsThereOrNotButTheFileIsWhole) {
     EXPECT_FALSE(entry.path().string().ends_with(".part")) << entry.path();
 }
 
+TEST_F(UnfinishedFile, OneThatWasSpoiledWhileItGrewIsNotFinishedAndItsMemoryStays) {
+  std::string said;
+  fs::path ring;
+  {
+    Recording recording(file_, {.role = "master", .program = "test", .cell = "cell-1", .epoch = 7},
+                        {{schema_of("master", master_columns(), true), 1000.0}},
+                        [&](const std::string& sentence) { said += sentence; });
+    ring = recording.ring(0).file();
+    for (std::uint64_t tick = 0; tick < 300; ++tick)
+      recording.ring(0).push(master_columns(), {.tick = tick, .t_s = 1e-3 * static_cast<double>(tick)});
+    while (recording.acknowledged() < 300) std::this_thread::sleep_for(milliseconds(1));
+    std::fstream(file_, std::ios::binary | std::ios::in | std::ios::out).seekp(2500)
+        << std::string(4000, '\0');
+    EXPECT_FALSE(recording.close({}));
+  }
+  EXPECT_NE(said.find("is not finished"), std::string::npos) << said;
+  EXPECT_TRUE(fs::exists(ring)) << "the last seconds are there for who recovers it";
+  fs::remove(ring);
+}
+
+TEST_F(UnfinishedFile, OfAnotherRoleThanItsNameSaysIsRefused) {
+  Recording recording(file_, {.role = "master", .program = "test", .cell = "cell-1", .epoch = 7},
+                      {{schema_of("master", master_columns(), true), 1000.0}}, [](const std::string&) {});
+  recording.ring(0).push(master_columns(), {.tick = 0, .t_s = 0.5});
+  ASSERT_TRUE(recording.close({}));
+  fs::rename(file_, folder_ / "slave.h5");
+  const std::vector<fs::path> folders{folder_};
+  try {
+    (void)recording_of("slave", folders);
+    FAIL() << "a master's rows for a slave's";
+  } catch (const StartupError& error) {
+    EXPECT_NE(std::string(error.what()).find("is the recording of telekerf-master; name it master.h5 again"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace telekerf
