@@ -80,8 +80,6 @@ RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end) {
   RunKept kept;
   const RunReader from(file);
   kept.missing_series = from.missing();
-  if (end.state != RunState::kRecovered && !kept.missing_series.empty())
-    throw h5::Failure(fmt::format("its data set {} is missing", kept.missing_series.front()));
   RunIdentity identity = from.identity();
   for (const auto& [name, figure] : end.figures) identity.figures[name] = figure;
   for (const auto& [name, word] : end.words) identity.words[name] = word;
@@ -107,8 +105,6 @@ RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end) {
     // Rows behind the acknowledged ones may be there or not; the memory has all of them.
     const std::uint64_t rows = left ? std::min(series.rows, left->elsewhere) : series.rows;
     kept.damaged_rows += read_pieces(from, n, rows, take);
-    if (end.state != RunState::kRecovered && kept.damaged_rows > 0)
-      throw h5::Failure(fmt::format("{} rows of {} are damaged", kept.damaged_rows, series.schema.name));
     // By name: a file lists its groups in the alphabet's order, whatever order they were made in.
     const auto never = end.dropped.find(series.schema.name);
     std::uint64_t dropped = series.dropped_rows + (never != end.dropped.end() ? never->second : 0);
@@ -129,6 +125,11 @@ RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end) {
     to.append(contour);
     ++kept.contours;
   }
+  // At an orderly end that is left to who recovers it, with the memory of the last seconds.
+  if (end.state != RunState::kRecovered && !kept.missing_series.empty())
+    throw h5::Failure(fmt::format("its data set {} is missing", kept.missing_series.front()));
+  if (end.state != RunState::kRecovered && kept.damaged_rows > 0)
+    throw h5::Failure(fmt::format("{} of its rows, events and contours are damaged", kept.damaged_rows));
   kept.memory = without_memory == 0;
   if (!last.empty())
     write_flight(file.parent_path() / ("flight-" + identity.role + "-killed.h5"), identity, last,

@@ -24,8 +24,7 @@ struct RunEnd {
 struct RunKept {
   std::vector<SeriesAudit> series = {};
   std::uint64_t rows_from_memory = 0;  ///< that the file did not hold yet when its process was killed
-  std::uint64_t damaged_rows =
-      0;  ///< that could not be read, or cannot be (RowJudge); events and contours too
+  std::uint64_t damaged_rows = 0;      ///< unreadable or impossible (RowJudge); events and contours too
   std::uint64_t overwritten_rows = 0;  ///< that nobody has any more
   std::vector<std::string> missing_series = {};  ///< of which nothing could be read, not even their head
   bool memory = false;  ///< that the process had left was there for every series: what is not kept never was

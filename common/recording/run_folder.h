@@ -25,9 +25,9 @@ std::optional<std::filesystem::path> recording_of(const std::string& role,
 /// recording, still being written, or cannot be replaced.
 std::optional<RunKept> recover_run_file(const std::filesystem::path& file);
 
-/// Of finished files their checksum is not looked at again here: see probe_recordings().
 /// The record of the run from its recordings; a part that has none from the text that a process left
-/// (read_run). Throws StartupError that names what is missing.
+/// (read_run). The checksum of finished files is not looked at: probe_recordings() does that. Throws
+/// StartupError that names what is missing.
 RunRecord read_run(std::span<const std::filesystem::path> folders);
 inline RunRecord read_run(const std::filesystem::path& folder) { return read_run(std::span(&folder, 1)); }
 

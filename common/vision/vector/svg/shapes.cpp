@@ -87,7 +87,7 @@ void draw_path(std::string_view d, CurveWriter& w, const Eigen::Affine2d& here, 
     draw(*segment, w);
     if (w.full() || w.bad()) return out.add(w, here, false);
   }
-  if (data.damaged()) return out.fail(damage("a path\'s data", d, data.rest()));
+  if (data.damaged()) return out.fail(damage("a path's data", d, data.rest()));
   end_subpath(false);
 }
 
