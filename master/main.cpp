@@ -131,7 +131,7 @@ int run(Flags& flags) {
       waited_s += station.control_period_s();
     const StateHeader* const slave = station.node().slave();
     status.state(text_of(out.mode, slave, slave != nullptr && slave->master_epoch == settings.epoch,
-                         task != nullptr ? task->guide.contour_id : 0));
+                         task != nullptr ? task->guide.contour_id : 0, out.off_line));
     if (out.let_go != nullptr) verdicts.push({0, out.let_go});  // nobody has asked
     for (std::size_t n = 0; n < out.verdict_count; ++n) verdicts.push(EventVerdict(out.verdicts[n]));
     netem_switch.beam(slave != nullptr && slave->laser_on);
@@ -163,8 +163,8 @@ int run(Flags& flags) {
   add_figures(process.bus().counters(), states.counters(), record.master_figures);
   netem::add_figures(emulator.get(), record.master_figures);
   if (recording.close(record) && contour.current() != nullptr) {
-    write_contour(flags.record.record, record);
-    write_master(flags.record.record, record);
+    write_contour(recording.folder(), record);
+    write_master(recording.folder(), record);
   }
   if (const std::string why = rivals.sentence(); !why.empty()) throw environment_error(why);
   process.refuse_ended();
@@ -175,6 +175,7 @@ int run(Flags& flags) {
         flags.wait_s, process.place()));
   }
   if (failed) throw hardware_error(station.machine().failure());
+  recording.refuse_unfinished();
   status.say(fmt::format("ended in order after {:.0f} s engaged", engaged_s));
   return 0;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,6 +32,10 @@ class RunRecording {
   /// After the loop, with the figures that `record` holds. Where the user has named the folder, `record` gets
   /// the rows as well, and true is returned: text is wanted too.
   bool close(RunRecord& record);
+  /// Where the file lies, wherever somebody has moved it.
+  std::filesystem::path folder() const { return recording_.file().parent_path(); }
+  /// As ProcessRecording's.
+  void refuse_unfinished() const { recording_.refuse_unfinished(); }
 
  private:
   enum Part : std::size_t { kRows, kBlocks, kOperator, kInForce, kTelemetry };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,10 @@ class RunRecording {
 
   /// As the master's.
   bool close(RunRecord& record);
+  /// Where the file lies, wherever somebody has moved it.
+  std::filesystem::path folder() const { return recording_.file().parent_path(); }
+  /// As ProcessRecording's.
+  void refuse_unfinished() const { recording_.refuse_unfinished(); }
 
  private:
   enum Part : std::size_t { kRows, kBlocks, kGuards, kInForce };

@@ -94,6 +94,8 @@ Id open_file(const std::filesystem::path& path) {
     throw Failure("it is a folder; name a file in it, such as master.h5");
   if (!std::filesystem::exists(path, error))
     throw Failure("it is not there; `telekerf-inspect runs` lists what is");
+  if (std::filesystem::file_size(path, error) == 0 && !error)
+    throw Failure("it is empty: its disk was full, or it was cut off; copy it again from where it was recorded");
   if (H5Fis_hdf5(path.c_str()) > 0)
     throw Failure("it is HDF5, but cut off or damaged; copy it again from where it was recorded");
   return {-1, "it is no HDF5 file; name the recording of a process, such as master.h5"};

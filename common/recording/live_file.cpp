@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/recording/live_file.h"
 
+#include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <mutex>
@@ -69,6 +71,21 @@ void LiveFile::append(const RunContour& contour) {
 void LiveFile::flush() {
   const std::lock_guard alone(h5::library());
   h5::check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL), "what was recorded cannot be written out");
+}
+
+std::filesystem::path LiveFile::place(const std::filesystem::path& file) const {
+  const std::lock_guard alone(h5::library());
+  void* handle = nullptr;
+  if (H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, &handle) < 0 || handle == nullptr) return file;
+  const int descriptor = *static_cast<const int*>(handle);  // of the driver "sec2", the one for plain files
+  struct stat ours {}, found {};
+  if (::fstat(descriptor, &ours) != 0) return file;
+  if (::stat(file.c_str(), &found) == 0 && found.st_ino == ours.st_ino && found.st_dev == ours.st_dev) return file;
+  if (ours.st_nlink == 0) return {};
+  std::error_code failed;
+  auto now = std::filesystem::read_symlink(fmt::format("/proc/self/fd/{}", descriptor), failed);
+  // One of several names may be the one that was opened and is gone.
+  return failed || !std::filesystem::exists(now, failed) ? std::filesystem::path() : now;
 }
 
 }  // namespace telekerf

@@ -30,6 +30,8 @@ class LiveFile {
   void append(const RunEvent& event);
   void append(const RunContour& contour);
   void flush();
+  /// Where the file lies now, whoever has moved it; empty: it has been removed. `file`: where it was last.
+  std::filesystem::path place(const std::filesystem::path& file) const;
   std::uint64_t rows(std::size_t part) const noexcept { return series_[part].rows; }
 
  private:

@@ -11,7 +11,7 @@ namespace telekerf {
 
 ProcessRecording::ProcessRecording(const RecordFlags& flags, RunIdentity identity,
                                    const std::vector<Recording::Part>& parts, StatusReporter& status)
-    : status_(status) {
+    : status_(status), named_(flags.named()) {
   if (flags.off()) return;
   try {
     date_now(identity);
@@ -33,6 +33,7 @@ bool ProcessRecording::close(const RunEnd& end) {
   if (!recording_) return false;
   status_.listen({});
   const auto kept = recording_->close(end);
+  unfinished_ = !kept;
   if (!kept) return false;
   for (const SeriesAudit& audit : kept->series) {
     if (audit.gaps + audit.jumps + audit.non_finite == 0) continue;
@@ -43,6 +44,12 @@ bool ProcessRecording::close(const RunEnd& end) {
   if (const auto lost = recording_->dropped(); lost > 0)
     status_.say(fmt::format("{} rows are not in the record", lost));
   return true;
+}
+
+void ProcessRecording::refuse_unfinished() const {
+  if (named_ && unfinished_)
+    throw environment_error(
+        fmt::format("--record {}: the run has ended, but its record is not finished (why is said above)", file().string()));
 }
 
 }  // namespace telekerf

@@ -47,12 +47,17 @@ class ProcessRecording {
 
   /// After the loop. True: there is a finished file.
   bool close(const RunEnd& end);
+  /// After close(), when nothing worse is to be said: throws StartupError if the user has named a folder and the
+  /// file in it is not a finished one.
+  void refuse_unfinished() const;
   std::uint64_t dropped() const noexcept { return recording_ ? recording_->dropped() : 0; }
   /// Of the file; empty: nothing is recorded.
   std::filesystem::path file() const { return recording_ ? recording_->file() : std::filesystem::path(); }
 
  private:
   StatusReporter& status_;
+  bool named_ = false;
+  bool unfinished_ = false;
   std::set<std::uint32_t> contours_;
   const char* fault_ = nullptr;
   std::unique_ptr<Recording> recording_;

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <pthread.h>
-#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -36,12 +35,6 @@ std::filesystem::path ring_file(const RunIdentity& identity, const std::string& 
 constexpr std::size_t kMostWaiting = 10'000;
 constexpr std::size_t kMostContoursWaiting = 64;
 
-/// 0: there is no such file.
-ino_t inode_of(const std::filesystem::path& file) {
-  struct stat found {};
-  return ::stat(file.c_str(), &found) == 0 ? found.st_ino : 0;
-}
-
 /// What processes that were killed more than ten minutes ago have left, and nobody has recovered: at most the last
 /// tenth of a second is not in their files.
 void sweep_rings() {
@@ -73,7 +66,6 @@ Recording::Recording(std::filesystem::path file, const RunIdentity& identity, co
   }
   try {
     live_ = std::make_unique<LiveFile>(file_, identity, series);
-    inode_ = inode_of(file_);
   } catch (const h5::Failure& failure) {
     if (std::filesystem::exists(file_))
       throw environment_error(fmt::format("--record {}: another process records into it; name another folder",
@@ -187,9 +179,13 @@ void Recording::look_at_disk() {
 }
 
 void Recording::look_at_file() {
-  if (gone_ || inode_of(file_) == inode_) return;
-  gone_ = true;
-  say_(fmt::format("{} has been removed: this run leaves no record; start anew to have one", file_.string()));
+  if (gone_ || live_ == nullptr) return;
+  const std::filesystem::path now = live_->place(file_);
+  if (now == file_) return;
+  gone_ = now.empty();
+  say_(gone_ ? fmt::format("{} has been removed: this run leaves no record; start anew to have one", file_.string())
+             : fmt::format("{} has been moved: it goes on as {}", file_.string(), now.string()));
+  if (!gone_) file_ = now;
 }
 
 void Recording::look_at_drops() {
@@ -233,6 +229,7 @@ std::optional<RunKept> Recording::close(RunEnd end) {
   thread_.join();
   look_at_fault();
   write_out();
+  look_at_file();
   for (const Running& part : parts_) end.dropped[part.schema.name] += part.dropped;
   if (live_ == nullptr || gone_) {
     if (!gone_ && dropped() > 0) say_(fmt::format("{} rows are not in {}", dropped(), file_.string()));

@@ -93,8 +93,7 @@ class Recording {
   std::atomic<std::uint64_t> acknowledged_{0};
   FreeSpace space_;
   bool disk_full_ = false;
-  ino_t inode_ = 0;    ///< of the file
-  bool gone_ = false;  ///< somebody has removed it
+  bool gone_ = false;  ///< somebody has removed the file
   std::uint64_t dropped_said_ = 0;
   std::chrono::steady_clock::time_point looked_;
   int flights_ = 0;

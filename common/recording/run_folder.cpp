@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <mutex>
 
 #include "common/recording/draft.h"
@@ -101,6 +102,26 @@ std::optional<fs::path> recording_of(const std::string& role, std::span<const fs
     return file;
   }
   return std::nullopt;
+}
+
+void refuse_idle_folders(std::span<const fs::path> folders) {
+  std::map<std::string, fs::path> from;  // by role, where it is taken from
+  for (const fs::path& folder : folders) {
+    bool adds = false;
+    std::string there_already;
+    for (const char* role : kRecordedRoles) {
+      if (!fs::exists(folder / fmt::format("{}.h5", role)) && !fs::exists(folder / fmt::format("{}.csv", role))) continue;
+      const auto [found, is_new] = from.try_emplace(role, folder);
+      adds = adds || is_new;
+      if (!is_new) there_already += fmt::format("{}{}", there_already.empty() ? "" : ", ", role);
+    }
+    if (adds || &folder == &folders.front()) continue;
+    throw input_error(
+        there_already.empty()
+            ? fmt::format("{}: holds no recording of a run; name the other site's folder, or leave it out", folder.string())
+            : fmt::format("{}: nothing of it is needed: {} has the recordings of {} already; leave one of them out",
+                          folder.string(), folders.front().string(), there_already));
+  }
 }
 
 RunRecord read_run(std::span<const fs::path> folders) {

@@ -21,6 +21,10 @@ inline constexpr const char* kRecordedRoles[] = {"master", "slave", "vision", "m
 std::optional<std::filesystem::path> recording_of(const std::string& role,
                                                   std::span<const std::filesystem::path> folders);
 
+/// Throws StartupError if one of the folders adds nothing: it has no recording (or master.csv, slave.csv) of a role
+/// that no folder before it has.
+void refuse_idle_folders(std::span<const std::filesystem::path> folders);
+
 /// Finishes what a killed process has left. None: it was finished already. Throws StartupError if it is no
 /// recording, still being written, or cannot be replaced.
 std::optional<RunKept> recover_run_file(const std::filesystem::path& file);

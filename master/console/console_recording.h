@@ -30,6 +30,8 @@ class ConsoleRecording {
   void sent(const EventMessage& event);
   void sent(const StopMessage& stop);
   void close() { recording_.close({}); }
+  /// As ProcessRecording's.
+  void refuse_unfinished() const { recording_.refuse_unfinished(); }
 
  private:
   enum Part : std::size_t { kHand, kOperator };

@@ -140,6 +140,7 @@ int run(Flags& flags) {
   deliver = [] {};
   recording.close();
   process.refuse_ended();
+  recording.refuse_unfinished();
   process.status().say("ended in order");
   return 0;
 }

@@ -165,6 +165,7 @@ int run(Flags& flags) {
         "is the robot's file right, and do its sensors count?");
   }
   process.refuse_ended();
+  recording.refuse_unfinished();
   status.say(!inside ? "bad: the laser left the corridor" : station.finished() ? "finished" : "stopped");
   return station.finished() && inside ? 0 : 1;
 }

@@ -36,6 +36,8 @@ class RunRecording {
   void step(std::int64_t now_ns, const JobExecutorOutputs& out, const Vec3& tool_m, double laser_w, bool stop) noexcept;
   /// `figures`: of the work.
   void close(Metrics figures) { recording_.close({.figures = std::move(figures)}); }
+  /// As ProcessRecording's.
+  void refuse_unfinished() const { recording_.refuse_unfinished(); }
 
  private:
   std::uint64_t tick_ = 0;

@@ -214,6 +214,7 @@ int run(Flags& flags) {
   }
   recording.close();
   process.refuse_ended();
+  recording.refuse_unfinished();
   return 0;
 }
 

@@ -19,6 +19,8 @@ class RunRecording {
   void heard(const EventMessage& event, Tick tick);
   void values(const TelemetryMessage& values);
   void close() { recording_.close({}); }
+  /// As ProcessRecording's.
+  void refuse_unfinished() const { recording_.refuse_unfinished(); }
 
  private:
   enum Part : std::size_t { kOperator, kTelemetry };

@@ -59,7 +59,7 @@ TEST(RecordingProcesses, AKilledSlaveLosesLessThanATenthOfASecond) {
     std::this_thread::sleep_for(milliseconds(200 + random() % 500));
     std::string said;
     if (trial == 0) {
-      EXPECT_EQ(inspect({"recover", file.string()}, &said), 2) << said;
+      EXPECT_EQ(inspect({"recover", folder.string()}, &said), 2) << said;
       EXPECT_NE(said.find("still records into it"), std::string::npos) << said;
     }
     const double killed_s = 1e-9 * static_cast<double>(monotonic_ns());
@@ -81,7 +81,7 @@ TEST(RecordingProcesses, AKilledSlaveLosesLessThanATenthOfASecond) {
     longest_s = std::max(longest_s, lost_s);
     sum_s += lost_s;
     EXPECT_EQ(fs::exists(folder / "flight-slave-killed.h5"), trial % 2 == 0);
-    EXPECT_EQ(inspect({"recover", file.string()}, &said), 0) << "and again is nothing to do: " << said;
+    EXPECT_EQ(inspect({"recover", folder.string()}, &said), 0) << "and again is nothing to do: " << said;
     if (!HasFailure()) fs::remove_all(folder);
   }
   std::printf("%d kills: lost %.4f s in the mean, %.4f s at the most\n", trials, sum_s / trials, longest_s);

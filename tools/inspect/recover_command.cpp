@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// telekerf-inspect recover FILE: finishes the recording that a killed process has left, and says what it
-// kept.
+// telekerf-inspect recover PLACE: finishes the recordings that killed processes have left, and says what it kept.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "common/recording/run_folder.h"
 #include "common/recording/run_probe.h"
 #include "common/recording/run_reader.h"
 #include "common/reporting/tables.h"
+#include "common/runtime/startup_error.h"
 #include "tools/inspect/commands.h"
 
 namespace telekerf::inspect {
@@ -76,17 +77,32 @@ int recover_in_child(const fs::path& file) {
   });
 }
 
+/// Of a folder: each recording in it; the worst of their exit codes.
+int recover_all(const fs::path& place) {
+  std::error_code ignored;
+  if (!fs::is_directory(place, ignored)) return recover_in_child(place);
+  int worst = -1;
+  for (const char* role : kRecordedRoles) {
+    const fs::path file = place / fmt::format("{}.h5", role);
+    if (fs::exists(file, ignored)) worst = std::max(worst, recover_in_child(file));
+  }
+  if (worst < 0)
+    throw input_error(fmt::format("{}: holds no recording of a run; `telekerf-inspect runs` lists what there is", place.string()));
+  return worst;
+}
+
 }  // namespace
 
 void add_recover_command(Program& program) {
   program.add(
       "recover", "Finishes the recording of a process that was killed; exit 1: not all of it could be kept",
       std::string(),
-      [](std::string& file, Settings& s) {
-        s.add("file", file, kFile, "recording that a process has left: DIR/master.h5, DIR/slave.h5")
+      [](std::string& place, Settings& s) {
+        s.add("place", place, TextForm{"FILE|FOLDER"},
+              "recording that a process has left (DIR/master.h5), or the folder of a run: all that are in it")
             .as_argument();
       },
-      [](const std::string& file) { return recover_in_child(file); });
+      [](const std::string& place) { return recover_all(place); });
 }
 
 }  // namespace telekerf::inspect

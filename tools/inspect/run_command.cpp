@@ -38,6 +38,7 @@ int report_run(const RunOptions& options) {
   std::vector<fs::path> folders = {options.folder};
   if (!options.other.empty()) folders.emplace_back(options.other);
   const std::string out = options.out.empty() ? options.folder : options.out;
+  refuse_idle_folders(folders);
   probe_recordings(folders);
   const auto master = recording_of("master", folders);
   const auto slave = recording_of("slave", folders);

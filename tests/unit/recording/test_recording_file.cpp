@@ -291,24 +291,6 @@ TEST_F(RecordingFile, OfTwoProcessesOneRecordsAndTheOtherIsRefused) {
   }
 }
 
-TEST_F(RecordingFile, ThatIsRemovedIsMissedAtOnce) {
-  std::mutex mutex;
-  std::string said;
-  Recording recording(file_, identity(), parts(), [&](const std::string& sentence) {
-    const std::lock_guard lock(mutex);
-    said += sentence;
-  });
-  std::this_thread::sleep_for(milliseconds(100));
-  fs::remove(file_);
-  const auto heard = [&] {
-    const std::lock_guard lock(mutex);
-    return said.find("has been removed") != std::string::npos;
-  };
-  for (int n = 0; n < 500 && !heard(); ++n) std::this_thread::sleep_for(milliseconds(10));
-  EXPECT_TRUE(heard()) << said;
-  EXPECT_FALSE(recording.close({}));
-}
-
 TEST_F(RecordingFile, AFaultWritesTheLastSeconds) {
   std::string said;
   {

@@ -51,6 +51,29 @@ TEST(RunRecord, ContoursThatWereInForceBeforeAreKept) {
   fs::remove_all(folder);
 }
 
+TEST(RunRecord, AFolderThatAddsNothingToTheFirstIsRefused) {
+  const fs::path place = fs::temp_directory_path() / ("telekerf-idle-" + std::to_string(::getpid()));
+  RunRecord record;
+  record.master.push_back({.tick = 3});
+  write_master(place / "both", record);
+  write_slave(place / "both", record);
+  write_slave(place / "slave", record);
+  fs::create_directories(place / "nothing");
+  const auto refusal = [&](const std::vector<fs::path>& folders) -> std::string {
+    try {
+      refuse_idle_folders(folders);
+      return "";
+    } catch (const StartupError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_NE(refusal({place / "both", place / "slave"}).find("has the recordings of slave already"), std::string::npos);
+  EXPECT_NE(refusal({place / "slave", place / "nothing"}).find("holds no recording of a run"), std::string::npos);
+  EXPECT_EQ(refusal({place / "slave", place / "both"}), "") << "it adds the master";
+  EXPECT_EQ(refusal({place / "nothing"}), "") << "that is said elsewhere";
+  fs::remove_all(place);
+}
+
 TEST(RunRecord, ARecorderCountsWhatItHasNoRoomFor) {
   Recorder<SlaveRow> recorder(2);
   for (std::uint64_t tick = 0; tick < 5; ++tick) recorder.push({.tick = tick});
