@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <memory>
 #include <sstream>
 #include <utility>
@@ -104,6 +102,7 @@ fs::path required(const char* role, std::span<const fs::path> folders) {
 
 RecordedRun read_recorded(std::span<const fs::path> folders) {
   RecordedRun run;
+  refuse_idle_folders(folders);
   probe_recordings(folders);
   const fs::path master_file = required("master", folders);
   const fs::path slave_file = required("slave", folders);
@@ -195,41 +194,6 @@ RunRecord replay(const RecordedRun& run, const std::string& given) {
   if (!run.virtual_time)
     lap.master.engage = run.settings.find("\nengage = true") != std::string::npos || run.events.empty();
   return simulation::simulate(lap, run.contour);
-}
-
-namespace {
-
-template <typename Row>
-RowsDifference compare_rows(const char* name, std::span<const Column<Row>> columns,
-                            const std::vector<Row>& was, const std::vector<Row>& is, bool with_times) {
-  RowsDifference difference{.name = name, .recorded = was.size(), .replayed = is.size()};
-  const std::size_t both = std::min(was.size(), is.size());
-  double sum = 0.0;
-  for (std::size_t n = 0; n < both; ++n) {
-    const double distance_m = (was[n].tool_m - is[n].tool_m).norm();
-    sum += distance_m * distance_m;
-    difference.tool_max_m = std::max(difference.tool_max_m, distance_m);
-    const auto differs = std::find_if(columns.begin(), columns.end(), [&](const Column<Row>& column) {
-      if (!with_times && column.unit == "s") return false;
-      const double a = column.read(was[n]);
-      const double b = column.read(is[n]);
-      return std::memcmp(&a, &b, sizeof a) != 0;
-    });
-    if (differs == columns.end()) continue;
-    if (difference.different++ == 0) {
-      difference.first_tick = static_cast<double>(was[n].tick);
-      difference.column = std::string(differs->name);
-    }
-  }
-  difference.tool_rms_m = both == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(both));
-  return difference;
-}
-
-}  // namespace
-
-std::vector<RowsDifference> compare(const RunRecord& recorded, const RunRecord& replayed, bool with_times) {
-  return {compare_rows("master", master_columns(), recorded.master, replayed.master, with_times),
-          compare_rows("slave", slave_columns(), recorded.slave, replayed.slave, with_times)};
 }
 
 }  // namespace telekerf::experiments

@@ -39,18 +39,4 @@ RecordedRun read_recorded(std::span<const std::filesystem::path> folders);
 /// `given`: settings that take the place of the recorded ones, as --config reads them. Throws StartupError.
 RunRecord replay(const RecordedRun& run, const std::string& given);
 
-/// How the rows of a replay differ from the recorded ones: bit by bit, times aside where the run was real.
-struct RowsDifference {
-  std::string name;
-  std::uint64_t recorded = 0;
-  std::uint64_t replayed = 0;
-  std::uint64_t different = 0;  ///< of those that both have
-  double first_tick = -1.0;     ///< of these
-  std::string column = {};      ///< the first that differs there
-  double tool_rms_m = 0.0;      ///< of the tool's distance
-  double tool_max_m = 0.0;
-  bool identical() const { return recorded == replayed && different == 0; }
-};
-std::vector<RowsDifference> compare(const RunRecord& recorded, const RunRecord& replayed, bool with_times);
-
 }  // namespace telekerf::experiments

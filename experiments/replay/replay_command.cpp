@@ -10,6 +10,7 @@
 #include "common/runtime/results.h"
 #include "experiments/commands.h"
 #include "experiments/replay/replay.h"
+#include "experiments/replay/rows_difference.h"
 #include "experiments/replay/what_if.h"
 
 namespace telekerf::experiments {
@@ -40,6 +41,7 @@ std::string what_if(const std::string& given) {
 nlohmann::ordered_json json_of(const RowsDifference& d) {
   return {{"recorded", d.recorded},
           {"replayed", d.replayed},
+          {"compared", d.compared},
           {"different", d.different},
           {"first_tick", d.different > 0 ? nlohmann::ordered_json(d.first_tick) : nullptr},
           {"column", d.column},
@@ -79,9 +81,9 @@ int run(const Options& options) {
             d.name, d.identical()
                         ? fmt::format("{} rows, the same bit by bit", d.recorded)
                         : fmt::format("{} of {} rows differ, from tick {:.0f} on ({}); tool {:.1f} um rms, "
-                                      "{:.1f} um at most; {} rows replayed",
-                                      d.different, d.recorded, d.first_tick, d.column, 1e6 * d.tool_rms_m,
-                                      1e6 * d.tool_max_m, d.replayed)));
+                                      "{:.1f} um at most; {} rows recorded, {} replayed",
+                                      d.different, d.compared, d.first_tick, d.column, 1e6 * d.tool_rms_m,
+                                      1e6 * d.tool_max_m, d.recorded, d.replayed)));
   }
   print_measure("tracking rms [um]", "tracking", "rms_um", was, is);
   print_measure("prediction rms [um]", "prediction", "rmse_um", was, is);
