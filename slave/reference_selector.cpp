@@ -12,6 +12,10 @@ namespace {
 /// on.
 constexpr double kCoast_s = 0.1;
 
+/// A stop brakes with a share of the robot's largest acceleration: the rest is the control loop's, where the tool is
+/// ahead, or lighter than its file says. The last of the speed goes exponentially.
+constexpr double kBraking = 0.75, kRest_s = 2e-3, kStill_m_per_s = 1e-7;
+
 }  // namespace
 
 ReferenceSelector::ReferenceSelector(const robot::RobotModel& model,
@@ -102,13 +106,12 @@ HoldReason ReferenceSelector::refusal(const streaming::Played& played) noexcept 
 }
 
 KinematicState ReferenceSelector::brake() noexcept {
-  // Straight on, as hard as the robot may, to rest.
+  hold_ = advanced(hold_, dt_s_);
   const double speed = hold_.velocity_m_per_s.norm();
-  const double step = max_m_per_s2_ * dt_s_;
-  const Vec3 before = hold_.velocity_m_per_s;
-  hold_.velocity_m_per_s *= speed > step ? 1.0 - step / speed : 0.0;
-  hold_.position_m += 0.5 * dt_s_ * (before + hold_.velocity_m_per_s);
-  hold_.acceleration_m_per_s2 = (hold_.velocity_m_per_s - before) / dt_s_;
+  if (speed <= kStill_m_per_s) return hold_ = KinematicState{.position_m = hold_.position_m};
+  // Straight on to rest; it acts in the step that comes, as a stream's does.
+  const double rate = std::min(kBraking * max_m_per_s2_ / speed, 1.0 / std::max(kRest_s, dt_s_));
+  hold_.acceleration_m_per_s2 = -rate * hold_.velocity_m_per_s;
   return hold_;
 }
 

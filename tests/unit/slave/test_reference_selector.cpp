@@ -270,6 +270,26 @@ TEST_F(Selector, AStopAndADisengagementEndTheMotionWithoutCoasting) {
   }
 }
 
+TEST_F(Selector, AStopBrakesWithThreeQuartersOfWhatTheRobotMayAndThenGently) {
+  const double most = model().limits.acceleration_m_per_s2;
+  const streaming::StreamSample local = sample();
+  for (int n = 0; n < 2000; ++n) play(local, at(0.0, 0.1));
+  now_.stopped = true;
+  KinematicState before = out_.reference;
+  double hardest = 0.0;
+  int steps = 0;
+  for (; out_.reference.velocity_m_per_s.x() > 1e-3; ++steps) {
+    play(local, at(0.0, 0.1));
+    const KinematicState expected = advanced(before, kDt_s);
+    ASSERT_LT((out_.reference.position_m - expected.position_m).norm(), 1e-12) << steps;
+    ASSERT_LT((out_.reference.velocity_m_per_s - expected.velocity_m_per_s).norm(), 1e-12) << "not sooner than it acts";
+    before = out_.reference;
+    hardest = std::max(hardest, before.acceleration_m_per_s2.norm());
+  }
+  EXPECT_NEAR(hardest, 0.75 * most, 1e-9);
+  EXPECT_LT(static_cast<double>(steps) * kDt_s, 0.1 / (0.75 * most) + 0.01);
+}
+
 TEST_F(Selector, TheReferenceStaysInTheWorkspace) {
   const streaming::StreamSample local = sample();
   const auto settle = [&](const KinematicState& state) {
