@@ -39,6 +39,7 @@ class StateReceiver {
   /// Of the newest block.
   const StateHeader& header() const noexcept { return stream_.header(); }
   double silent_s(std::int64_t now_ns) const noexcept { return stream_.silent_s(now_ns); }
+  bool contested(std::int64_t now_ns) const noexcept { return stream_.contested(now_ns); }
   const StreamCounters& counters() const noexcept { return stream_.counters(); }
   /// Refused payloads by reason: positions, forces.
   const codec::CodecCounters& position_counters() const noexcept { return stream_.codec_counters(); }

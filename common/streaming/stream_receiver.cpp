@@ -78,7 +78,11 @@ Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int
                                        std::optional<std::uint32_t> contour_id) noexcept {
   const Block& block = received.value;
   if (heard_ && block.epoch != header_.epoch) {
-    if (!(silent_s(received.received_ns) > silence_s_)) return refuse();
+    if (!(silent_s(received.received_ns) > silence_s_)) {
+      foreign_ns_ = received.received_ns;
+      return refuse();
+    }
+    foreign_ns_.reset();
     heard_ = false;
     decoder_.reset();
   }

@@ -60,6 +60,11 @@ class StreamReceiver {
   double silent_s(std::int64_t now_ns) const noexcept {
     return static_cast<double>(now_ns - arrived_ns_) * 1e-9;
   }
+  /// Within the last `silence_s` something came of another sender, which is not listened to: a rival, or a sender that
+  /// has been started anew.
+  bool contested(std::int64_t now_ns) const noexcept {
+    return foreign_ns_ && static_cast<double>(now_ns - *foreign_ns_) * 1e-9 <= silence_s_;
+  }
   /// Counts whatever makes samples incomparable: sender, rate, scale, law. 0 before the first block.
   std::uint32_t generation() const noexcept { return generation_; }
   const StreamCounters& counters() const noexcept { return counters_; }
@@ -78,6 +83,7 @@ class StreamReceiver {
   std::int64_t newest_ = -1;          ///< index of the newest sample
   int block_size_ = 1;                ///< samples in the newest block
   std::int64_t arrived_ns_ = 0;
+  std::optional<std::int64_t> foreign_ns_;  ///< when another sender's block came, since this one is listened to
   bool heard_ = false;
   std::uint32_t generation_ = 0;
   StreamCounters counters_;

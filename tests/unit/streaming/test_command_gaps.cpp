@@ -179,5 +179,25 @@ TEST_F(CommandReceiverTest, WhenTheLinkHasBecomeSlowerTimeStandsOnceAndThenThere
   run(35, [&](const Played& played) { EXPECT_NE(played.sample, nullptr); });
 }
 
+/// 30 ms in which samples may be late, and 80 in which the tool gets back to where it was led last.
+TEST_F(CommandReceiverTest, WhereTimeHasToStandItStandsFor80Milliseconds) {
+  run(20);
+  int missing = 0, waiting = 0;
+  const auto step = [&] {
+    played_ = receiver_.play(now_ns_, kTool);
+    now_ns_ += kMs;
+    missing += played_.sample == nullptr ? 1 : 0;
+    waiting += played_.waits ? 1 : 0;
+  };
+  for (int n = 0; n < 200 && !played_.waits; ++n) step();
+  ASSERT_TRUE(played_.waits);
+  EXPECT_EQ(missing, 30) << "brief ones leave a gap";
+  while (played_.waits && waiting < 500) {  // everything is there at once
+    if (waiting % kBlock == 1) receiver_.receive({next(), now_ns_}, 4, now_ns_);
+    step();
+  }
+  EXPECT_EQ(waiting, 80);
+}
+
 }  // namespace
 }  // namespace telekerf::streaming

@@ -84,13 +84,18 @@ TYPED_TEST(StreamReceiverTest, NumbersWrapAround) {
 TYPED_TEST(StreamReceiverTest, AnotherSenderKnocksInVainUntilOursIsSilent) {
   Sender<TypeParam> other(8);
   this->take(this->sender_.next());
+  EXPECT_FALSE(this->receiver_.contested(this->now_ns_));
   EXPECT_EQ(this->take(other.next()), Kind::kRefused);
+  EXPECT_TRUE(this->receiver_.contested(this->now_ns_ + 133 * kMs)) << "150 ms after it came";
+  EXPECT_FALSE(this->receiver_.contested(this->now_ns_ + 135 * kMs));
   EXPECT_EQ(this->take(this->sender_.next()), Kind::kNew);
+  EXPECT_TRUE(this->receiver_.contested(this->now_ns_)) << "by both";
   this->now_ns_ += 200 * kMs;
   EXPECT_EQ(this->take(other.next()), Kind::kNew);
   EXPECT_TRUE(this->last_.begins);
   EXPECT_EQ(this->last_.missing, 0u);
   EXPECT_EQ(this->receiver_.header().epoch, 8u);
+  EXPECT_FALSE(this->receiver_.contested(this->now_ns_));
   EXPECT_EQ(this->receiver_.generation(), 2u);
   EXPECT_EQ(this->take(this->sender_.next()), Kind::kRefused) << "now it is the other's";
   EXPECT_EQ(this->receiver_.counters().refused, 2u);
