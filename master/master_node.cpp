@@ -75,7 +75,8 @@ bool MasterNode::receive(std::span<const Received<StateBlock>> states) noexcept 
 bool MasterNode::slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept {
   return states_.heard() && !slave_gone(now_ns) && guide != nullptr &&
          states_.header().contour_id == guide->contour_id && states_.header().stop == 0 &&
-         !(modes_.mode() == MasterMode::kEngaged && spent(engage_));
+         // Nobody knows yet whose states will be heard; an engagement that holds is nobody else's to end.
+         !(modes_.mode() == MasterMode::kEngaged ? spent(engage_) : states_.contested(now_ns));
 }
 
 bool MasterNode::spent(std::uint32_t engage) const noexcept {
@@ -125,6 +126,8 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   button_seen_ = button_seen_ || !button;
 
   const Vec3 wanted = this->wanted(tool, inputs.constraint, button && button_seen_, out);
+  out.off_line = guided() && out.corridor_m == 0.0 &&
+                 modes_.guide()->beta * std::abs(out.active.phi_m) > settings_.max_off_line_m;
   // The hand's force is rejected with the rest of the disturbance; along the curve it comes back through the
   // virtual mass in `wanted`, so the pen is stiff across and free along.
   const robot::DeltaState& pose = joints_.state();
@@ -143,7 +146,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
                                 {.tool = {tool.position_m, tool.velocity_m_per_s, out.acceleration_m_per_s2},
                                  .beta = modes_.guide()->beta,
                                  .contour_id = modes_.guide()->contour_id,
-                                 .button = button && button_seen_,
+                                 .button = button && button_seen_ && !out.off_line,
                                  .engaged = out.mode == MasterMode::kEngaged,
                                  .engage = engage_,
                                  .stop = out.stop,

@@ -30,6 +30,9 @@ struct MasterSettings {
   double observer_rad_s = 0.0;     ///< of the disturbance observer; 0: likewise
   double approach_m_per_s = 0.05;  ///< mean speed at which the tool is brought to the curve
   double stale_s = 0.5;            ///< no state of the slave for this long: disengage
+  /// The button is passed on only while the tool is nearer to the curve than this, in the slave's size: a hand
+  /// that pushes harder than the constraint holds is not to be seen in the cut. In a corridor it is free.
+  double max_off_line_m = 100e-6;
   CommandStreamSettings command;   ///< law, observer and codec of the command stream
   ConstraintSettings constraint;
 };
@@ -60,6 +63,7 @@ struct MasterOutputs {
   double constraint_n = 0.0;   ///< how hard the constraint answers, across the curve
   double corridor_m = 0.0;     ///< half width within which the hand is free; 0: guidance
   ActiveConstraint active;     ///< the circle in force, while the hand is guided
+  bool off_line = false;       ///< pushed off the curve so far that the button is not passed on
   bool saturated = false;      ///< a motor was at its limit
   Observed observed;           ///< the slave, as the network observer predicts it
   SlaveForce slave_force;      ///< on the slave's tool, as its states tell it

@@ -5,7 +5,8 @@
 
 namespace telekerf::master {
 
-const char* text_of(MasterMode mode, const StateHeader* slave, bool ours, std::uint32_t contour_id) {
+const char* text_of(MasterMode mode, const StateHeader* slave, bool ours, std::uint32_t contour_id,
+                    bool off_line) {
   if (mode == MasterMode::kEngaged && slave != nullptr && (!ours || slave->mode != SlaveMode::kFollowing))
     return !ours ? "engaged, but the slave does not answer to this master" : led_sentence_of(slave->reason);
   switch (mode) {
@@ -20,7 +21,8 @@ const char* text_of(MasterMode mode, const StateHeader* slave, bool ours, std::u
         return "guiding the hand; the slave works on another contour than this side";
       return "guiding the hand; the slave does not follow";
     case MasterMode::kEngaged:
-      return "engaged: the slave follows";
+      return off_line ? "engaged: the hand pushes the tool off the line, so the beam waits until it is back"
+                      : "engaged: the slave follows";
     case MasterMode::kStopped:
       return "stopped";
   }

@@ -31,6 +31,7 @@ class MasterStation : public testing::Test {
       if (slave_alive && n % 16 == 0) {
         StateBlock state;
         state.sequence = ++number_;
+        state.epoch = slave_epoch_;
         state.contour_id = slave_contour_;
         state.interlock = Interlock::kReady;
         state.guards = guards_;
@@ -72,6 +73,7 @@ class MasterStation : public testing::Test {
   codec::BlockEncoder encoder_{codec::StreamSettings{}};
   std::uint32_t number_ = 0;
   std::uint32_t slave_contour_ = 4;
+  std::uint32_t slave_epoch_ = 1;
   std::int64_t clock_ahead_ns_ = 0;  ///< of what the slave echoes; 0: it echoes nothing
   std::int64_t now_ns_ = 0;
 };
@@ -161,6 +163,33 @@ TEST_F(MasterStation, ApproachesGuidesAndEngagesOnlyWithALivingSlaveOnTheSameCon
   run(1.0, true, false);
   EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "the slave fell silent";
   EXPECT_FALSE(last_.engaged);
+}
+
+TEST_F(MasterStation, AnEngagementWaitsUntilItIsKnownWhoseSlaveIsHeard) {
+  task_ = station_.prepare(circle(0.01));
+  run(4.0, false, true);
+  slave_epoch_ = 2;  // the slave has been started anew; the one before is still the one that is listened to
+  run(0.3, false, true);
+  run(0.15, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "led by whom";
+  wish_ = false;
+  run(0.3, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kEngaged);
+  EXPECT_EQ(let_go_, nullptr);
+  run(2.0, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kEngaged);
+}
+
+TEST_F(MasterStation, AnEngagementThatHoldsIsNotEndedByAnotherSlave) {
+  task_ = station_.prepare(circle(0.01));
+  run(4.0, true, true);
+  ASSERT_EQ(out_.mode, MasterMode::kEngaged);
+  wish_ = false;
+  for (int n = 0; n < 30; ++n) {
+    slave_epoch_ = n % 2 == 0 ? 9 : 1;
+    run(0.016, true, true);
+    ASSERT_EQ(out_.mode, MasterMode::kEngaged);
+  }
 }
 
 TEST_F(MasterStation, ASlaveWhoseAnswersCannotBeIsLetGoAndItIsSaid) {

@@ -25,5 +25,19 @@ TEST(ModeWords, ASlaveWithoutThisContourIsWhyItDoesNotFollow) {
   EXPECT_STREQ(text_of(MasterMode::kStopped, &slave, true, 7), "stopped");
 }
 
+TEST(ModeWords, AHandThatPushesTheToolOffTheLineIsWhyTheBeamWaits) {
+  StateHeader slave;
+  slave.contour_id = 7;
+  slave.mode = SlaveMode::kFollowing;
+  EXPECT_STREQ(text_of(MasterMode::kEngaged, &slave, true, 7, false), "engaged: the slave follows");
+  EXPECT_NE(std::string(text_of(MasterMode::kEngaged, &slave, true, 7, true)).find("off the line"),
+            std::string::npos);
+  slave.mode = SlaveMode::kHolding;
+  slave.reason = HoldReason::kTooOld;
+  EXPECT_EQ(std::string(text_of(MasterMode::kEngaged, &slave, true, 7, true)).find("off the line"),
+            std::string::npos)
+      << "that is the lesser of two reasons";
+}
+
 }  // namespace
 }  // namespace telekerf::master
