@@ -2,6 +2,9 @@
 // The whole lap against its bars, in virtual time.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "common/geometry/nearest.h"
 #include "common/reporting/run_report.h"
 #include "experiments/simulation/simulation.h"
 
@@ -126,6 +129,32 @@ TEST(Lap, TheMastersAreScaledByBeta) {
   const auto report = reporting::make_report(simulate(settings));
   EXPECT_EQ(report["beta"].get<double>(), 0.8);
   EXPECT_LE(report["tracking"]["rms_um"].get<double>(), 1.05 * 0.808);
+}
+
+/// Two thirds of 30 N rms push it across the curve: more than the constraint holds now and then.
+TEST(Lap, AHandThatPushesTheToolOffTheLineCutsNothingThere) {
+  SimulationSettings settings = demo("thesis-constant");
+  settings.image = "letter-s";
+  settings.seed = 5;
+  settings.duration_s = 20.0;
+  settings.master.hand.max_sideways_n = 30.0;
+  const RunRecord record = simulate(settings);
+  const geometry::NearestIndex contour({record.contour_m, record.contour_closed});
+  const auto off_line_m = [&](const MasterRow& row) {
+    return contour.find(row.beta * row.tool_m.head<2>()).distance_m;
+  };
+  double pushed_m = 0.0, lit_m = 0.0;
+  for (const MasterRow& row : record.master)
+    if (row.engaged && row.button) pushed_m = std::max(pushed_m, off_line_m(row));
+  std::size_t lit = 0;
+  for (const SlaveRow& row : record.slave) {
+    if (row.laser_w <= 0.0) continue;
+    lit_m = std::max(lit_m, off_line_m(record.master.at(static_cast<std::size_t>(row.applied) - record.master.front().tick)));
+    ++lit;
+  }
+  EXPECT_GT(pushed_m, 0.2e-3) << "or nothing is tried here";
+  EXPECT_LE(lit_m, 0.11e-3) << "and a hundredth for the bends of the guide";
+  EXPECT_GT(lit, 8000U);
 }
 
 }  // namespace
