@@ -98,6 +98,14 @@ Vec3 MasterNode::wanted(const KinematicState& tool, const std::optional<Constrai
   return wanted;
 }
 
+bool MasterNode::off_line(const Vec2& tool_m, double corridor_m) noexcept {
+  off_line_s_ -= dt_s_;
+  const bool judged = guided() && corridor_m == 0.0;
+  if (judged && modes_.guide()->beta * modes_.guide()->contour.find(tool_m).distance_m > settings_.max_off_line_m)
+    off_line_s_ = settings_.back_on_line_s;
+  return judged && off_line_s_ > 0.0;
+}
+
 void MasterNode::begin_engagement() noexcept {
   // One that the slave does not take for an old one.
   if (spent(engage_ + 1)) engage_ = states_.header().engage;
@@ -126,8 +134,7 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   button_seen_ = button_seen_ || !button;
 
   const Vec3 wanted = this->wanted(tool, inputs.constraint, button && button_seen_, out);
-  out.off_line = guided() && out.corridor_m == 0.0 &&
-                 modes_.guide()->beta * std::abs(out.active.phi_m) > settings_.max_off_line_m;
+  out.off_line = off_line(tool.position_m.head<2>(), out.corridor_m);
   // The hand's force is rejected with the rest of the disturbance; along the curve it comes back through the
   // virtual mass in `wanted`, so the pen is stiff across and free along.
   const robot::DeltaState& pose = joints_.state();

@@ -30,9 +30,11 @@ struct MasterSettings {
   double observer_rad_s = 0.0;     ///< of the disturbance observer; 0: likewise
   double approach_m_per_s = 0.05;  ///< mean speed at which the tool is brought to the curve
   double stale_s = 0.5;            ///< no state of the slave for this long: disengage
-  /// The button is passed on only while the tool is nearer to the curve than this, in the slave's size: a hand
-  /// that pushes harder than the constraint holds is not to be seen in the cut. In a corridor it is free.
-  double max_off_line_m = 100e-6;
+  /// The button is passed on only while the tool is nearer to the contour than this, in the slave's size: neither a
+  /// hand that pushes harder than the constraint holds is to be seen in the cut, nor a bend that is too tight for the
+  /// master at a large scale. In a corridor the hand is free.
+  double max_off_line_m = 10e-6;
+  double back_on_line_s = 0.02;    ///< it has to be there for this long before the button counts again
   CommandStreamSettings command;   ///< law, observer and codec of the command stream
   ConstraintSettings constraint;
 };
@@ -63,7 +65,7 @@ struct MasterOutputs {
   double constraint_n = 0.0;   ///< how hard the constraint answers, across the curve
   double corridor_m = 0.0;     ///< half width within which the hand is free; 0: guidance
   ActiveConstraint active;     ///< the circle in force, while the hand is guided
-  bool off_line = false;       ///< pushed off the curve so far that the button is not passed on
+  bool off_line = false;       ///< so far off the contour, just now or before, that the button is not passed on
   bool saturated = false;      ///< a motor was at its limit
   Observed observed;           ///< the slave, as the network observer predicts it
   SlaveForce slave_force;      ///< on the slave's tool, as its states tell it
@@ -104,6 +106,7 @@ class MasterNode {
   /// The slave does not follow this engagement (any more).
   bool spent(std::uint32_t engage) const noexcept;
   void begin_engagement() noexcept;
+  bool off_line(const Vec2& tool_m, double corridor_m) noexcept;
   bool guided() const noexcept {
     return modes_.mode() == MasterMode::kGuiding || modes_.mode() == MasterMode::kEngaged;
   }
@@ -130,6 +133,7 @@ class MasterNode {
   std::uint32_t epoch_;
   std::uint32_t engage_ = 0;  ///< engagements so far
   DeadMan dead_man_;
+  double off_line_s_ = 0.0;   ///< for which the button does not count yet
   bool button_seen_ = false;  ///< released, since the engagement began
   streaming::LinkStatistics link_;
 };

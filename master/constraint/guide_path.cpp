@@ -19,12 +19,19 @@ std::optional<geometry::EllipticFourierPath> descriptor_of(const geometry::Polyl
   return std::optional<geometry::EllipticFourierPath>(chosen->curve);
 }
 
+geometry::Polyline scaled(const ContourMessage& contour, double beta) {
+  geometry::Polyline line{contour.points_m, contour.closed};
+  for (Vec2& point_m : line.points_m) point_m /= beta;
+  return line;
+}
+
 }  // namespace
 
-GuidePath::GuidePath(const ContourMessage& contour, double scale, const ConstraintSettings& settings)
-    : contour_id(contour.id),
+GuidePath::GuidePath(const ContourMessage& message, double scale, const ConstraintSettings& settings)
+    : contour_id(message.id),
       beta(scale),
-      curve(guide_curve(contour, scale, settings)),
+      contour(scaled(message, scale)),
+      curve(guide_curve(message, scale, settings)),
       descriptor_(descriptor_of(curve.line(), settings)),
       spacing_m_(curve.length_m() / static_cast<double>(curve.line().segments())),
       length_m_(descriptor_ ? descriptor_->length_m() : curve.length_m()),

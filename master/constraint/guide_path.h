@@ -24,7 +24,8 @@ struct GuidePath {
 
   std::uint32_t contour_id;
   double beta;
-  geometry::NearestIndex curve;  ///< evenly spaced points of contour / beta
+  geometry::NearestIndex contour;  ///< contour / beta as it came
+  geometry::NearestIndex curve;    ///< evenly spaced points along it, without its tightest bends
 
   bool closed() const noexcept { return curve.line().closed; }
   double length_m() const noexcept { return length_m_; }
