@@ -276,6 +276,7 @@ function age() {
   const stale = old_ms > kStale_ms || silent_s < 0 || silent_s > 0.2;
   document.body.classList.toggle("stale", stale);
   document.body.classList.toggle("live", !stale);
+  document.body.classList.toggle("unheard", !link.open || old_ms > kStale_ms);  // what the console says is old, too
   $("link").textContent = !link.open ? "reconnecting" : stale ? "nothing new" : "live";
   if (!stale) return;
   const seconds = (Number.isFinite(old_ms) ? old_ms / 1e3 : 0) + Math.max(0, silent_s);

@@ -89,7 +89,8 @@ export class Stage {
     for (let n = 0; n < p.length; n += 2) {
       x0 = Math.min(x0, p[n]); x1 = Math.max(x1, p[n]); y0 = Math.min(y0, p[n + 1]); y1 = Math.max(y1, p[n + 1]);
     }
-    const { top, bottom, corner } = this.cover(), margin = Math.min(width, height) * 0.06 + 24;
+    const { top, bottom, corner } = this.cover();
+    const margin = Math.min(Math.min(width, height) * 0.06 + 24, (height - top - bottom) / 6);
     const [dx, dy] = [x1 - x0 || 1e-3, y1 - y0 || 1e-3];
     const ways = corner.map(([right, low]) => ({ right, low: bottom + low,
       scale: Math.min((width - right - 2 * margin) / dx, (height - top - bottom - low - 2 * margin) / dy) }));
