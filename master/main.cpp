@@ -76,7 +76,7 @@ int run(Flags& flags) {
   StopLine emergency(process.bus(), flags.stop.path(settings));
   Writer<CommandBlock> commands(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());
-  netem::NetemSwitch netem_switch(process.bus(), emulator);
+  const netem::NetemSwitch netem_switch(process.bus(), emulator);
   ContourSubscriber<GuidedContour> contour(
       process.bus(), [&](const ContourMessage& message) { return station.prepare(message); });
   if (station.machine().plant() == nullptr) {
@@ -134,7 +134,6 @@ int run(Flags& flags) {
                          task != nullptr ? task->guide.contour_id : 0, out.off_line));
     if (out.let_go != nullptr) verdicts.push({0, out.let_go});  // nobody has asked
     for (std::size_t n = 0; n < out.verdict_count; ++n) verdicts.push(EventVerdict(out.verdicts[n]));
-    netem_switch.beam(slave != nullptr && slave->laser_on);
     process.lookout().refused(Lookout::Device::kDrive, station.machine().refused());
     process.lookout().refused(Lookout::Device::kButton, station.button_refused());
     process.lookout().refused(Lookout::Device::kHand, station.hand_refused());
@@ -162,6 +161,7 @@ int run(Flags& flags) {
   add_figures(loop, record.master_figures);
   add_figures(process.bus().counters(), states.counters(), record.master_figures);
   netem::add_figures(emulator.get(), record.master_figures);
+  netem_switch.add_figures(record.master_figures);
   if (recording.close(record) && contour.current() != nullptr) {
     write_contour(recording.folder(), record);
     write_master(recording.folder(), record);

@@ -132,6 +132,7 @@ int run(Flags& flags) {
   add_figures(loop, record.slave_figures);
   add_figures(process.bus().counters(), commands.counters(), record.slave_figures);
   netem::add_figures(emulator.get(), record.slave_figures);
+  netem_switch.add_figures(record.slave_figures);
   if (recording.close(record)) write_slave(recording.folder(), record);
   if (station.machine().failed()) throw hardware_error(station.machine().failure());
   if (station.beam().failed()) throw hardware_error(station.beam().failure());

@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
-#include <filesystem>
 
+#include "common/bus/kept_file.h"
 #include "common/runtime/say.h"
 #include "common/runtime/settings.h"
-#include "common/runtime/startup_error.h"
 
 namespace telekerf {
 namespace {
@@ -19,41 +17,14 @@ namespace {
 constexpr std::chrono::milliseconds kPeriod{1};
 constexpr std::chrono::milliseconds kSettle{10};
 
-/// Empty: not set.
-std::filesystem::path from_environment(const char* name) {
-  const char* const value = std::getenv(name);  // NOLINT
-  return value == nullptr ? "" : value;
-}
-
-std::filesystem::path state_folder() {
-  if (const auto state = from_environment("XDG_STATE_HOME"); !state.empty()) return state;
-  const auto home = from_environment("HOME");
-  return home.empty() ? home : home / ".local" / "state";
-}
-
 }  // namespace
 
 void StopFlags::add_parameters(Settings& settings) {
-  settings.add("stop_file", stop_file,
-               TextForm{.form = "auto|off|FILE",
-                        .complaint =
-                            [](const std::string& text) {
-                              return text.empty() ? std::string("say auto, off or a file") : std::string();
-                            }},
-               "keeps an emergency stop over a restart of this process");
+  settings.add("stop_file", stop_file, kept_file_form(), "keeps an emergency stop over a restart of this process");
 }
 
 std::string StopFlags::path(const BusSettings& bus) const {
-  if (stop_file == "off") return {};
-  if (stop_file != "auto") return stop_file;
-  const std::filesystem::path folder = state_folder();
-  if (folder.empty())
-    throw environment_error(
-        "--stop-file auto: neither HOME nor XDG_STATE_HOME says where an emergency stop could be kept over a "
-        "restart; name a file, or say --stop-file off");
-  std::string cell = bus.cell;
-  std::replace(cell.begin(), cell.end(), '/', '_');
-  return folder / "telekerf" / fmt::format("{}-{}-{}.stop", bus.domain, cell, bus.role);
+  return path_of({.chosen = stop_file, .flag = "--stop-file", .what = "an emergency stop", .ending = ".stop"}, bus);
 }
 
 StopLine::StopLine(Bus& bus, std::string path)

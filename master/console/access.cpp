@@ -44,4 +44,16 @@ std::string new_token() {
   return token;
 }
 
+std::string warning_of(const std::string& bind, bool encrypted, bool token_given) {
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(bind, error);
+  if (error || address.is_loopback() || encrypted) return {};
+  return fmt::format(
+      "warning: bind = {}, unencrypted: anyone in that network may watch and stop the cell, and {}; --tls-cert and "
+      "--tls-key encrypt it, {}--bind 127.0.0.1 serves this computer alone",
+      bind,
+      token_given ? "who reads along learns the token and drives" : "who changes what passes may speak for a page",
+      token_given ? "" : "--token TEXT lets drive whom you tell it, ");
+}
+
 }  // namespace telekerf::master

@@ -17,4 +17,8 @@ bool token_matches(std::string_view token, std::string_view given) noexcept;
 /// Nobody guesses it: 128 random bits in hexadecimal digits.
 std::string new_token();
 
+/// What anyone in the network could do where the page is served at `bind`, and which options help: one sentence. Empty:
+/// this computer alone is served, or it is encrypted. `token_given`: by the user, for others to drive with.
+std::string warning_of(const std::string& bind, bool encrypted, bool token_given);
+
 }  // namespace telekerf::master

@@ -59,6 +59,7 @@ void CellView::hear(const Received<StateBlock>& received) {
   slave_ns_ = received.received_ns;
   slave_heard_ = true;
   works_on(slave_.contour_id);
+  recall();
   for (const streaming::SlaveSample& sample : feedback.samples) {
     if (slave_.laser_on && contour_) {
       mark_.add(sample.position_m.head<2>());
@@ -70,6 +71,27 @@ void CellView::hear(const Received<StateBlock>& received) {
   if (feedback.samples.empty()) return;
   slave_m_ = feedback.samples.back().position_m.head<2>();
   slave_speed_m_per_s_ = feedback.samples.back().velocity_m_per_s.head<2>().norm();
+}
+
+void CellView::recall() {
+  if (!before_ || slave_.contour_id == 0) return;  // a slave that begins may still get its contour
+  if (slave_.contour_id != before_->contour_id || slave_.epoch != before_->slave_epoch) return before_.reset();
+  if (!contour_ || contour_->id != slave_.contour_id) return;  // it is still on its way
+  for (const Vec2& place_m : before_->places_m) mark_.add(place_m);
+  depths_.add(before_->lit_s);
+  before_.reset();
+}
+
+std::optional<CutSoFar> CellView::news_of_cut() {
+  if (before_ || !contour_ || !slave_heard_ || contour_->id != slave_.contour_id) return std::nullopt;
+  const std::uint64_t version = depths_.version() + mark_.size();
+  if (mark_.size() == 0 || cut_told_ == version) return std::nullopt;
+  cut_told_ = version;
+  const auto places = mark_.from(0, mark_.size());
+  return CutSoFar{.contour_id = contour_->id,
+                  .slave_epoch = slave_.epoch,
+                  .places_m = {places.begin(), places.end()},
+                  .lit_s = depths_.lit_s()};
 }
 
 void CellView::compare(const streaming::SlaveSample& sample) noexcept {

@@ -8,10 +8,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/protocol/messages.h"
 #include "common/protocol/overhead.h"
 #include "common/streaming/state_receiver.h"
+#include "master/console/cut_memory.h"
 #include "master/console/depth_plan.h"
 #include "master/console/mark_trail.h"
 #include "master/console/page_protocol.h"
@@ -60,6 +62,10 @@ class CellView {
   double zoom() const;  ///< share of the axis' travel
   MarkTrail& mark() noexcept { return mark_; }
   const DepthTrail& depths() const noexcept { return depths_; }
+  /// What an earlier console has seen cut: it counts if the cell still is at that work.
+  void remember(CutSoFar before) { before_ = std::move(before); }
+  /// None: nobody knows yet which work it is, or nothing has changed since it was asked for last.
+  std::optional<CutSoFar> news_of_cut();
   bool laser_on(std::int64_t now_ns) const noexcept { return slave_fresh(now_ns) && slave_.laser_on; }
   bool engaged(std::int64_t now_ns) const;
   double beta() const { return value("beta", 1.0); }
@@ -90,6 +96,7 @@ class CellView {
   void forget_pictures();
   void begin_depths() { depths_.begin({contour_->points_m, contour_->closed}); }
   void compare(const streaming::SlaveSample& sample) noexcept;
+  void recall();
 
   std::map<std::string, double, std::less<>> master_;  ///< telemetry
   std::int64_t master_ns_ = 0;
@@ -119,6 +126,8 @@ class CellView {
   std::optional<UdpHandAnswer> answer_;  ///< newer than the telemetry
   MarkTrail mark_;
   DepthTrail depths_;
+  std::optional<CutSoFar> before_;
+  std::uint64_t cut_told_ = 0;  ///< counts what has changed, at the last telling
 };
 
 }  // namespace telekerf::master

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/protocol/network_choice.h"
 #include "master/console/access.h"
 #include "master/console/console_words.h"
 #include "master/operator_requests.h"
@@ -32,6 +33,11 @@ constexpr std::int64_t kPreparing_ns = 3'000'000'000;
 /// Between two looks at whether the words are others, and how deep the cut is.
 constexpr std::int64_t kWords_ns = 40'000'000;
 constexpr std::int64_t kDepths_ns = 500'000'000;
+/// Waiting for one page.
+constexpr std::size_t kMostAnswers = 8;
+/// Who refuses says it once more, a little later (common/bus/event_answers.h).
+constexpr std::int64_t kSaidAgain_ns = 1'000'000'000;
+constexpr std::size_t kMostRefusals = 64;
 /// Deeper than any material is thick.
 constexpr double kDeepest_m = 0.1;
 
@@ -104,9 +110,25 @@ void Console::hear_command(std::uint32_t id, std::string_view json, std::int64_t
   obey(id, page->second, *command, now_ns);
 }
 
+void Console::answer(Page& page, std::string text) {
+  if (page.said.size() == kMostAnswers) page.said.erase(page.said.begin());
+  page.said.push_back(std::move(text));
+}
+
 void Console::refuse(Page& page, const std::string& why) {
   ++counters_.refused;
-  page.said = Json{{"type", "refused"}, {"why", why}}.dump();
+  answer(page, Json{{"type", "refused"}, {"why", why}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void Console::refuse_driver(const std::string& why) {
+  for (auto& [id, page] : pages_) {
+    if (seat_.drives(id)) refuse(page, why);
+  }
+}
+
+void Console::vacate(std::int64_t now_ns) {
+  release(now_ns);
+  seat_.vacate();
 }
 
 void Console::tell(EventMessage::Kind kind, double value, const std::string& text) {
@@ -118,8 +140,7 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
   // What everyone may.
   switch (command.kind) {
     case Kind::kStop:
-      release(now_ns);
-      seat_.arm(false);
+      vacate(now_ns);
       stop_.stop(++last_stop_ == 0 ? ++last_stop_ : last_stop_, "the console's stop button", now_ns);
       return;
     case Kind::kPing:
@@ -131,11 +152,11 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
     case Kind::kTake:
       if (!token_matches(settings_.token, command.text))
         return refuse(page, "This page may watch and stop; to drive it needs the console's token");
-      if (const auto lease = seat_.take(id, now_ns))
-        page.said = Json{{"type", "lease"}, {"lease", *lease}}.dump();
-      else
-        refuse(page, "Another page drives; it has to let go of the hand first");
-      return;
+      if (const auto lease = seat_.take(id, now_ns)) {
+        echo_ms_ = std::numeric_limits<double>::quiet_NaN();  // another page has another clock
+        return answer(page, Json{{"type", "lease"}, {"lease", *lease}}.dump());
+      }
+      return refuse(page, "Another page drives; it has to let go of the hand first");
     case Kind::kLeave:
       if (seat_.drives(id)) release(now_ns);
       seat_.leave(id);
@@ -202,8 +223,9 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
       if (std::find(settings_.profiles.begin(), settings_.profiles.end(), command.text) ==
           settings_.profiles.end())
         return refuse(page, fmt::format("No network of the name {} is shipped", command.text));
-      profile_ = command.text;
-      return tell(EventMessage::Kind::kSetNetem, 0.0, command.text);
+      if (beam_on) return refuse(page, "No other network while the beam is on; let go of the fire button");
+      if (!cell_.slave_fresh(now_ns)) profile_ = command.text;  // nobody decides, everyone does as it is told
+      return tell(EventMessage::Kind::kSetNetem, kNetworkAsked, command.text);
     default:
       return;
   }
@@ -221,12 +243,14 @@ void Console::hear(const UdpHandAnswer& answer) noexcept {
   cell_.hear(answer);
 }
 
-void Console::hear(const EventMessage& event) {
-  if (event.kind != EventMessage::Kind::kAnswer || event.epoch != settings_.epoch || event.value != 1.0)
+void Console::hear(const EventMessage& event, std::int64_t now_ns) {
+  if (event.kind == EventMessage::Kind::kSetNetem && event.value == kNetworkTaken)
+    profile_ = event.text;
+  if (event.kind != EventMessage::Kind::kAnswer || event.epoch != settings_.epoch || event.value != 1.0 ||
+      event.text.ends_with(kAsAtTheSlave))
     return;
-  for (auto& [id, page] : pages_) {
-    if (seat_.drives(id)) refuse(page, event.text);
-  }
+  std::erase_if(refusals_, [now_ns](const auto& heard) { return now_ns - heard.second > kSaidAgain_ns; });
+  if (refusals_.size() < kMostRefusals && refusals_.emplace(event.text, now_ns).second) refuse_driver(event.text);
 }
 
 bool Console::deaf(std::int64_t now_ns) const noexcept {
@@ -236,20 +260,17 @@ bool Console::deaf(std::int64_t now_ns) const noexcept {
 void Console::follow_up(std::int64_t now_ns) {
   constexpr double kSame = 1e-6;  // single precision on its way
   if (asked_beta_ == 0.0 || now_ns - asked_ns_ < kPreparing_ns) return;
-  if (std::abs(cell_.beta() - asked_beta_) > kSame * asked_beta_) {
-    for (auto& [id, page] : pages_) {
-      if (seat_.drives(id))
-        refuse(page, fmt::format("The scale stays {:.2f}: the master cannot take the contour at {:.2f} now",
-                                 cell_.beta(), asked_beta_));
-    }
-  }
+  if (std::abs(cell_.beta() - asked_beta_) > kSame * asked_beta_)
+    refuse_driver(fmt::format("The scale stays {:.2f}: the master cannot take the contour at {:.2f} now",
+                              cell_.beta(), asked_beta_));
   asked_beta_ = 0.0;
 }
 
 void Console::step(std::int64_t now_ns) {
   seat_.step(now_ns);
   follow_up(now_ns);
-  if (stop_.in_force()) seat_.arm(false);
+  if (stop_.in_force() && !stopped_) vacate(now_ns);
+  stopped_ = stop_.in_force();
 }
 
 Console::Outbox Console::take_outbox() { return std::exchange(outbox_, {}); }
@@ -281,14 +302,15 @@ std::string Console::words(std::uint32_t id, std::int64_t now_ns) const {
       .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-PageMessage Console::state(std::int64_t now_ns) {
+PageMessage Console::state(std::uint32_t id, std::int64_t now_ns) {
   PageFields fields = cell_.fields(now_ns);
   const std::uint32_t flags = answer_ ? answer_->flags : 0U;
   fields[page_field("held")] = (flags & UdpHandAnswer::kHeld) != 0 ? 1.0F : 0.0F;
   fields[page_field("trigger")] = (flags & UdpHandAnswer::kTrigger) != 0 ? 1.0F : 0.0F;
   fields[page_field("step_s")] = static_cast<float>(step_s_);
   fields[page_field("late_frames")] = static_cast<float>(seat_.late());
-  return {true, encode_state(fields, static_cast<double>(now_ns) * 1e-6, echo_ms_)};
+  const double echo_ms = seat_.drives(id) ? echo_ms_ : std::numeric_limits<double>::quiet_NaN();
+  return {true, encode_state(fields, static_cast<double>(now_ns) * 1e-6, echo_ms)};
 }
 
 std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) {
@@ -299,7 +321,11 @@ std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) 
     page.greeted = true;
     return PageMessage{false, hello_words(settings_)};
   }
-  if (!page.said.empty()) return PageMessage{false, std::exchange(page.said, {})};
+  if (!page.said.empty()) {
+    PageMessage message{false, std::move(page.said.front())};
+    page.said.erase(page.said.begin());
+    return message;
+  }
   if (page.ping) {
     const double at = *std::exchange(page.ping, std::nullopt);
     return PageMessage{false, Json{{"type", "pong"}, {"at", at}}.dump()};
@@ -334,7 +360,15 @@ std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) 
   if (since_ns < page.period_ns - kEarly_ns && !news) return std::nullopt;
   page.state_ns = now_ns;
   page.answered = answers_;
-  return state(now_ns);
+  return state(id, now_ns);
+}
+
+void Console::add_figures(Metrics& figures) const {
+  figures["pages"] = static_cast<double>(pages_.size());
+  figures["page_malformed"] = static_cast<double>(counters_.malformed);
+  figures["page_flooded"] = static_cast<double>(counters_.flooded);
+  figures["page_refused"] = static_cast<double>(counters_.refused);
+  figures["page_frames_late"] = static_cast<double>(seat_.late());
 }
 
 std::string Console::contour_json(std::uint32_t id) const { return contour_words(cell_.contour(id)); }

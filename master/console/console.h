@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/protocol/messages.h"
+#include "common/recording/run_record.h"
 #include "master/console/cell_view.h"
 #include "master/console/depth_plan.h"
 #include "master/console/driver_seat.h"
@@ -50,7 +51,7 @@ class Console {
   struct Counters {
     std::uint64_t malformed = 0;  ///< frames and commands that were none
     std::uint64_t flooded = 0;    ///< beyond what a page may send in a second
-    std::uint64_t refused = 0;    ///< commands that this page may not give, or not now
+    std::uint64_t refused = 0;    ///< commands that this page may not give, or not now, or that the cell refused
   };
 
   std::uint32_t join(std::int64_t now_ns);
@@ -60,8 +61,9 @@ class Console {
   void hear_command(std::uint32_t page, std::string_view json, std::int64_t now_ns);
   /// The master's answer to the hand.
   void hear(const UdpHandAnswer& answer) noexcept;
-  /// What became of an event: who drives is told of a refusal of this console's own.
-  void hear(const EventMessage& event);
+  /// What became of an event: who drives is told of a refusal of this console's own, once; and which network the cell is
+  /// told to emulate.
+  void hear(const EventMessage& event, std::int64_t now_ns);
   CellView& cell() noexcept { return cell_; }
   StopCall& stop() noexcept { return stop_; }
 
@@ -74,6 +76,8 @@ class Console {
   /// The contour with this id, once for each page and contour; {"id":0} if it is not (any more) there.
   std::string contour_json(std::uint32_t id) const;
   const Counters& counters() const noexcept { return counters_; }
+  /// What is counted, under the names of docs/reference/console.md.
+  void add_figures(Metrics& figures) const;
 
  private:
   struct Page {
@@ -87,7 +91,7 @@ class Console {
     std::int64_t words_ns = 0;  ///< when they were looked at
     std::uint64_t depths = 0;   ///< which it has got, and when
     std::int64_t depths_ns = 0;
-    std::string said;  ///< an answer to it alone; the newest counts
+    std::vector<std::string> said;  ///< answers to it alone; of many the newest
     std::optional<double> ping;
     std::int64_t second_ns = 0;
     int heard = 0;  ///< in this second
@@ -95,12 +99,17 @@ class Console {
 
   bool floods(Page& page, std::int64_t now_ns);
   void obey(std::uint32_t id, Page& page, const PageCommand& command, std::int64_t now_ns);
+  void answer(Page& page, std::string text);
   void refuse(Page& page, const std::string& why);
+  /// The same to who drives, if somebody does.
+  void refuse_driver(const std::string& why);
+  /// A stop takes the hand away, whoever says it.
+  void vacate(std::int64_t now_ns);
   void tell(EventMessage::Kind kind, double value = 0.0, const std::string& text = {});
   /// The hand is let go of, without waiting for the lease.
   void release(std::int64_t now_ns);
   std::string words(std::uint32_t id, std::int64_t now_ns) const;
-  PageMessage state(std::int64_t now_ns);
+  PageMessage state(std::uint32_t id, std::int64_t now_ns);
   /// Frames go out, and the master answers none of them.
   bool deaf(std::int64_t now_ns) const noexcept;
   DepthPlan depth_plan() const { return {settings_.cut, *material_, depth_m_}; }
@@ -120,7 +129,9 @@ class Console {
   std::uint64_t answers_ = 0;
   double echo_ms_;
   double step_s_ = 0.0;
-  std::string profile_;
+  std::string profile_;   ///< that the cell was told to emulate last; empty: not yet
+  bool stopped_ = false;  ///< a stop was in force at the last step
+  std::map<std::string, std::int64_t> refusals_;  ///< of the cell, and when: each is said twice on the bus
   const workpiece::Material* material_ = &workpiece::kWood;  ///< as who drives has said
   double depth_m_ = 0.0;                                     ///< wished; 0: none
   std::uint64_t depth_version_ = 0;

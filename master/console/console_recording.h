@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "common/protocol/messages.h"
 #include "common/recording/process_recording.h"
@@ -29,7 +30,7 @@ class ConsoleRecording {
   void sent(const UdpHandFrame& frame);
   void sent(const EventMessage& event);
   void sent(const StopMessage& stop);
-  void close() { recording_.close({}); }
+  void close(Metrics figures) { recording_.close({.figures = std::move(figures)}); }
   /// As ProcessRecording's.
   void refuse_unfinished() const { recording_.refuse_unfinished(); }
 

@@ -57,6 +57,12 @@ void DepthTrail::burn(const Vec2& place_m, double speed_m_per_s, double dt_s) no
   ++version_;
 }
 
+void DepthTrail::add(const std::vector<double>& lit_s) noexcept {
+  if (lit_s.size() != lit_s_.size()) return;
+  for (std::size_t n = 0; n < lit_s.size(); ++n) lit_s_[n] += lit_s[n];
+  ++version_;
+}
+
 std::vector<float> DepthTrail::depths_m(const CutPower& cut, const workpiece::Material& material) const {
   const double m_per_s = workpiece::depth_speed_m2_per_s(material, cut.laser_w) / piece_m_;
   std::vector<float> depths;

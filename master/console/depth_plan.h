@@ -61,14 +61,17 @@ class DepthTrail {
   /// Depth of each piece, m, in the material that it is told of; no deeper than that is thick.
   std::vector<float> depths_m(const CutPower& cut, const workpiece::Material& material) const;
   void set_power(const workpiece::BeamPowerSettings& power) noexcept { power_ = power; }
+  /// Of each piece: time with light, each second weighed by the share of the power.
+  const std::vector<double>& lit_s() const noexcept { return lit_s_; }
+  /// Adds what was lit before; of another count of pieces nothing.
+  void add(const std::vector<double>& lit_s) noexcept;
   /// Counts what has changed.
   std::uint64_t version() const noexcept { return version_; }
 
  private:
   workpiece::BeamPowerSettings power_;
   std::unique_ptr<geometry::NearestIndex> line_;
-  std::vector<double>
-      lit_s_;  ///< of each piece: time with light, each second weighed by the share of the power
+  std::vector<double> lit_s_;
   double piece_m_ = kPiece_m;
   std::uint64_t version_ = 0;
 };

@@ -18,13 +18,16 @@ std::optional<std::uint32_t> DriverSeat::take(std::uint32_t page, std::int64_t n
 }
 
 void DriverSeat::leave(std::uint32_t page) noexcept {
-  if (!drives(page)) return;
+  if (drives(page)) vacate();
+}
+
+void DriverSeat::vacate() noexcept {
   page_.reset();
   armed_ = false;
 }
 
 void DriverSeat::step(std::int64_t now_ns) noexcept {
-  if (taken() && now_ns - heard_ns_ >= kAbsent_ns) leave(*page_);
+  if (taken() && now_ns - heard_ns_ >= kAbsent_ns) vacate();
 }
 
 std::optional<UdpHandFrame> DriverSeat::hear(std::uint32_t page, const PageFrame& frame,

@@ -25,6 +25,8 @@ class DriverSeat {
   std::optional<std::uint32_t> take(std::uint32_t page, std::int64_t now_ns) noexcept;
   /// Does nothing if this page does not drive.
   void leave(std::uint32_t page) noexcept;
+  /// Nobody drives any more.
+  void vacate() noexcept;
   /// Ends a lease that nothing is heard of.
   void step(std::int64_t now_ns) noexcept;
   bool drives(std::uint32_t page) const noexcept { return page_ == page; }

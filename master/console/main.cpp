@@ -11,6 +11,7 @@
 
 #include "common/bus/bus_flags.h"
 #include "common/bus/endpoints.h"
+#include "common/bus/kept_file.h"
 #include "common/bus/process.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/program.h"
@@ -19,6 +20,7 @@
 #include "master/console/access.h"
 #include "master/console/console.h"
 #include "master/console/console_recording.h"
+#include "master/console/cut_memory.h"
 #include "master/console/hand_line.h"
 #include "master/console/web_server.h"
 #include "netem/drivers/netem_flags.h"
@@ -29,6 +31,9 @@ namespace {
 
 /// Between two looks at what the bus has brought; pages and the master's answers are served as they come.
 constexpr std::chrono::milliseconds kStep{8};
+/// Between two tellings of what is counted, and of what is cut so far.
+constexpr std::int64_t kTelling_ns = 1'000'000'000;
+constexpr std::int64_t kKeeping_ns = 500'000'000;
 
 struct Flags {
   BusFlags bus;
@@ -37,6 +42,7 @@ struct Flags {
   std::string hand;
   std::string as = "operator";
   std::string runs = "out";
+  std::string cut_file = "auto";
   CutPower cut;
   double laser_speed_mm_s = 10.0;
   RecordFlags record;
@@ -54,7 +60,7 @@ struct Ears {
     while (auto preview = previews.take()) console.cell().hear(std::move(preview->value));
     while (auto values = telemetry.take()) console.cell().hear(values->value, now_ns);
     while (auto stop = stops.take()) console.stop().hear(stop->value);
-    while (auto event = events.take()) console.hear(event->value);
+    while (auto event = events.take()) console.hear(event->value, now_ns);
   }
   Reader<CommandBlock> commands;
   Reader<StateBlock> states;
@@ -68,13 +74,16 @@ struct Ears {
 int run(Flags& flags) {
   flags.record.validate("console");
   flags.cut.power.speed_m_per_s = 1e-3 * flags.laser_speed_mm_s;
-  if (flags.web.token.empty()) flags.web.token = new_token();
+  const bool token_given = !flags.web.token.empty();
+  if (!token_given) flags.web.token = new_token();
   if (flags.web.certificate.empty() != flags.web.key.empty())
     throw usage_error("--tls-cert and --tls-key belong together; give both or neither");
   flags.web.runs = {.folder = flags.runs, .inspect = program_beside("telekerf-inspect")};
   BusSettings settings = flags.bus.bus_settings(Site::kOperator, "console");
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
+  const std::string cut_file = path_of(
+      {.chosen = flags.cut_file, .flag = "--cut-file", .what = "what is cut so far", .ending = ".cut"}, settings);
   Console console({.cell = settings.cell,
                    .source = flags.as,
                    .token = flags.web.token,
@@ -98,6 +107,9 @@ int run(Flags& flags) {
   Writer<EventMessage> events(process.bus());
   Writer<StopMessage> stops(process.bus());
   const netem::NetemSwitch netem_switch(process.bus(), emulator);
+  Writer<TelemetryMessage> telemetry(process.bus());
+  CutMemory memory(cut_file, [&](const std::string& sentence) { process.status().say(sentence); });
+  if (auto before = memory.found()) console.cell().remember(std::move(*before));
   ConsoleRecording recording(
       flags.record, flags.netem.with_network(run_identity(settings, "telekerf-console", flags.config)),
       process.status());
@@ -120,6 +132,24 @@ int run(Flags& flags) {
     }
   };
 
+  const auto figures = [&] {
+    Metrics all = web.figures();
+    netem_switch.add_figures(all);
+    return all;
+  };
+  std::int64_t told_ns = 0, kept_ns = 0;
+  const auto tell = [&](std::int64_t now_ns) {
+    if (const std::string refused = web.due(now_ns); !refused.empty()) process.status().say(refused);
+    if (now_ns - kept_ns >= kKeeping_ns) {
+      kept_ns = now_ns;
+      if (const auto cut = console.cell().news_of_cut()) memory.keep(*cut);
+    }
+    if (now_ns - told_ns < kTelling_ns) return;
+    told_ns = now_ns;
+    const Metrics all = figures();
+    telemetry.write({"console", static_cast<std::uint64_t>(now_ns / kTelling_ns), {all.begin(), all.end()}});
+  };
+
   boost::asio::steady_timer timer(context);
   std::function<void()> step = [&] {
     if (stop_requested() || process.ended()) return context.stop();
@@ -129,16 +159,20 @@ int run(Flags& flags) {
     console.step(now_ns);
     deliver();
     web.pump();
+    tell(now_ns);
     // On a fixed grid, but none of it is made up for.
     const auto now = std::chrono::steady_clock::now();
     timer.expires_at(std::max(timer.expiry() + kStep, now));
     timer.async_wait([&step](const boost::system::error_code&) { step(); });
   };
   process.status().say(web.address());
+  const std::string warning = warning_of(flags.web.bind, !flags.web.certificate.empty(), token_given);
+  if (!warning.empty()) process.status().say(warning);
   step();
   context.run();
   deliver = [] {};
-  recording.close();
+  if (const auto cut = console.cell().news_of_cut()) memory.keep(*cut);
+  recording.close(figures());
   process.refuse_ended();
   recording.refuse_unfinished();
   process.status().say("ended in order");
@@ -169,6 +203,7 @@ void add_parameters(Flags& flags, Settings& settings) {
   settings.add("as", flags.as, kName, "who stops from the page: a stop is cleared by nobody else");
   settings.add("runs", flags.runs, kFolder,
                "whose folders are the recorded runs that the page lists and plays");
+  settings.add("cut_file", flags.cut_file, kept_file_form(), "keeps what is cut so far over a restart of this process");
   settings.add("laser_w", flags.cut.laser_w, {.min = 0, .max = 1000, .unit = "W"},
                "as the slave's, for the depth that the page tells");
   settings.add("laser_speed_mm_s", flags.laser_speed_mm_s, {.min = 0.5, .max = 200, .unit = "mm/s"},

@@ -24,6 +24,7 @@ namespace telekerf::master {
 namespace {
 
 using Error = boost::system::error_code;
+/// Of all that is being read.
 constexpr std::size_t kMostBytes = 512U << 20U;
 
 /// Of a query's value; none: it is no percent encoding.
@@ -87,7 +88,8 @@ bool parse_run_question(std::string_view target, RunQuestion& question) {
 
 /// A running telekerf-inspect and what it has said.
 struct RunShelf::Reading : std::enable_shared_from_this<RunShelf::Reading> {
-  Reading(boost::asio::io_context& context, Done to) : done(std::move(to)), timer(context), ending(context), outputs{Output(context), Output(context)} {}
+  Reading(boost::asio::io_context& context, std::shared_ptr<std::size_t> of_all, Done to)
+      : done(std::move(to)), held(std::move(of_all)), timer(context), ending(context), outputs{Output(context), Output(context)} {}
   ~Reading() {
     if (child <= 0) return;
     ::kill(child, SIGKILL);
@@ -139,7 +141,9 @@ struct RunShelf::Reading : std::enable_shared_from_this<RunShelf::Reading> {
   void take(Output& output, Error error, std::size_t count) {
     if (!done) return;
     output.all.append(output.piece.data(), count);
-    if (output.all.size() > kMostBytes) return give_up({404, "This is too much to be sent to a page"});
+    had += count;
+    *held += count;
+    if (*held > kMostBytes) return give_up({404, "This is too much to be sent to a page"});
     if (!error) return read(output);
     output.ended = true;
     if (outputs[0].ended && outputs[1].ended) finish();
@@ -159,18 +163,23 @@ struct RunShelf::Reading : std::enable_shared_from_this<RunShelf::Reading> {
     answer({404, outputs[1].all.empty() ? "The run cannot be read: its file is damaged" : outputs[1].all});
   }
   void give_up(Answer why) {
-    ::kill(child, SIGKILL);
-    ::waitpid(std::exchange(child, 0), nullptr, 0);
+    if (child > 0) {
+      ::kill(child, SIGKILL);
+      ::waitpid(std::exchange(child, 0), nullptr, 0);
+    }
     answer(std::move(why));
   }
   void answer(Answer what) {
     timer.cancel();
     Error ignored;
+    *held -= had;
     for (Output& output : outputs) output.stream.close(ignored);
     std::exchange(done, nullptr)(std::move(what));
   }
 
   Done done;
+  std::shared_ptr<std::size_t> held;  ///< bytes of all readings,
+  std::size_t had = 0;                ///< and of this one
   boost::asio::steady_timer timer, ending;
   std::array<Output, 2> outputs;
   pid_t child = 0;
@@ -180,28 +189,54 @@ RunShelf::RunShelf(boost::asio::io_context& context, RunShelfSettings settings)
     : context_(context), settings_(std::move(settings)) {}
 
 RunShelf::~RunShelf() {
-  if (const auto reading = reading_.lock()) reading->answer({503, "The console ends"});
+  for (Waiting& question : std::exchange(waiting_, {})) question.done({503, "The console ends"});
+  for (const auto& reading : std::vector(readings_)) reading->give_up({503, "The console ends"});
+}
+
+void RunShelf::refuse(int status, const std::string& why, const Done& done) {
+  ++(status == 503 ? refused_ : failed_);
+  boost::asio::post(context_, [done, answer = Answer{status, why}] { done(answer); });
 }
 
 void RunShelf::ask(const RunQuestion& question, Done done) {
-  const auto refuse = [&](int status, const std::string& why) {
-    boost::asio::post(context_, [done, answer = Answer{status, why}] { done(answer); });
-  };
-  if (!reading_.expired()) return refuse(503, "Another run is being read; ask again in a moment");
+  if (question.name.empty() != question.what.empty())
+    return refuse(404, "No run has this name, or nothing of it does", done);
   std::vector<std::string> words{settings_.inspect.string()};
-  if (question.name.empty() != question.what.empty()) return refuse(404, "No run has this name, or nothing of it does");
-  if (question.what.empty()) {
-    for (const std::string& word : {std::string("runs"), settings_.folder.string(), std::string("--json")})
-      words.push_back(word);
-  } else {
-    for (const std::string& word : {std::string("export"), (settings_.folder / question.name).string(), question.what})
-      words.push_back(word);
-  }
-  const auto reading = std::make_shared<Reading>(context_, done);
-  reading_ = reading;
-  if (reading->start(words, settings_.patience)) return;
-  reading_.reset();
-  refuse(404, fmt::format("{} does not start; it reads the runs", settings_.inspect.string()));
+  if (question.what.empty())
+    words.insert(words.end(), {"runs", settings_.folder.string(), "--json"});
+  else
+    words.insert(words.end(), {"export", (settings_.folder / question.name).string(), question.what});
+  if (readings_.size() < kAtOnce) return read({std::move(words), std::move(done)});
+  if (waiting_.size() >= kMostWaiting)
+    return refuse(503, "Many others read runs; ask again in a moment", done);
+  waiting_.push_back({std::move(words), std::move(done)});
+}
+
+void RunShelf::read(Waiting question) {
+  const Done done = question.done;
+  const auto reading = std::make_shared<Reading>(context_, held_, nullptr);
+  reading->done = [this, done, which = reading.get()](Answer answer) {
+    ++(answer.status == 200 ? read_ : failed_);
+    ended(which);
+    done(std::move(answer));
+  };
+  if (reading->start(question.words, settings_.patience)) return readings_.push_back(reading);
+  reading->done = nullptr;
+  refuse(404, fmt::format("{} does not start; it reads the runs", settings_.inspect.string()), done);
+}
+
+void RunShelf::ended(const Reading* reading) {
+  std::erase_if(readings_, [reading](const auto& one) { return one.get() == reading; });
+  if (waiting_.empty()) return;
+  Waiting next = std::move(waiting_.front());
+  waiting_.pop_front();
+  read(std::move(next));
+}
+
+void RunShelf::add_figures(Metrics& figures) const {
+  figures["runs_read"] = static_cast<double>(read_);
+  figures["runs_failed"] = static_cast<double>(failed_);
+  figures["runs_refused"] = static_cast<double>(refused_);
 }
 
 }  // namespace telekerf::master

@@ -5,12 +5,17 @@
 
 #include <boost/asio/io_context.hpp>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "common/recording/run_record.h"
 
 namespace telekerf::master {
 
@@ -43,14 +48,32 @@ class RunShelf {
   RunShelf(const RunShelf&) = delete;
   RunShelf& operator=(const RunShelf&) = delete;
 
-  /// `done` is called once, from the context's thread, unless the shelf is gone before. One question at a time.
+  /// So many questions are answered at the same time,
+  static constexpr std::size_t kAtOnce = 3;
+  /// and so many more wait; who asks then is refused.
+  static constexpr std::size_t kMostWaiting = 12;
+
+  /// `done` is called once, from the context's thread, unless the shelf is gone before.
   void ask(const RunQuestion& question, Done done);
+  /// What was read and what was not, as figures `runs_...`.
+  void add_figures(Metrics& figures) const;
 
  private:
   struct Reading;
+  struct Waiting {
+    std::vector<std::string> words;  ///< of telekerf-inspect's command line
+    Done done;
+  };
+  void refuse(int status, const std::string& why, const Done& done);
+  void read(Waiting question);
+  void ended(const Reading* reading);
+
   boost::asio::io_context& context_;
   RunShelfSettings settings_;
-  std::weak_ptr<Reading> reading_;
+  std::vector<std::shared_ptr<Reading>> readings_;
+  std::deque<Waiting> waiting_;
+  std::shared_ptr<std::size_t> held_ = std::make_shared<std::size_t>(0);  ///< bytes of all readings
+  std::uint64_t read_ = 0, failed_ = 0, refused_ = 0;
 };
 
 }  // namespace telekerf::master

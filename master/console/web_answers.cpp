@@ -5,6 +5,7 @@
 
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <charconv>
+#include <nlohmann/json.hpp>
 
 #include "master/console/access.h"
 #include "master/console/page_files.h"
@@ -36,8 +37,9 @@ std::string index(std::string page, const boost::asio::ip::address& from, const 
 
 }  // namespace
 
-WebResponse answer_to(const WebRequest& request, const boost::asio::ip::address& from,
-                      const WebServerSettings& settings, std::uint16_t port, Console& console) {
+WebResponse answer_to(const WebRequest& request, const boost::asio::ip::address& from, const WebSite& site) {
+  const WebServerSettings& settings = site.settings;
+  Console& console = site.console;
   const bool tls = !settings.certificate.empty();
   WebResponse response{http::status::ok, request.version()};
   response.keep_alive(request.keep_alive());
@@ -53,7 +55,7 @@ WebResponse answer_to(const WebRequest& request, const boost::asio::ip::address&
   };
   constexpr std::string_view kPlain = "text/plain; charset=utf-8";
   const std::string_view host = view(request[http::field::host]);
-  if (!host_allowed(host, settings.name, port))
+  if (!host_allowed(host, settings.name, site.port))
     return say(http::status::misdirected_request, kPlain,
                "Ask by this host's address, or start telekerf-console with --host-name\n");
   // Not every browser takes a WebSocket of this host for 'self'.
@@ -79,6 +81,8 @@ WebResponse answer_to(const WebRequest& request, const boost::asio::ip::address&
     response.result(http::status::accepted);
     return response;
   }
+  if (target == "/status")
+    return say(http::status::ok, "application/json", nlohmann::json(site.figures()).dump(2) + "\n");
   if (target == "/contour") return say(http::status::ok, "application/json", console.contour_json(id));
   if (target == "/picture") {
     const auto picture = console.cell().pictures().find(id);

@@ -15,9 +15,16 @@ namespace telekerf::master {
 using WebRequest = boost::beast::http::request<boost::beast::http::empty_body>;
 using WebResponse = boost::beast::http::response<boost::beast::http::string_body>;
 
+/// What is asked.
+struct WebSite {
+  const WebServerSettings& settings;
+  std::uint16_t port = 0;  ///< that is served
+  Console& console;
+  std::function<Metrics()> figures;  ///< that /status tells
+};
+
 /// Two answers are not the last word: "switching protocols" (a WebSocket is meant, and may be) and "accepted"
-/// (something of a recorded run is, RunShelf). `port`: that is served.
-WebResponse answer_to(const WebRequest& request, const boost::asio::ip::address& from,
-                      const WebServerSettings& settings, std::uint16_t port, Console& console);
+/// (something of a recorded run is, RunShelf). The answer to HEAD is that to GET; its body has to be left out.
+WebResponse answer_to(const WebRequest& request, const boost::asio::ip::address& from, const WebSite& site);
 
 }  // namespace telekerf::master

@@ -17,6 +17,8 @@
 
 #include "common/runtime/clock.h"
 #include "common/runtime/startup_error.h"
+#include "master/console/connection_limits.h"
+#include "master/console/dismissal.h"
 #include "master/console/web_answers.h"
 
 namespace telekerf::master {
@@ -40,11 +42,13 @@ constexpr std::chrono::seconds kFilePatience{600};
 constexpr std::chrono::seconds kSilence{3};
 constexpr std::size_t kMostHeaderBytes = 8192;
 constexpr std::size_t kMostMessageBytes = 4096;
-constexpr int kMostConnections = 64;
+/// A page that takes its message no faster is slow.
+constexpr std::int64_t kSlow_ns = 250'000'000;
 
 }  // namespace
 
 struct WebServer::Impl : std::enable_shared_from_this<Impl> {
+  class Place;
   template <class Stream>
   class Http;
   /// A page's connection, whatever it is made of.
@@ -68,6 +72,8 @@ struct WebServer::Impl : std::enable_shared_from_this<Impl> {
   void open();
   void encrypt();
   void accept();
+  void greet(tcp::socket socket);
+  Metrics figures() const;
   std::string_view scheme() const { return tls ? "https" : "http"; }
 
   boost::asio::io_context& context;
@@ -79,23 +85,39 @@ struct WebServer::Impl : std::enable_shared_from_this<Impl> {
   RunShelf shelf;
   std::uint16_t port = 0;
   std::set<Page*> pages;
-  int connections = 0;
+  ConnectionLimits limits;
+  Dismissal dismissal;
+  std::uint64_t refused_requests = 0;
+  std::uint64_t slow_writes = 0;
+};
+
+/// A connection's place among those that may be.
+class WebServer::Impl::Place {
+ public:
+  /// That `from` was admitted to.
+  Place(std::shared_ptr<Impl> server, boost::asio::ip::address from) : server_(std::move(server)), from_(std::move(from)) {}
+  Place(Place&&) noexcept = default;
+  Place& operator=(Place&&) = delete;
+  ~Place() {
+    if (server_) server_->limits.leave(from_);
+  }
+  const std::shared_ptr<Impl>& server() const noexcept { return server_; }
+  const boost::asio::ip::address& from() const noexcept { return from_; }
+
+ private:
+  std::shared_ptr<Impl> server_;
+  boost::asio::ip::address from_;
 };
 
 /// A page's WebSocket: reads all the time, and has one write on its way at most.
 template <class Stream>
 class WebServer::Impl::PageOver : public Page, public std::enable_shared_from_this<PageOver<Stream>> {
  public:
-  PageOver(std::shared_ptr<Impl> server, Stream stream)
-      : server_(std::move(server)), socket_(std::move(stream)) {
-    ++server_->connections;
-  }
+  PageOver(Place place, Stream stream)
+      : place_(std::move(place)), server_(place_.server()), socket_(std::move(stream)) {}
   PageOver(const PageOver&) = delete;
   PageOver& operator=(const PageOver&) = delete;
-  ~PageOver() override {
-    leave();
-    --server_->connections;
-  }
+  ~PageOver() override { leave(); }
 
   void accept(Request request) {
     Error ignored;
@@ -118,10 +140,12 @@ class WebServer::Impl::PageOver : public Page, public std::enable_shared_from_th
     if (!message) return;
     writing_ = true;
     out_ = message->bytes;
+    const std::int64_t begun_ns = monotonic_ns();
     socket_.binary(message->binary);
     socket_.async_write(boost::asio::buffer(out_),
-                        [self = this->shared_from_this()](Error error, std::size_t) {
+                        [self = this->shared_from_this(), begun_ns](Error error, std::size_t) {
                           self->writing_ = false;
+                          if (monotonic_ns() - begun_ns > kSlow_ns) ++self->server_->slow_writes;
                           if (error) return self->leave();
                           self->pump();
                         });
@@ -158,6 +182,7 @@ class WebServer::Impl::PageOver : public Page, public std::enable_shared_from_th
     server_->heard();
   }
 
+  Place place_;
   std::shared_ptr<Impl> server_;
   websocket::stream<Stream, false> socket_;  // not compressed: the messages are short, and the page is near
   Request request_;
@@ -171,12 +196,10 @@ class WebServer::Impl::PageOver : public Page, public std::enable_shared_from_th
 template <class Stream>
 class WebServer::Impl::Http : public std::enable_shared_from_this<Http<Stream>> {
  public:
-  Http(std::shared_ptr<Impl> server, Stream stream) : server_(std::move(server)), stream_(std::move(stream)) {
-    ++server_->connections;
-  }
+  Http(Place place, Stream stream)
+      : place_(std::move(place)), server_(place_.server()), stream_(std::move(stream)) {}
   Http(const Http&) = delete;
   Http& operator=(const Http&) = delete;
-  ~Http() { --server_->connections; }
 
   void start() {
     if constexpr (std::is_same_v<Stream, Encrypted>) {
@@ -201,14 +224,14 @@ class WebServer::Impl::Http : public std::enable_shared_from_this<Http<Stream>> 
   }
   void take() {
     Request request = parser_->release();
-    Error error;
-    const tcp::endpoint from = line().socket().remote_endpoint(error);
-    if (error) return;
-    response_ = answer_to(request, from.address(), server_->settings, server_->port, server_->console);
+    head_ = request.method() == http::verb::head;
+    response_ = answer_to(request, place_.from(),
+                          {server_->settings, server_->port, server_->console, [this] { return server_->figures(); }});
+    if (response_.result_int() >= 400) ++server_->refused_requests;
     if (response_.result() == http::status::accepted) return fetch(std::string(request.target()));
     if (response_.result() == http::status::switching_protocols) {
       line().expires_never();
-      std::make_shared<PageOver<Stream>>(server_, std::move(stream_))->accept(std::move(request));
+      std::make_shared<PageOver<Stream>>(std::move(place_), std::move(stream_))->accept(std::move(request));
       return;
     }
     write(kHttpPatience);
@@ -233,6 +256,7 @@ class WebServer::Impl::Http : public std::enable_shared_from_this<Http<Stream>> 
     });
   }
   void write(std::chrono::seconds patience) {
+    if (head_) response_.body().clear();  // its length stays said
     line().expires_after(patience);
     http::async_write(stream_, response_, [self = this->shared_from_this()](Error failed, std::size_t) {
       if (failed) return;
@@ -242,8 +266,10 @@ class WebServer::Impl::Http : public std::enable_shared_from_this<Http<Stream>> 
     });
   }
 
+  Place place_;
   std::shared_ptr<Impl> server_;
   Stream stream_;
+  bool head_ = false;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   Response response_;
@@ -289,14 +315,35 @@ void WebServer::Impl::encrypt() {
 void WebServer::Impl::accept() {
   acceptor.async_accept([self = shared_from_this()](Error error, tcp::socket socket) {
     if (error == boost::asio::error::operation_aborted) return;
-    if (!error && self->connections < kMostConnections) {
-      if (self->tls)
-        std::make_shared<Http<Encrypted>>(self, Encrypted(Plain(std::move(socket)), *self->tls))->start();
-      else
-        std::make_shared<Http<Plain>>(self, Plain(std::move(socket)))->start();
-    }
+    if (!error) self->greet(std::move(socket));
     self->accept();
   });
+}
+
+void WebServer::Impl::greet(tcp::socket socket) {
+  Error error;
+  const tcp::endpoint from = socket.remote_endpoint(error);
+  if (error) return;
+  if (!limits.admit(from.address())) {
+    if (!tls) dismissal.say(std::move(socket));
+    return;
+  }
+  Place place(shared_from_this(), from.address());
+  if (tls)
+    std::make_shared<Http<Encrypted>>(std::move(place), Encrypted(Plain(std::move(socket)), *tls))->start();
+  else
+    std::make_shared<Http<Plain>>(std::move(place), Plain(std::move(socket)))->start();
+}
+
+Metrics WebServer::Impl::figures() const {
+  Metrics figures;
+  console.add_figures(figures);
+  figures["web_connections"] = limits.open();
+  figures["web_refused_connections"] = static_cast<double>(limits.refused());
+  figures["web_refused_requests"] = static_cast<double>(refused_requests);
+  figures["web_slow_writes"] = static_cast<double>(slow_writes);
+  shelf.add_figures(figures);
+  return figures;
 }
 
 WebServer::WebServer(boost::asio::io_context& context, const WebServerSettings& settings, Console& console,
@@ -322,6 +369,10 @@ std::string WebServer::address() const {
   return fmt::format("{}://{}:{}", impl_->scheme(), address.is_v6() ? fmt::format("[{}]", host) : host,
                      impl_->port);
 }
+
+Metrics WebServer::figures() const { return impl_->figures(); }
+
+std::string WebServer::due(std::int64_t now_ns) { return impl_->limits.due(now_ns); }
 
 void WebServer::pump() {
   for (Impl::Page* page : std::set(impl_->pages)) page->pump();

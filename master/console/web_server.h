@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // HTTP and WebSocket around the console, with TLS or without: the page's files, /contour, /picture, /runs, /run,
-// and /ws.
+// /status, and /ws.
 // All in one thread, the io_context's.
 #pragma once
 
@@ -40,6 +40,10 @@ class WebServer {
   std::string address() const;
   /// Gives each page what it is to get next, as far as it can take it.
   void pump();
+  /// What this server and its console count, under the names of docs/reference/console.md; /status tells them, too.
+  Metrics figures() const;
+  /// One sentence of connections that were refused; mostly empty.
+  std::string due(std::int64_t now_ns);
 
   struct Impl;
 

@@ -102,7 +102,7 @@ int run(Flags& flags) {
 
   Process process(settings, "machine");
   StatusReporter& status = process.status();
-  const netem::NetemSwitch netem_switch(process.bus(), emulator);
+  netem::NetemSwitch netem_switch(process.bus(), emulator);
   StopLine emergency(process.bus(), flags.stop.path(settings));
   ContourSubscriber<Job> contour(process.bus(), [&](const ContourMessage& m) { return station.prepare(m); });
   if (station.machine().plant() == nullptr)
@@ -139,6 +139,7 @@ int run(Flags& flags) {
     emergency.obeyed(number);
     const JobExecutorOutputs out = station.step(now_ns, stop);
     recording.step(now_ns, out, station.last().tool_m, station.last().laser_w, stop);
+    netem_switch.beam(station.last().laser_w > 0.0);
     status.state(text_of(out.phase));
     status.progress(out.progress, station.time_s());
     process.lookout().refused(Lookout::Device::kDrive, station.machine().refused());

@@ -111,7 +111,8 @@ class Cell:
                                               stdout=log, stderr=subprocess.STDOUT)
 
     def start_console(self):
-        self.start("console", "--port", str(self.port), "--hand", f"127.0.0.1:{self.line.port}")
+        self.start("console", "--port", str(self.port), "--hand", f"127.0.0.1:{self.line.port}",
+                   "--cut-file", os.path.join(self.folder, "console.cut"))
 
     def end(self, name):
         program = self.running.pop(name)

@@ -169,8 +169,27 @@ def another_law(page):
     said(f"law, codec and block changed and back; {text}")
 
 
+def nothing_covers_the_contour(page):
+    for width, height in ((1024, 600), (1366, 768), (360, 640), (1280, 800)):
+        page.size(width, height)
+        time.sleep(0.3)
+        covered = page.js("""
+            const boxes = ["legend", "zoom"].map((id) => document.getElementById(id).getBoundingClientRect());
+            const points = telekerf.stage.contour.points;
+            let covered = 0;
+            for (let n = 0; n < points.length; n += 2) {
+              const at = telekerf.stage.toClient(points[n], points[n + 1]);
+              covered += boxes.some((b) => at.x > b.left && at.x < b.right && at.y > b.top && at.y < b.bottom);
+            }
+            return covered;""")
+        assert not covered, f"{covered} points of the contour lie under legend or buttons at {width} x {height}"
+        shot(page, f"watching-{width}")
+
+
 def cut(page):
     page.until("telekerf.words.sentence?.startsWith('You may move')")
+    page.until("telekerf.stage.contour")
+    nothing_covers_the_contour(page)
     shot(page, "watching")
     targets_are_large(page, 1280)
     page.click("engage")
@@ -231,10 +250,32 @@ def cut(page):
     said(f"let go: the master's step {cell.line.release_ms:.1f} ms after the console heard it")
 
 
+def under_the_beam(page):
+    """Another network is refused at both sites alike, whoever asks, and the page says so and shows what is in force."""
+    def lit():
+        for _ in range(10):
+            hold(page, page.tool())
+            for place in page.along(40):
+                page.move(place)
+                time.sleep(0.02)
+                if page.js("return telekerf.state.laser_on"):
+                    return True
+            page.let_go(page.tool())
+        return False
+    assert lit(), "the beam is never on"
+    page.choose("profile", "lan")
+    page.until("document.getElementById('refusal').textContent.includes('No other network while the beam is on')", 5)
+    page.let_go(page.tool())
+    shown = page.js("return [document.getElementById('profile').value, telekerf.words.profile]")
+    assert shown == ["", ""], shown
+    said("another network under the beam: refused, and the page shows the one in force")
+
+
 def another_network(page):
     for profile, sign, bound in (("lan", "<", 0.02), ("thesis-constant", ">", 0.09)):
-        page.js("const e = document.getElementById('profile'); e.value = arguments[0]; "
-                "e.dispatchEvent(new Event('change'))", profile)
+        page.choose("profile", profile)
+        page.until(f"telekerf.words.profile === '{profile}'", 10)
+        assert page.js("return document.getElementById('profile').value") == profile
         page.until(f"telekerf.state.round_trip_s {sign} {bound}", 10)
     said("another network, and back: the round trip followed")
 
@@ -276,8 +317,13 @@ def stops(page):
     page.driver.execute_cdp_cmd("Input.dispatchKeyEvent", {"type": "keyDown", "code": "Escape", "key": "Escape"})
     page.until("telekerf.words.stopped && telekerf.words.sentence.startsWith('Stopped by operator')", 10)
     page.until("telekerf.state.mode === 4", 10)
+    page.until("!telekerf.hand.lease && telekerf.words.driver === 'nobody'", 10)
     shot(page, "stopped")
-    said("Esc stopped the cell")
+    said("Esc stopped the cell, and took the hand away")
+    page.click("clear-stop")
+    page.until("document.getElementById('refusal').textContent.includes('take the hand first')", 10)
+    page.click("take")
+    page.until("telekerf.hand.lease", 10)
     page.click("engage")
     page.until("document.getElementById('refusal').textContent.includes('clear the stop first')", 10)
     page.until("telekerf.words.sentence.startsWith('Stopped by')", 10)
@@ -287,6 +333,8 @@ def stops(page):
 
 
 def comes_back(page):
+    marks = page.js("return telekerf.stage.mark.length / 2")
+    assert marks > 100, marks
     cell.end("console")
     page.until("document.body.classList.contains('stale')", 10)
     text = page.js("return document.getElementById('age').textContent")
@@ -294,7 +342,8 @@ def comes_back(page):
     shot(page, "stale")
     cell.start_console()
     page.until("document.body.classList.contains('live')", 10)
-    said("the console ended and came back, and the page with it")
+    page.until(f"telekerf.stage.mark.length / 2 >= {marks}", 10)
+    said(f"the console ended and came back, and the page with it, and its mark of {marks:.0f} places")
     time.sleep(0.3)
     page.click("take")
     page.until("telekerf.hand.lease", 10)
@@ -327,6 +376,7 @@ page = None
 try:
     page = Page(cell.port)
     cut(page)
+    under_the_beam(page)
     another_network(page)
     lets_go(page)
     stops(page)

@@ -18,7 +18,7 @@ _telekerf_flags() {
     'telekerf-slave ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --mismatch --seed --control-hz --stream-hz --codec --block --keep --max-rms --force-keep --force-max-rms --redundancy --bandwidth-rad-s --observer-rad-s --stale-s --beam-age-s --touched --look-age-s --bare-accelerations --laser-w --laser-speed-mm-s --dose-max-j --dose-max-j-per-mm2 --stop-file --record --link-test --link-test-s --peer --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-machine ') echo '--robot --drive --drive-stale-s --laser --laser-max-w --laser-w --dose-max-j --dose-max-j-per-mm2 --mismatch --seed --sensor --speed-mm-s --controller --corner --material --kerf-um --no-framing --select --machining-hz --stop-file --record --wait-s --dry-run --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-vision ') echo '--image --camera --imaging --imaging-file --law --zoom --focus-region --calibrate --grid-mm --mode --at --not --box --paper --smallest-mm --level --anchor --select --width-mm --fit-all --join-mm --dpi --units --layers --colours --robot --master-robot --master-beta --record --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
-    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --runs --laser-w --laser-speed-mm-s --record --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
+    'telekerf-console ') echo '--port --bind --tls-cert --tls-key --host-name --token --hand --as --runs --cut-file --laser-w --laser-speed-mm-s --record --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl stop') echo '--reason --as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl clear-stop') echo '--as --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
     'telekerf-ctl look') echo '--wait-s --json --domain --cell --name --peers --security --wan --insecure --netem --netem-seed --config --print-config --help --version' ;;
@@ -239,6 +239,7 @@ _telekerf_values() {
     'telekerf-console  --hand') echo "" ;;
     'telekerf-console  --as') echo "" ;;
     'telekerf-console  --runs') echo "-d" ;;
+    'telekerf-console  --cut-file') echo "-W 'auto off'" ;;
     'telekerf-console  --laser-w') echo "" ;;
     'telekerf-console  --laser-speed-mm-s') echo "" ;;
     'telekerf-console  --record') echo "-W 'off'" ;;

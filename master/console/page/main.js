@@ -4,8 +4,9 @@ import { Hand } from "./hand.js";
 import { Stage } from "./stage.js";
 import { DepthStrip, Plot } from "./plots.js";
 import { Player } from "./play.js";
+import { listenForLooks } from "./look.js";
 
-const kStale_ms = 190, kLook_ms = 300, kLapse_ms = 400;
+const kStale_ms = 190, kLapse_ms = 400, kRefusal_ms = 5000, kRefusals = 3;
 const $ = (id) => document.getElementById(id);
 let token = document.querySelector("meta[name=token]").content || location.hash.slice(1);
 const mm = (m) => (m * 1e3).toFixed(Math.abs(m) < 1e-2 ? 1 : 0);
@@ -14,7 +15,7 @@ const quantile = (numbers, share) => {
   return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] : NaN;
 };
 
-let refusalEnds = 0;
+const refusals = new Map();  // sentence -> when it goes
 let words = { driver: "nobody", stopped: false, engaged: false, armed: false, contour: 0 };
 let shownContour = -1;
 let shownPicture = 0;
@@ -43,8 +44,8 @@ const link = new Link({
     showStream();
   },
   words: setWords,
-  lease(m) { hand.setLease(m.lease); refusalEnds = 0; },
-  refused(m) { say(m.why); showStream(); showDepth(words); },
+  lease(m) { hand.setLease(m.lease); refusals.clear(); drawn_ms.length = 0; },
+  refused(m) { say(m.why); showStream(); showDepth(words); showProfile(); },
   pong(m) { remember(trip_ms, performance.now() - m.at); },
   mark(first, places) { stage.addMark(first, places); },
   depths(all) { depths.show(all, words.depth_m); },
@@ -62,6 +63,10 @@ const link = new Link({
 });
 const hand = new Hand(link, stage);
 stage.listen(() => hand.lease !== 0 && !hand.panning);
+stage.cover = () => {
+  const buttons = $("zoom").offsetWidth + 12, { offsetWidth, offsetHeight } = $("legend");
+  return { top: Math.min(110, stage.canvas.clientHeight / 4), bottom: 0, corner: [[buttons + offsetWidth, 0], [buttons, offsetHeight]] };
+};
 
 const figures = [...document.querySelectorAll("#plots figure")].map((f) => [f.querySelector("canvas"), f.querySelector("output")]);
 const line = (colour, dash) => ({ colour, dash });
@@ -93,7 +98,8 @@ function setWords(m) {
   document.body.classList.toggle("engaged", m.engaged);
   document.body.classList.toggle("stopped", m.stopped);
   $("clear-stop").hidden = !m.stopped;
-  if (m.profile) $("profile").value = m.profile;
+  $("clear-stop").textContent = you ? "Clear the stop" : "Clear the stop: take the hand first";
+  showProfile();
   showDepth(m);
   if (JSON.stringify(m.stream) !== shownStream) { shownStream = JSON.stringify(m.stream); showStream(); }
   if (m.waiting === undefined || !link.open) return;
@@ -107,6 +113,13 @@ function setWords(m) {
   if (id !== shownContour) loadContour(id);
   loadPicture(id, m.pictures[id] ?? m.pictures[0]);
   nameWaiting(m.waiting);
+}
+
+// The network that the cell is told to emulate; somebody else may have chosen one that is not shipped.
+function showProfile() {
+  const name = words.profile ?? "";
+  if (![...$("profile").options].some((o) => o.value === name)) $("profile").add(new Option(name));
+  if (document.activeElement !== $("profile")) $("profile").value = name;
 }
 
 function showDepth(m) {
@@ -180,15 +193,21 @@ async function loadContour(id) {
   shownContour = id;
   try {
     const contour = await (await fetch(`contour?id=${id}`)).json();
-    stage.inset = Math.min(110, stage.canvas.clientHeight / 4);
     stage.setContour(contour);
     $("contour-text").textContent = contour.id ? title(contour) : "none yet";
   } catch { shownContour = -1; }
 }
 
+// The same sentence stands there once, several below each other, the newest last.
 function say(why) {
-  $("refusal").textContent = why;
-  refusalEnds = performance.now() + 5000;
+  refusals.delete(why);
+  refusals.set(why, performance.now() + kRefusal_ms);
+  if (refusals.size > kRefusals) refusals.delete(refusals.keys().next().value);
+}
+function showRefusals(now_ms) {
+  for (const [why, ends_ms] of refusals) if (now_ms > ends_ms) refusals.delete(why);
+  const text = [...refusals.keys()].join("\n");
+  if ($("refusal").textContent !== text) $("refusal").textContent = text;
 }
 
 function stop() {
@@ -216,78 +235,7 @@ $("depth").addEventListener("input", () => { $("depth-shown").value = `${Number(
 $("depth").addEventListener("change", () => { link.command("depth", { value: Number($("depth").value) / 1e3 }); $("depth").blur(); });
 $("burn").addEventListener("change", () => { hand.burnWhilePulling = $("burn").checked; });
 $("press").addEventListener("change", () => { hand.burnByPressure = $("press").checked; });
-// A pointer that pans or chooses pulls nothing.
-let panning = false;
-function setPointer() {
-  hand.release();
-  stage.drawing = $("click").value === "draw" ? [] : null;
-  hand.panning = panning || $("click").value !== "";
-  $("pan").setAttribute("aria-pressed", panning);
-}
-$("pan").addEventListener("click", () => { panning = !panning; setPointer(); });
-$("click").addEventListener("change", () => { setPointer(); $("click").blur(); });
-let pressedAt = null;
-stage.canvas.addEventListener("pointerdown", (e) => { pressedAt = e.button === 0 ? [e.clientX, e.clientY] : null; });
-stage.canvas.addEventListener("click", (e) => {
-  const what = $("click").value;
-  if (!what || what === "draw" || !pressedAt || Math.hypot(e.clientX - pressedAt[0], e.clientY - pressedAt[1]) > 6) return;
-  const { x, y } = stage.toWorld(e.clientX, e.clientY);
-  link.command("look", { text: `${what} ${x.toFixed(7)},${y.toFixed(7)}` });
-});
-// A line over the picture: said in pieces, as long as one event may be.
-const kClose_m = 2e-3, kPlacesAtOnce = 9;
-stage.canvas.addEventListener("pointerdown", (e) => {
-  if (!stage.drawing || e.button !== 0 || stage.fingers.size > 1) return;
-  stage.canvas.setPointerCapture(e.pointerId);
-  const { x, y } = stage.toWorld(e.clientX, e.clientY);
-  stage.drawing = [x, y];
-});
-stage.canvas.addEventListener("pointermove", (e) => {
-  if (!stage.drawing?.length || !stage.fingers.has(e.pointerId)) return;
-  for (const point of e.getCoalescedEvents?.() ?? [e]) {
-    const { x, y } = stage.toWorld(point.clientX, point.clientY);
-    const [lastX, lastY] = stage.drawing.slice(-2);
-    if (Math.hypot(x - lastX, y - lastY) > 1e-4) stage.drawing.push(x, y);
-  }
-});
-stage.canvas.addEventListener("pointerup", () => {
-  const places = stage.drawing;
-  if (!places?.length) return;
-  stage.drawing = [];
-  link.command("look", { text: "draw" });
-  for (let n = 0; n < places.length; n += 2 * kPlacesAtOnce) {
-    const piece = [];
-    for (let k = n; k < Math.min(places.length, n + 2 * kPlacesAtOnce); k += 2)
-      piece.push(`${places[k].toFixed(6)},${places[k + 1].toFixed(6)}`);
-    link.command("look", { text: `draw ${piece.join(" ")}` });
-  }
-  const back = Math.hypot(places[0] - places.at(-2), places[1] - places.at(-1));
-  link.command("look", { text: back < kClose_m ? "draw closed" : "draw open" });
-});
-stage.canvas.addEventListener("pointercancel", () => { if (stage.drawing) stage.drawing = []; });
-$("mode").addEventListener("change", () => {
-  if ($("mode").value) link.command("look", { text: $("mode").value });
-  if ($("mode").value === "anew") showNoLevel();
-  $("mode").value = "";
-  $("mode").blur();
-});
-// The threshold: one look at a time is on its way, and the newest place of the slider is said next. What comes of it
-// waits, and is drawn over the picture.
-let levelWanted = null, levelSaid_ms = -Infinity;
-function sayLevel() {
-  if (levelWanted === null || performance.now() - levelSaid_ms < kLook_ms) return;
-  link.command("look", { text: `level ${levelWanted}`.trim() });
-  levelSaid_ms = performance.now();
-  levelWanted = null;
-}
-setInterval(sayLevel, 50);
-$("level").addEventListener("input", () => {
-  levelWanted = Number($("level").value).toFixed(2);
-  $("level-shown").value = levelWanted;
-});
-$("level").addEventListener("change", () => $("level").blur());
-function showNoLevel() { $("level").value = 0.5; $("level-shown").value = "by itself"; }
-$("level-auto").addEventListener("click", () => { levelWanted = ""; showNoLevel(); });
+listenForLooks(link, hand, stage);
 $("show-waiting").addEventListener("click", () => { showWaiting = !showWaiting; setWords(words); });
 $("take-contour").addEventListener("click", () => { showWaiting = false; link.command("take-contour"); });
 $("show-picture").addEventListener("change", () => setWords(words));
@@ -328,6 +276,7 @@ function age() {
   const stale = old_ms > kStale_ms || silent_s < 0 || silent_s > 0.2;
   document.body.classList.toggle("stale", stale);
   document.body.classList.toggle("live", !stale);
+  document.body.classList.toggle("unheard", !link.open || old_ms > kStale_ms);  // what the console says is old, too
   $("link").textContent = !link.open ? "reconnecting" : stale ? "nothing new" : "live";
   if (!stale) return;
   const seconds = (Number.isFinite(old_ms) ? old_ms / 1e3 : 0) + Math.max(0, silent_s);
@@ -357,7 +306,7 @@ function frame(now_ms) {
   const s = newest;
   if (s && Number.isFinite(s.echo_ms) && s.echo_ms !== echo_ms) {
     echo_ms = s.echo_ms;
-    remember(drawn_ms, begun - echo_ms);
+    if (hand.lease) remember(drawn_ms, begun - echo_ms);
   }
   if (player.run) {
     player.frame(now_ms);
@@ -367,7 +316,7 @@ function frame(now_ms) {
   }
   document.body.classList.toggle("burning", Boolean(s?.laser_on));
   document.body.classList.toggle("trigger", hand.trigger);
-  if (begun > refusalEnds) $("refusal").textContent = "";
+  showRefusals(begun);
   if (s && ++slow % 6 === 0) {
     $("pull").textContent = pullText(s);
     $("round-trip").textContent = `${(s.round_trip_s * 1e3).toFixed(1)} ms`;
@@ -376,7 +325,7 @@ function frame(now_ms) {
     $("lost").textContent = s.lost.toFixed(0);
     $("late").textContent = s.late_frames.toFixed(0);
     const recent = drawn_ms.slice(-300);
-    $("drawn").textContent = recent.length ? `${quantile(recent, 0.5).toFixed(0)} ms, p99 ${quantile(recent, 0.99).toFixed(0)} ms` : "–";
+    $("drawn").textContent = hand.lease && recent.length ? `${quantile(recent, 0.5).toFixed(0)} ms, p99 ${quantile(recent, 0.99).toFixed(0)} ms` : "–";
     if (hand.device) $("device").textContent = hand.device;
     if (hand.device.startsWith("pen")) $("pressure").textContent = `pressure ${hand.pressure.toFixed(2)}`;
     if (document.activeElement !== $("beta")) {

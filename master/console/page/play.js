@@ -164,9 +164,11 @@ export class Player {
   // What covers the stage at the top and at the bottom depends on the window.
   makeRoom() {
     const stage = this.stage, height = stage.canvas.clientHeight;
-    const inset = Math.min($("notes").clientHeight, height / 4), below = Math.min($("playback").clientHeight + 20, height / 2);
-    if (inset === stage.inset && below === stage.below) return;
-    Object.assign(stage, { inset, below });
+    const top = Math.min($("notes").clientHeight, height / 4), bottom = Math.min($("playback").clientHeight + 20, height / 2);
+    if (top === this.top && bottom === stage.below) return;
+    this.top = top;
+    stage.below = bottom;
+    stage.cover = () => ({ top, bottom, corner: [[0, 0]] });
     if (stage.fitted) stage.fit();
   }
 

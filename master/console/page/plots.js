@@ -1,5 +1,5 @@
 // Live line plots on a canvas of their own: ten seconds, a few lines, scaled to what is seen.
-const kSpan_s = 10, kPoints = 1024;
+const kSpan_s = 10, kPoints = 1024, kLeast = 0.1;
 
 export class Plot {
   constructor(canvas, output, lines, format) {
@@ -48,7 +48,7 @@ export class Plot {
       for (const line of this.values) most = Math.max(most, line[at]);
     }
     // The scale follows upwards at once and downwards slowly, in steps of 1, 2 and 5.
-    const step = 10 ** Math.floor(Math.log10(Math.max(most, 1e-9)));
+    const step = 10 ** Math.floor(Math.log10(Math.max(most, kLeast)));
     const wanted = [1, 2, 5, 10].map((k) => k * step).find((top) => top >= most) ?? 1;
     this.top = wanted > this.top ? wanted : this.top > 2.5 * wanted ? wanted : this.top;
     context.strokeStyle = "#39414a";

@@ -14,8 +14,10 @@ export class Stage {
     this.dirty = true;
     this.centre = { x: 0, y: 0 };
     this.scale = 20000;      // pixels (CSS) a metre
-    this.inset = 0;          // pixels at the top that words cover,
-    this.below = 0;          // and at the bottom
+    // Pixels that words and buttons cover: at the top, at the bottom, and in the corner at the right below, of which
+    // either the width or the height may be kept clear: [width, height] of each way to do so.
+    this.cover = () => ({ top: 0, bottom: 0, corner: [[0, 0]] });
+    this.below = 0;          // of these, at the bottom
     this.fitted = true;      // the view follows the contour until somebody changes it
     this.state = null;
     this.drag = null;
@@ -87,9 +89,16 @@ export class Stage {
     for (let n = 0; n < p.length; n += 2) {
       x0 = Math.min(x0, p[n]); x1 = Math.max(x1, p[n]); y0 = Math.min(y0, p[n + 1]); y1 = Math.max(y1, p[n + 1]);
     }
-    const margin = Math.min(width, height) * 0.06 + 24, room = height - this.inset - this.below;
-    this.scale = Math.min((width - 2 * margin) / (x1 - x0 || 1e-3), (room - 2 * margin) / (y1 - y0 || 1e-3));
-    this.centre = { x: (x0 + x1) / 2, y: (y0 + y1) / 2 + (this.inset - this.below) / 2 / this.scale };
+    const { top, bottom, corner } = this.cover();
+    const margin = Math.min(Math.min(width, height) * 0.06 + 24, (height - top - bottom) / 6);
+    const [dx, dy] = [x1 - x0 || 1e-3, y1 - y0 || 1e-3];
+    const ways = corner.map(([right, low]) => ({ right, low: bottom + low,
+      scale: Math.min((width - right - 2 * margin) / dx, (height - top - bottom - low - 2 * margin) / dy) }));
+    const { right, low, scale } = ways.reduce((best, way) => (way.scale > best.scale ? way : best));
+    this.scale = Math.max(1000, scale);
+    this.below = bottom;
+    const aside = Math.max(0, this.scale * dx / 2 + right + margin / 2 - width / 2);  // in the middle, if that is free
+    this.centre = { x: (x0 + x1) / 2 + aside / this.scale, y: (y0 + y1) / 2 + (top - low) / 2 / this.scale };
   }
 
   zoom(by, clientX, clientY) {

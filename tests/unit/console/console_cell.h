@@ -57,6 +57,13 @@ class ConsoleTest : public ::testing::Test {
     }
     return texts;
   }
+  /// The newest words that it gets; null: none.
+  nlohmann::json words(std::uint32_t page) {
+    nlohmann::json words;
+    for (const auto& text : read(page))
+      if (text["type"] == "words") words = text;
+    return words;
+  }
   std::string refusal(std::uint32_t page) {
     for (const auto& text : read(page))
       if (text["type"] == "refused") return text["why"];

@@ -111,6 +111,14 @@ TEST_F(ConsoleTest, AnyoneStopsAndAStopTakesTheHandAway) {
   ASSERT_TRUE(console.stop().step({}, now_ns));
   move(first, PageFrame::kHeld | PageFrame::kTrigger);
   EXPECT_TRUE(hand().empty());
+  pass(50);
+  EXPECT_EQ(words(first)["driver"], "nobody");
+  say(first, R"({"do":"engage"})");
+  EXPECT_EQ(refusal(first), "You watch: take the hand first");
+  take(first);
+  read(first);
+  move(first, PageFrame::kHeld | PageFrame::kTrigger);
+  EXPECT_TRUE(hand().empty());
   say(first, R"({"do":"engage"})");
   EXPECT_EQ(refusal(first), "Not engaged: clear the stop first");
   say(first, R"({"do":"arm","value":1})");
@@ -269,25 +277,6 @@ TEST_F(ConsoleTest, AMasterThatDoesNotListenIsSaid) {
   console.hear(UdpHandAnswer{});
   pass(100);
   EXPECT_FALSE(deaf());
-}
-
-TEST_F(ConsoleTest, WhatTheCellRefusesIsSaidToWhoDrives) {
-  take(first);
-  read(first);
-  console.hear(EventMessage{6, EventMessage::Kind::kAnswer, 1.0, "master: of somebody else"});
-  console.hear(EventMessage{5, EventMessage::Kind::kAnswer, 0.0, "master: done"});
-  EXPECT_EQ(refusal(first), "");
-  console.hear(EventMessage{5, EventMessage::Kind::kAnswer, 1.0, "master: refused, for a reason"});
-  EXPECT_EQ(refusal(first), "master: refused, for a reason");
-}
-
-TEST_F(ConsoleTest, AScaleThatTheMasterDoesNotTakeIsSaid) {
-  take(first);
-  read(first);
-  say(first, R"({"do":"beta","value":0.05})");
-  EXPECT_EQ(refusal(first), "");
-  for (int n = 0; n < 3; ++n, pass(1000)) move(first, 0);
-  EXPECT_EQ(refusal(first), "The scale stays 1.00: the master cannot take the contour at 0.05 now");
 }
 
 }  // namespace

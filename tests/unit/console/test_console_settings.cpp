@@ -30,6 +30,7 @@ TEST_F(ConsoleTest, WhoDrivesChangesTheCommandStreamBetweenTwoEngagements) {
   EXPECT_EQ(refusal(first), "Law, estimator and codec change between two engagements: disengage first");
   tell(2.0);
   say(second, R"({"do":"stop"})");
+  take(first);
   say(first, local);
   EXPECT_EQ(refusal(first), "Law, estimator and codec stay while everything is stopped");
   pass(100);

@@ -95,13 +95,34 @@ TEST_F(RunShelfTest, OneThatHangsIsEndedAndTheNextIsAnswered) {
   EXPECT_EQ(ask(closed, {}).status, 504);
 }
 
-TEST_F(RunShelfTest, OneAtATime) {
-  RunShelf shelf(context_, {.folder = ".", .inspect = program("sleep 0.2; echo list")});
+TEST_F(RunShelfTest, SeveralReadAtTheSameTimeAndOfVeryManyTheLastAreRefused) {
+  // Each waits for the others: one after the other they would give up.
+  RunShelf shelf(context_, {.folder = ".",
+                            .inspect = program("d=$(dirname $0); : >$d/here.$$; n=0\n"
+                                               "while [ $(ls $d | grep -c here) -lt 3 ]; do\n"
+                                               "  sleep 0.05; n=$((n + 1)); [ $n -lt 100 ] || exit 1\n"
+                                               "done; echo list")});
   std::vector<int> answers;
-  shelf.ask({}, [&](RunShelf::Answer answer) { answers.push_back(answer.status); });
-  shelf.ask({}, [&](RunShelf::Answer answer) { answers.push_back(answer.status); });
+  for (std::size_t n = 0; n < RunShelf::kAtOnce + RunShelf::kMostWaiting + 2; ++n)
+    shelf.ask({}, [&](RunShelf::Answer answer) { answers.push_back(answer.status); });
   context_.run();
-  EXPECT_EQ(answers, (std::vector<int>{503, 200}));
+  std::vector<int> expected(RunShelf::kAtOnce + RunShelf::kMostWaiting, 200);
+  expected.insert(expected.begin(), 2, 503);
+  EXPECT_EQ(answers, expected);
+  Metrics figures;
+  shelf.add_figures(figures);
+  EXPECT_EQ(figures["runs_read"], 15.0);
+  EXPECT_EQ(figures["runs_refused"], 2.0);
+}
+
+TEST_F(RunShelfTest, WhatWaitsIsAnsweredWhenTheConsoleEnds) {
+  std::vector<int> answers;
+  {
+    RunShelf shelf(context_, {.folder = ".", .inspect = program("exec sleep 60")});
+    for (int n = 0; n < 5; ++n) shelf.ask({}, [&](RunShelf::Answer answer) { answers.push_back(answer.status); });
+  }
+  context_.run();
+  EXPECT_EQ(answers, std::vector<int>(5, 503));
 }
 
 }  // namespace

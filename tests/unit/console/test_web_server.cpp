@@ -8,10 +8,14 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
 
 #include "common/runtime/startup_error.h"
+#include "master/console/connection_limits.h"
 #include "master/console/page_files.h"
 #include "master/console/web_server.h"
 
@@ -44,6 +48,10 @@ class WebServerTest : public ::testing::Test {
   std::string get(const std::string& target, const std::string& more = "") {
     return ask("GET " + target + " HTTP/1.1\r\nHost: " + host() + "\r\nConnection: close\r\n" + more +
                "\r\n");
+  }
+  nlohmann::json figures() {
+    const std::string status = get("/status");
+    return nlohmann::json::parse(status.substr(status.find("\r\n\r\n")));
   }
   static bool is(const std::string& answer, const char* status) {
     return answer.starts_with(std::string("HTTP/1.1 ") + status);
@@ -80,6 +88,47 @@ TEST_F(WebServerTest, ServesThePageWithItsTokenAndNothingElse) {
     EXPECT_TRUE(is(get(none), "404")) << none;
   EXPECT_TRUE(is(get("/ws"), "426"));
   EXPECT_TRUE(is(ask("POST / HTTP/1.1\r\nHost: " + host() + "\r\nConnection: close\r\n\r\n"), "405"));
+}
+
+TEST_F(WebServerTest, WhoAsksForTheHeadGetsNoBody) {
+  for (const char* target : {"/", "/main.js", "/contour?id=1", "/status", "/nothing", "/runs"}) {
+    const std::string head = ask("HEAD " + std::string(target) + " HTTP/1.1\r\nHost: " + host() + "\r\nConnection: close\r\n\r\n");
+    EXPECT_TRUE(head.ends_with("\r\n\r\n")) << target << ": " << head.substr(0, 2000);
+    EXPECT_NE(head.find("Content-Length: "), head.npos) << target;
+  }
+  const std::string both = ask("HEAD / HTTP/1.1\r\nHost: " + host() + "\r\n\r\nGET /nothing HTTP/1.1\r\nHost: " + host() +
+                               "\r\nConnection: close\r\n\r\n");
+  EXPECT_EQ(both.find("HTTP/1.1 404"), both.find("\r\n\r\n") + 4) << "the next answer follows the head";
+}
+
+TEST_F(WebServerTest, OneComputerThatTakesAllConnectionsItMayIsRefusedMoreWithASentence) {
+  boost::asio::io_context own;
+  std::vector<tcp::socket> held;
+  for (int n = 0; n < ConnectionLimits::kMostOfOne; ++n) held.emplace_back(own).connect({kLoopback, server.port()});
+  const std::string answer = get("/");
+  EXPECT_TRUE(is(answer, "503")) << answer;
+  EXPECT_TRUE(answer.ends_with("close a page\n")) << answer;
+  held.clear();
+  std::string page;
+  for (int n = 0; n < 200 && !is(page, "200"); ++n, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+    page = get("/");
+  EXPECT_TRUE(is(page, "200"));
+  EXPECT_GE(figures()["web_refused_connections"], 1);
+  for (int n = 0; n < 200 && figures()["web_connections"] != 1; ++n)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(figures()["web_connections"], 1) << "every place is free again but the asker's own";
+}
+
+TEST_F(WebServerTest, WhatIsCountedIsToldAndStandsInTheReference) {
+  (void)get("/", "Origin: http://evil.example\r\n");
+  EXPECT_NE(get("/status").find("Content-Type: application/json"), std::string::npos);
+  const auto told = figures();
+  EXPECT_EQ(told["web_refused_requests"], 1);
+  std::ifstream in(TELEKERF_CONSOLE_PAGE);
+  const std::string reference(std::istreambuf_iterator<char>(in), {});
+  EXPECT_GE(told.size(), 12u);
+  for (const auto& [name, value] : told.items())
+    EXPECT_NE(reference.find("| `" + name + "` |"), reference.npos) << name;
 }
 
 TEST_F(WebServerTest, OtherNamesAndOtherPagesAreRefused) {

@@ -326,5 +326,43 @@ TEST(Emulation, UnderTheBeamTheNetworkStaysAndWhoAsksIsToldWhy) {
   EXPECT_EQ(tell(console, geo, {"slave", "vision"}), std::vector<std::string>{"slave"});
 }
 
+TEST(Emulation, ACellSwitchesTogetherOrNotAtAllAndTheSlaveDecides) {
+  EmulatedBus slave(settings("slave", Site::kSlave), constant(0.0, 0.0));
+  EmulatedBus master(settings("master"), constant(0.0, 0.0));
+  netem::NetemSwitch switch_of_slave(slave, slave.emulator);
+  const netem::NetemSwitch switch_of_master(master, master.emulator);
+  auto asking = settings("netem-switch");
+  asking.epoch = 9;
+  Bus console(asking);
+  ASSERT_TRUE(soon([&] { return console.others().size() == 2 && master.bus.others().size() == 2; }));
+  const auto figures = [](const netem::NetemSwitch& of) {
+    Metrics all;
+    of.add_figures(all);
+    return all;
+  };
+  EventMessage lan;
+  lan.kind = EventMessage::Kind::kSetNetem;
+  lan.text = "lan";
+  switch_of_slave.beam(true);  // which the master need not have seen yet
+  std::string refusal;
+  const auto refused_by_both = [&] {
+    try {
+      (void)tell(console, lan, {"master", "slave"});
+    } catch (const StartupError& refused) {
+      refusal = refused.what();
+    }
+    return refusal.find("slave: the network stays as it is: not while the beam is on") != refusal.npos &&
+           refusal.find("master: the network stays as it is: as at the slave") != refusal.npos;
+  };
+  EXPECT_TRUE(soon(refused_by_both)) << refusal;  // each is found in its own time
+  EXPECT_EQ(figures(switch_of_master)["netem_switched"], 0.0);
+  EXPECT_GE(figures(switch_of_master)["netem_refused_by_slave"], 1.0);
+  EXPECT_GE(figures(switch_of_slave)["netem_refused_beam_on"], 1.0);
+  EXPECT_EQ(figures(switch_of_slave)["netem_switched"], 0.0);
+  switch_of_slave.beam(false);
+  EXPECT_EQ(tell(console, lan, {"master", "slave"}).size(), 2u);
+  EXPECT_GE(figures(switch_of_master)["netem_switched"], 1.0);
+}
+
 }  // namespace
 }  // namespace telekerf

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many connections the server bears, and of whom: one computer does not lock the others out, and others never this
+// one.
+#pragma once
+
+#include <boost/asio/ip/address.hpp>
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace telekerf::master {
+
+/// Pure: time is what it is told.
+class ConnectionLimits {
+ public:
+  static constexpr int kMost = 64;
+  static constexpr int kMostOfOne = 24;                 ///< of one address; of IPv6 of one network of 64 bits
+  static constexpr int kMostOfOthers = kMost - kMostOfOne;  ///< of all other computers together
+  static constexpr std::int64_t kAgain_ns = 10'000'000'000;
+
+  /// False: refused, and counted. Who was admitted has to leave.
+  bool admit(const boost::asio::ip::address& from);
+  void leave(const boost::asio::ip::address& from);
+  /// One sentence of those that were refused since the last one, every kAgain_ns at most; mostly empty.
+  std::string due(std::int64_t now_ns);
+
+  int open() const noexcept { return open_; }
+  std::uint64_t refused() const noexcept { return refused_; }
+
+ private:
+  std::map<std::string, int> of_;  ///< by address
+  int open_ = 0;
+  int others_ = 0;  ///< of other computers
+  std::uint64_t refused_ = 0;
+  std::uint64_t said_ = 0;  ///< of these
+  std::int64_t said_ns_ = 0;
+  std::string last_;  ///< who was refused, and why
+};
+
+}  // namespace telekerf::master
