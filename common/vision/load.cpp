@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "common/vision/raster/picture_file.h"
@@ -89,6 +90,13 @@ tl::expected<LoadedContours, std::string> vector_contours(const std::string& pat
   return out;
 }
 
+/// What is said of a picture beyond its mode: what of it is left out, or was taken for what it is not.
+std::string remarks_in(const std::string& why) {
+  constexpr std::string_view kNext = "; ";
+  const auto end = why.find(kNext);
+  return end == std::string::npos ? "" : why.substr(end + kNext.size());
+}
+
 tl::expected<LoadedContours, std::string> contours_on_paper(const cv::Mat& image,
                                                             const LoadRequest& request) {
   if (request.scale.picture_width_m || request.scale.picture_height_m)
@@ -108,8 +116,9 @@ tl::expected<LoadedContours, std::string> contours_on_paper(const cv::Mat& image
     *box << first.cwiseMin(last), (last - first).cwiseAbs();
   }
   auto out = contours_of(flat->picture, on_sheet);
-  if (out)
-    out->why += fmt::format("; size and perspective are those of the {} sheet", kPapers.word(request.paper));
+  if (!out) return out;
+  out->why += fmt::format("; size and perspective are those of the {} sheet", kPapers.word(request.paper));
+  out->remarks = remarks_in(out->why);
   return out;
 }
 
@@ -154,6 +163,7 @@ tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, cons
                                                : fmt::format("{} small contours", found->left_out.small),
                     1e3 * out.metres_per_pixel * found->left_out.largest_px);
   }
+  out.remarks = remarks_in(out.why);
   for (const PixelContour& contour : found->contours) {
     out.contours.push_back(to_workpiece(contour, out.scale));
     out.noise_m.push_back(contour.noise_px * out.metres_per_pixel);

@@ -35,9 +35,9 @@ struct ContourLabel {
 
 /// All contours share one frame: that of the selected one's anchor.
 struct LoadedContours {
-  std::string mode;  ///< outline, stroke, thesis, or vector
-  std::string why;
-  std::string remarks;                       ///< what people should know of a drawing; often empty
+  std::string mode;                          ///< outline, stroke, thesis, or vector
+  std::string why;                           ///< of the mode, and then the remarks
+  std::string remarks;                       ///< what people should know of what was found; often empty
   std::string unsupported;                   ///< what of a vector drawing is left out, "2 text, 1 image"
   std::vector<geometry::Polyline> contours;  ///< metres, largest first
   std::vector<double> noise_m;               ///< quality of each contour's points

@@ -115,12 +115,12 @@ tl::expected<Job, std::string> make_job(const std::vector<geometry::Polyline>& c
   double length_m = 0.0;
   for (const std::size_t which : *order) {
     auto line = geometry::compensated(contours[which], settings.kerf_m, holes[which]);
-    if (!line) return tl::unexpected(line.error());
+    if (!line) return tl::unexpected(fmt::format("contour {}: {}", which, line.error()));
     if (const std::string what = geometry::passed_by(contours[which], *line, settings.kerf_m); !what.empty())
       warnings.push_back(fmt::format("contour {}: {}", which, what));
     lines.push_back(std::move(*line));
     auto plan = make_timed_path(lines.back(), settings.plan);
-    if (!plan) return tl::unexpected(plan.error());
+    if (!plan) return tl::unexpected(fmt::format("contour {}: {}", which, plan.error()));
     length_m += plan->path.length_m();
     plans.push_back(std::move(*plan));
     all.insert(all.end(), lines.back().points_m.begin(), lines.back().points_m.end());

@@ -72,7 +72,15 @@ tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& fr
   remarks_ = loaded->remarks;
   contrast_ = loaded->contrast;
   noise_ = loaded->picture_noise;
-  return message_of(*loaded, frame.source, request_.workspace_radius_m);
+  auto message = message_of(*loaded, frame.source, request_.workspace_radius_m);
+  if (message && message->further.size() + 1 < loaded->contours.size()) {
+    remarks_ += fmt::format(
+        "{}of {} contours the smallest {} are left out: a message holds {} further lines and {} points of "
+        "them",
+        remarks_.empty() ? "" : "; ", loaded->contours.size(),
+        loaded->contours.size() - 1 - message->further.size(), kMaxContourLines, kMaxContourPoints);
+  }
+  return message;
 }
 
 tl::expected<VisionNode::Outcome, std::string> VisionNode::look(std::string_view words) {

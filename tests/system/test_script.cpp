@@ -173,7 +173,11 @@ TEST_F(Script, AMachinistSeesThePlanFirstAndCutsOneContourOfIt) {
             std::string::npos)
       << plan.out;
   EXPECT_TRUE(fs::exists(here_ / "plan/overlay.png"));
-  EXPECT_FALSE(fs::exists(here_ / "plan/result.json"));
+  // Nothing of another size lies beside the plan, not even hidden.
+  for (const auto& file : fs::directory_iterator(here_ / "plan")) {
+    const std::string name = file.path().filename();
+    EXPECT_TRUE(name == "overlay.png" || name == "vision.h5") << name;
+  }
   const Ended none = run("machine plate.svg --select 3 --out none --domain " + own_domain());
   EXPECT_EQ(none.code, 2);
   EXPECT_NE(none.err.find("--select 3: there are the contours 0 to 2"), std::string::npos) << none.err;
@@ -252,6 +256,20 @@ TEST_F(ScriptFlags, OfAMachineGoToTheProgramThatKnowsThem) {
   EXPECT_NE(text_of("vision.txt").find("--cell=machine-"), std::string::npos);
 }
 
+TEST_F(ScriptFlags, AListGivenInPartsArrivesWholeAndIsLookedAtLikewise) {
+  const Ended machine =
+      run("machine 'a b.png' --at 1,2 --width-mm 30 --at=3,4 --select 0 --select 2 --width-mm 40 --not 5,6 "
+          "--level 0.4 --dry-run --out cut");
+  ASSERT_EQ(machine.code, 0) << machine.err;
+  for (const std::string program : {"vision", "inspect"}) {
+    for (const std::string words : {"--at 1,2 --at 3,4", "--not 5,6", "--width-mm 40", "--level 0.4"})
+      EXPECT_TRUE(has(program, words)) << program << words << text_of(program + ".txt");
+    EXPECT_FALSE(has(program, "--width-mm 30"));
+  }
+  EXPECT_TRUE(has("machine", "--select 0 --select 2")) << text_of("machine.txt");
+  EXPECT_FALSE(has("inspect", "--fit-all"));
+}
+
 TEST_F(ScriptFlags, ByHandTheMasterHearsThePageAndNobodyElseEngages) {
   const Ended demo = run("demo --by-hand --port 48123 --token 12345678 --out cut");
   ASSERT_EQ(demo.code, 0) << demo.err;
@@ -295,6 +313,7 @@ TEST_F(ScriptFlags, ThatNobodyKnowsAreRefusedBeforeAnythingStarts) {
                                   "machine --seed 1",
                                   "machine heart --beta 1",
                                   "machine heart --image gear",
+                                  "machine heart --vision-select 1",
                                   "machine heart --config c",
                                   "demo --netem mars",
                                   "demo --by-hand --no-console",

@@ -52,17 +52,21 @@ std::vector<Vec2> beginning_of(const std::vector<Vec2>& way, double length_m) {
   return out;
 }
 
-/// Writes moves, and knows where the last one ended.
+/// Writes moves, and knows where the last one ended and how far it went with the beam and without.
 struct Writer {
-  std::string& text;
   const GCodeSettings& settings;
+  std::string text;
   Vec2 at = Vec2::Zero();
+  double travel_m = 0.0;
+  double cut_m = 0.0;
 
   void go_to(const Vec2& p) {
     fmt::format_to(std::back_inserter(text), "G0 X{:.4f} Y{:.4f}\n", 1e3 * p.x(), 1e3 * p.y());
+    travel_m += (p - at).norm();
     at = p;
   }
   void burn_along(const std::vector<Vec2>& way) {
+    cut_m += geometry::length_m({way, false});
     for (const Move& move : moves_along(way, settings.tolerance_m, settings.arcs)) {
       if ((move.to_m - at).norm() < settings.min_segment_m) continue;
       fmt::format_to(std::back_inserter(text), "{} X{:.4f} Y{:.4f}",
@@ -88,38 +92,39 @@ tl::expected<GCode, std::string> to_gcode(std::span<const geometry::Polyline> co
   const auto prepared_lines = prepared(contours, settings, out.warnings);
   if (!prepared_lines) return tl::unexpected(prepared_lines.error());
   const std::vector<geometry::Polyline>& all = *prepared_lines;
-  const geometry::CuttingOrder cut = geometry::cutting_order(all);
-  out.travel_m = cut.travel_m;
-  double length = 0.0;
+  Writer writer{settings, {}};
   std::vector<Vec2> points;
-  for (const auto& line : all) {
-    length += geometry::length_m(line) * settings.passes + (line.closed ? settings.overlap_m : 0.0);
-    points.insert(points.end(), line.points_m.begin(), line.points_m.end());
-  }
-  out.cutting_time_s = length / settings.cutting_speed_m_per_s + cut.travel_m / settings.travel_speed_m_per_s;
-  const geometry::Box box = geometry::bounding_box(points);
-  auto to = std::back_inserter(out.text);
-  fmt::format_to(to, "(telekerf contour: {} paths, {:.3f} x {:.3f} mm, {:.3f} mm to cut, about {:.1f} s)\n",
-                 all.size(), 1e3 * box.size().x(), 1e3 * box.size().y(), 1e3 * length, out.cutting_time_s);
-  fmt::format_to(to,
-                 "(M4: laser power follows the speed; frame: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f} mm)\n",
-                 1e3 * box.min.x(), 1e3 * box.max.x(), 1e3 * box.min.y(), 1e3 * box.max.y());
-  // G91.1: the centres of arcs are given from where each begins.
-  fmt::format_to(to, "G21 G90 G17{}\nM5\n", settings.arcs ? " G91.1" : "");
-  Writer writer{out.text, settings};
-  for (const std::size_t index : cut.order) {
+  for (const std::size_t index : geometry::cutting_order(all).order) {
+    points.insert(points.end(), all[index].points_m.begin(), all[index].points_m.end());
     const geometry::Polyline line = geometry::without_duplicates(all[index], settings.min_segment_m);
-    if (line.points_m.empty()) continue;
+    if (line.size() < 2) {
+      out.warnings.push_back(fmt::format("contour {}: is smaller than a move of {:g} mm, so it is not cut",
+                                         index, 1e3 * settings.min_segment_m));
+      continue;
+    }
     std::vector<Vec2> way = way_along(line);
     writer.go_to(way.front());
-    fmt::format_to(to, "M4 S{}\nF{:.1f}\n", settings.full_power, 6e4 * settings.cutting_speed_m_per_s);
+    fmt::format_to(std::back_inserter(writer.text), "M4 S{}\nF{:.1f}\n", settings.full_power,
+                   6e4 * settings.cutting_speed_m_per_s);
     for (int pass = 0; pass < settings.passes; ++pass) {
       writer.burn_along(way);
       if (!line.closed) std::reverse(way.begin(), way.end());  // an open line is cut there and back
     }
     if (line.closed) writer.burn_along(beginning_of(way, settings.overlap_m));
-    out.text += "M5\n";
+    writer.text += "M5\n";
   }
+  out.travel_m = writer.travel_m + writer.at.norm();
+  out.cutting_time_s =
+      writer.cut_m / settings.cutting_speed_m_per_s + out.travel_m / settings.travel_speed_m_per_s;
+  const geometry::Box box = geometry::bounding_box(points);
+  out.text = fmt::format(
+      "(telekerf contour: {} paths, {:.3f} x {:.3f} mm, {:.3f} mm to cut, about {:.1f} s)\n"
+      "(M4: laser power follows the speed; frame: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f} mm)\n",
+      all.size(), 1e3 * box.size().x(), 1e3 * box.size().y(), 1e3 * writer.cut_m, out.cutting_time_s,
+      1e3 * box.min.x(), 1e3 * box.max.x(), 1e3 * box.min.y(), 1e3 * box.max.y());
+  // G91.1: the centres of arcs are given from where each begins.
+  out.text += fmt::format("G21 G90 G17{}\nM5\n", settings.arcs ? " G91.1" : "");
+  out.text += writer.text;
   out.text += "G0 X0 Y0\nM2\n";
   return out;
 }

@@ -25,8 +25,8 @@ struct GCodeSettings {
 };
 struct GCode {
   std::string text;
-  double cutting_time_s = 0.0;  ///< at constant speeds; corners take a little longer
-  double travel_m = 0.0;
+  double cutting_time_s = 0.0;        ///< at constant speeds; corners take a little longer
+  double travel_m = 0.0;              ///< beam off, from 0,0 and back there
   std::vector<std::string> warnings;  ///< what of the contours is not cut
 };
 /// Millimetres, inner contours first, short travel. M4 lets the controller hold the laser's power

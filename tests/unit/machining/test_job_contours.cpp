@@ -46,6 +46,19 @@ TEST(JobContours, ChosenContoursKeepTheirNumbersAndAHoleChosenAloneIsStillOne) {
   }
 }
 
+TEST(JobContours, AContourThatCannotBeCutIsNamed) {
+  JobSettings settings;
+  settings.kerf_m = 0.2e-3;
+  const auto job = make_job({square(10e-3), square(0.1e-3)}, settings);
+  ASSERT_FALSE(job);
+  EXPECT_EQ(job.error(),
+            "contour 1: it is somewhere narrower than the kerf of 0.2 mm; use a smaller --kerf-um");
+  settings.kerf_m = 0.0;
+  const auto none = make_job({square(10e-3), {{{0, 0}, {0, 0}}, false}}, settings);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().find("contour 1: "), 0u) << none.error();
+}
+
 TEST(JobContours, ASlotThatTheBeamCannotEnterIsSaid) {
   geometry::Polyline plate = square(10e-3);
   plate.points_m.insert(plate.points_m.begin() + 1,

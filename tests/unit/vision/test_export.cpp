@@ -205,6 +205,42 @@ TEST(Export, GCodeMovesClosedContoursByHalfTheKerfAndItsOriginToWhereItIsAsked) 
             "contour 1: it is somewhere narrower than the kerf of 6 mm; use a smaller --kerf-um");
 }
 
+TEST(Export, GCodeSaysTheLengthAndWaysThatItsMovesHave) {
+  const Polyline square{{{0.01, 0.01}, {0.02, 0.01}, {0.02, 0.02}, {0.01, 0.02}}, true};
+  const Polyline line{{{0.03, 0.01}, {0.05, 0.01}}, false};
+  for (const int passes : {1, 2}) {
+    for (const double overlap_m : {0.0, 1e-3, 1.0}) {  // beyond a whole lap nothing is left to close
+      const GCode g = *to_gcode(std::vector<Polyline>{square, line},
+                                {.cutting_speed_m_per_s = 0.01, .overlap_m = overlap_m, .passes = passes});
+      double cut_mm = 0.0;
+      double travel_mm = 0.0;
+      Vec2 at(0, 0);
+      std::istringstream in(g.text);
+      for (std::string text; std::getline(in, text);) {
+        int word = 0;
+        Vec2 to(0, 0);
+        if (std::sscanf(text.c_str(), "G%d X%lf Y%lf", &word, &to.x(), &to.y()) < 3) continue;
+        (word == 0 ? travel_mm : cut_mm) += (to - at).norm();
+        at = to;
+      }
+      EXPECT_EQ(at, Vec2(0, 0));
+      EXPECT_NEAR(cut_mm, passes * 60.0 + std::min(1e3 * overlap_m, 40.0), 1e-3);
+      EXPECT_NEAR(1e3 * g.travel_m, travel_mm, 1e-3) << passes << ' ' << overlap_m;
+      EXPECT_NEAR(g.cutting_time_s, 1e-3 * cut_mm / 0.01 + 1e-3 * travel_mm / 0.05, 1e-4);
+      EXPECT_NE(g.text.find(fmt::format(" {:.3f} mm to cut", cut_mm)), std::string::npos) << g.text;
+    }
+  }
+}
+
+TEST(Export, WhatIsSmallerThanAMoveOfGCodeIsNamed) {
+  const Polyline square{{{0, 0}, {0.01, 0}, {0.01, 0.01}, {0, 0.01}}, true};
+  const Polyline speck{{{0.02, 0}, {0.020001, 0}, {0.020001, 1e-6}}, true};
+  const GCode g = *to_gcode(std::vector<Polyline>{square, speck});
+  ASSERT_EQ(g.warnings.size(), 1u);
+  EXPECT_EQ(g.warnings[0], "contour 1: is smaller than a move of 0.005 mm, so it is not cut");
+  EXPECT_EQ(g.text.find("M4 S"), g.text.rfind("M4 S")) << g.text;
+}
+
 TEST(Export, SvgOfALineIsThis) {
   const Polyline line{{{0.01, 0.02}, {0.03, 0.05}}, false};
   const Polyline triangle{{{0.01, 0.02}, {0.02, 0.02}, {0.01, 0.03}}, true};

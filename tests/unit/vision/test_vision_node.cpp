@@ -25,6 +25,44 @@ TEST(VisionNode, SaysWhatOfADrawingItDoesNotFollow) {
   EXPECT_EQ(outcome.remark, "part.svg: not followed: 1 text");
 }
 
+TEST(VisionNode, SaysWhatOfAPictureIsNotCut) {
+  cv::Mat picture(400, 400, CV_8U, cv::Scalar(230));
+  cv::circle(picture, {200, 200}, 120, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  VisionNode node({});
+  EXPECT_EQ(node.step(Frame{"a.png", "", picture, false}).remark, "");
+  cv::circle(picture, {40, 40}, 3, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  cv::circle(picture, {0, 200}, 20, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  VisionNode other({});
+  const auto outcome = other.step(Frame{"a.png", "", picture, false});
+  ASSERT_TRUE(outcome.publish) << outcome.remark;
+  EXPECT_TRUE(outcome.publish->further.empty());
+  EXPECT_EQ(outcome.remark.find("a.png: 1 shape that touches the picture's border left out"), 0u)
+      << outcome.remark;
+  EXPECT_NE(outcome.remark.find("; 1 small contour of at most"), std::string::npos) << outcome.remark;
+  EXPECT_NE(outcome.remark.find("--smallest-mm"), std::string::npos) << outcome.remark;
+}
+
+TEST(VisionNode, SaysHowManyLinesOfADrawingNoMessageHolds) {
+  const Folder folder("many");
+  const auto remark_on = [&](int holes) {
+    std::ofstream out(folder.file("plate.svg"));
+    out << "<svg width='30mm' height='30mm' viewBox='0 0 30 30'><rect width='28' height='28'/>";
+    for (int i = 0; i < holes; ++i)
+      out << "<rect x='" << 1 + 0.5 * (i % 50) << "' y='" << 1 + 0.5 * (i / 50)
+          << "' width='.2' height='.2'/>";
+    out << "</svg>";
+    out.close();
+    VisionNode node({.workspace_radius_m = 0.03});
+    const auto outcome = node.step(Frame{"plate.svg", folder.file("plate.svg"), {}, false});
+    EXPECT_EQ(outcome.publish->further.size(), 1000u);
+    return outcome.remark;
+  };
+  EXPECT_EQ(remark_on(1000), "");
+  EXPECT_EQ(remark_on(1003),
+            "plate.svg: of 1004 contours the smallest 3 are left out: a message holds 1000 further lines and "
+            "100000 points of them");
+}
+
 TEST(VisionNode, ALiveContourIsPublishedOnceWhenFramesAgree) {
   VisionNode node(at_true_size());
   int published = 0;
