@@ -146,15 +146,18 @@ tl::expected<LoadedContours, std::string> contours_of(const cv::Mat& image, cons
   out.picture_noise = found->noise;
   out.picture_width_px = found->picture_width_px;
   out.picture_height_px = found->picture_height_px;
-  PixelContour fitted = found->contours[request.select];
-  if (request.fit_all) {
-    for (std::size_t i = 0; i < found->contours.size(); ++i) {
-      if (i == request.select) continue;
-      const auto& others = found->contours[i].points_px;
-      fitted.points_px.insert(fitted.points_px.end(), others.begin(), others.end());
-    }
+  const PixelContour& chosen = found->contours[request.select];
+  PixelContour all = chosen;
+  for (std::size_t i = 0; i < found->contours.size(); ++i) {
+    if (i == request.select) continue;
+    const auto& others = found->contours[i].points_px;
+    all.points_px.insert(all.points_px.end(), others.begin(), others.end());
   }
-  out.scale = scale_for(fitted, found->picture_width_px, found->picture_height_px, request.scale);
+  const auto scale_of = [&](const PixelContour& fitted) {
+    return scale_for(fitted, found->picture_width_px, found->picture_height_px, request.scale);
+  };
+  out.scale = scale_of(request.fit_all ? all : chosen);
+  if (request.scale.anchor == AnchorMode::kLowerLeft) out.scale.anchor_px = scale_of(all).anchor_px;
   out.metres_per_pixel = out.scale.metres_per_pixel;
   if (found->left_out.small > 0) {
     out.why +=

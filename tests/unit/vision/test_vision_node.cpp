@@ -42,6 +42,26 @@ TEST(VisionNode, SaysWhatOfAPictureIsNotCut) {
   EXPECT_NE(outcome.remark.find("--smallest-mm"), std::string::npos) << outcome.remark;
 }
 
+TEST(VisionNode, TheLowerLeftCornerIsThatOfAllLinesOfAPicture) {
+  cv::Mat picture(400, 600, CV_8U, cv::Scalar(230));
+  cv::circle(picture, {400, 150}, 100, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  cv::circle(picture, {80, 330}, 40, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
+  for (const bool all : {false, true}) {
+    VisionNode node({.anchor = vision::AnchorMode::kLowerLeft,
+                     .width_m = 0.06,
+                     .workspace_radius_m = 0.1,
+                     .fit_all = all});
+    const auto outcome = node.step(Frame{"two.png", "", picture, false});
+    ASSERT_TRUE(outcome.publish) << outcome.remark;
+    ASSERT_EQ(outcome.publish->further.size(), 1u);
+    std::vector<Vec2> points = outcome.publish->points_m;
+    EXPECT_GT(geometry::bounding_box(points).min.x(), 0.02);
+    const auto& other = outcome.publish->further[0].points_m;
+    points.insert(points.end(), other.begin(), other.end());
+    EXPECT_LT(geometry::bounding_box(points).min.norm(), 1e-12) << all;
+  }
+}
+
 TEST(VisionNode, SaysHowManyLinesOfADrawingNoMessageHolds) {
   const Folder folder("many");
   const auto remark_on = [&](int holes) {
