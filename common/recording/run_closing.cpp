@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "common/recording/flight.h"
@@ -33,6 +34,18 @@ std::uint64_t read_piece(const RunReader& from, std::size_t series, std::uint64_
   for (std::uint64_t done = 0; done < rows; done += kRowsOfAChunk)
     damaged += read_piece(from, series, first + done, std::min(kRowsOfAChunk, rows - done), take);
   return damaged;
+}
+
+/// Time of the newest row of all, s; 0: there is none.
+double newest_s(std::span<const SeriesData> all) {
+  double newest = 0.0;
+  for (const SeriesData& data : all) {
+    const auto& columns = data.schema.columns;
+    const auto time = std::find_if(columns.begin(), columns.end(), [](const SeriesColumn& c) { return c.name == "t_s"; });
+    if (time != columns.end() && data.rows() > 0)
+      newest = std::max(newest, data.row(data.rows() - 1)[time - columns.begin()]);
+  }
+  return newest;
 }
 
 /// What can be read of rows [0, rows), in pieces. Returns the number of rows that cannot.
@@ -133,7 +146,7 @@ RunKept finish_run_file(const std::filesystem::path& file, const RunEnd& end) {
   kept.memory = without_memory == 0;
   if (!last.empty())
     write_flight(file.parent_path() / ("flight-" + identity.role + "-killed.h5"), identity, last,
-                 {.kind = "fault", .text = "the process was killed"});
+                 {.t_s = newest_s(last), .kind = "fault", .text = "the process was killed"});
   kept.series = to.finish();
   for (const std::filesystem::path& ring : rings) {
     std::error_code ignored;

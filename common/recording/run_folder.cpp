@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <mutex>
+#include <string_view>
 
 #include "common/recording/draft.h"
 #include "common/recording/run_reader.h"
@@ -122,6 +124,15 @@ void refuse_idle_folders(std::span<const fs::path> folders) {
             : fmt::format("{}: nothing of it is needed: {} has the recordings of {} already; leave one of them out",
                           folder.string(), folders.front().string(), there_already));
   }
+}
+
+void refuse_to_replace_recording(const std::string& option, const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) return;
+  char head[8] = {};
+  std::ifstream(file, std::ios::binary).read(head, sizeof head);
+  if (std::string_view(head, sizeof head) == std::string_view("\x89HDF\r\n\x1a\n", 8))
+    throw usage_error(fmt::format("{} {}: is the recording of a run, or other HDF5; name another file", option, file.string()));
 }
 
 RunRecord read_run(std::span<const fs::path> folders) {

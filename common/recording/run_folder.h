@@ -25,6 +25,9 @@ std::optional<std::filesystem::path> recording_of(const std::string& role,
 /// that no folder before it has.
 void refuse_idle_folders(std::span<const std::filesystem::path> folders);
 
+/// Throws StartupError if `file`, which `option` names for an output, is the recording of a run.
+void refuse_to_replace_recording(const std::string& option, const std::filesystem::path& file);
+
 /// Finishes what a killed process has left. None: it was finished already. Throws StartupError if it is no
 /// recording, still being written, or cannot be replaced.
 std::optional<RunKept> recover_run_file(const std::filesystem::path& file);

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "common/recording/run_folder.h"
 #include "common/recording/run_tables.h"
 #include "common/runtime/startup_error.h"
 
@@ -75,12 +77,71 @@ std::optional<std::string> difference_of(const RunReader& master, const RunReade
   return difference_of_times(master, slave);
 }
 
+/// First and last date of all that is in it, s since 1970; none: nothing is.
+std::optional<std::pair<double, double>> dates_of(const RunReader& reader) {
+  std::optional<std::pair<double, double>> span;
+  const auto take = [&span](double t_s) {
+    span = span ? std::pair(std::min(span->first, t_s), std::max(span->second, t_s)) : std::pair(t_s, t_s);
+  };
+  for (std::size_t n = 0; n < reader.series().size(); ++n) {
+    if (const auto of_series = reader.span_s(n)) {
+      take(of_series->first);
+      take(of_series->second);
+    }
+  }
+  for (const RunEvent& event : reader.events()) take(event.t_s);
+  for (const RunContour& contour : reader.contours()) take(contour.t_s);
+  const double zero_s = 1e-9 * static_cast<double>(reader.identity().utc_at_zero_ns);
+  if (span) span = std::pair(span->first + zero_s, span->second + zero_s);
+  return span;
+}
+
+std::optional<std::string> difference_of_strangers(const RunReader& first, const RunReader& other) {
+  const RunIdentity& ours = first.identity();
+  const RunIdentity& theirs = other.identity();
+  if (ours.cell != theirs.cell) return fmt::format("cell {} and cell {}", ours.cell, theirs.cell);
+  if (ours.virtual_time != theirs.virtual_time) return "one is of virtual time, the other of a real clock";
+  const auto dates = dates_of(first), others = dates_of(other);
+  if (ours.virtual_time || !dates || !others) return std::nullopt;
+  const double apart_s = std::max(others->first - dates->second, dates->first - others->second);
+  if (apart_s <= kDateTolerance_s) return std::nullopt;
+  return fmt::format("they are {:.0f} s apart in time", apart_s);
+}
+
+std::optional<std::filesystem::path> left_of(const std::string& role, std::span<const std::filesystem::path> folders) {
+  for (const std::filesystem::path& folder : folders)
+    if (std::filesystem::exists(folder / (role + ".h5"))) return folder / (role + ".h5");
+  return std::nullopt;
+}
+
+[[noreturn]] void refuse(const RunReader& one, const RunReader& other, const std::string& difference) {
+  throw input_error(fmt::format("{} and {}: are not of the same run: {}; name the folders of one run",
+                                one.file().string(), other.file().string(), difference));
+}
+
 }  // namespace
 
+void refuse_unrelated(std::span<const std::filesystem::path> folders) {
+  std::optional<RunReader> first;
+  for (const char* role : kRecordedRoles) {
+    // Of the robots' sides what a killed process has left is finished; the others may still be at it.
+    const bool robot = role == std::string_view("master") || role == std::string_view("slave");
+    const auto file = robot ? recording_of(role, folders) : left_of(role, folders);
+    if (!file) continue;
+    if (!first) {
+      first.emplace(*file, RunReader::Check::kHead);
+      continue;
+    }
+    const RunReader other(*file, RunReader::Check::kHead);
+    const bool both_robots = first->identity().role == "master" && other.identity().role == "slave";
+    if (both_robots) refuse_unrelated(*first, other);
+    if (const auto difference = both_robots ? std::nullopt : difference_of_strangers(*first, other))
+      refuse(*first, other, *difference);
+  }
+}
+
 void refuse_unrelated(const RunReader& master, const RunReader& slave) {
-  if (const auto difference = difference_of(master, slave))
-    throw input_error(fmt::format("{} and {}: are not of the same run: {}; name the folders of one run",
-                                  master.file().string(), slave.file().string(), *difference));
+  if (const auto difference = difference_of(master, slave)) refuse(master, slave, *difference);
 }
 
 }  // namespace telekerf

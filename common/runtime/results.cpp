@@ -35,10 +35,17 @@ void make_folder(const std::string& option, const fs::path& folder) {
         fmt::format("{} {}: {}; name another folder", option, folder.string(), failed.message()));
 }
 
+OutputPlace output_place(const fs::path& file) {
+  std::error_code failed;
+  const fs::path place = fs::is_symlink(file, failed) ? fs::weakly_canonical(file, failed) : file;
+  const bool other = fs::exists(place, failed) && !fs::is_regular_file(place, failed) && !fs::is_directory(place, failed);
+  return {other ? place : fs::path(place.string() + fmt::format(".{}.part", ::getpid())), place};
+}
+
 void write_atomically(const fs::path& file, const std::string& text) {
   std::error_code failed;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), failed);
-  const fs::path draft = file.string() + ".part";
+  const auto [draft, place] = output_place(file);
   {
     errno = 0;
     std::ofstream out(draft, std::ios::binary);
@@ -46,12 +53,13 @@ void write_atomically(const fs::path& file, const std::string& text) {
     out.close();
     if (!out) {
       const std::string why = errno == 0 ? "cannot be written" : std::system_category().message(errno);
-      fs::remove(draft, failed);
+      if (draft != place) fs::remove(draft, failed);
       throw environment_error(fmt::format("{}: {}; name a folder that is writable and has {} kB free",
                                           file.string(), why, text.size() / 1000 + 1));
     }
   }
-  fs::rename(draft, file, failed);
+  if (draft == place) return;
+  fs::rename(draft, place, failed);
   if (!failed) return;
   std::error_code ignored;
   fs::remove(draft, ignored);

@@ -14,6 +14,15 @@ void refuse_unwritable(const std::string& option, const std::filesystem::path& f
 /// Makes the folder that `option` names, unless it is there.
 void make_folder(const std::string& option, const std::filesystem::path& folder);
 
+/// Where results for `file` are written until they are whole: beside it, or beside what it is a link to; what is no
+/// plain file (a device, a pipe) is written straight away, and is its own draft.
+struct OutputPlace {
+  std::filesystem::path draft;
+  std::filesystem::path file;
+  bool straight() const { return draft == file; }
+};
+OutputPlace output_place(const std::filesystem::path& file);
+
 /// Written beside and renamed, so that nothing half-written is ever found under the final name.
 void write_atomically(const std::filesystem::path& file, const std::string& text);
 

@@ -80,6 +80,9 @@ int run(const Options& options) {
         reporting::table_row(
             d.name, d.identical()
                         ? fmt::format("{} rows, the same bit by bit", d.recorded)
+                    : d.different == 0
+                        ? fmt::format("{} rows, the same bit by bit; {} recorded, {} replayed", d.compared, d.recorded,
+                                      d.replayed)
                         : fmt::format("{} of {} rows differ, from tick {:.0f} on ({}); tool {:.1f} um rms, "
                                       "{:.1f} um at most; {} rows recorded, {} replayed",
                                       d.different, d.compared, d.first_tick, d.column, 1e6 * d.tool_rms_m,

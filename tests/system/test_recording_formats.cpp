@@ -219,6 +219,43 @@ TEST_F(RecordingFormats, OctaveOpensIt) {
 #endif
 }
 
+TEST_F(RecordingFormats, NoOutputTakesARecordingsPlace) {
+  const fs::path own = Program::scratch() / "own";
+  fs::create_directories(own);
+  for (const char* file : {"master.h5", "slave.h5"}) fs::copy(folder() + "/" + file, own);
+  const std::string before = text_of(own / "slave.h5");
+  const std::string out = (Program::scratch() / "elsewhere").string();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"run", own.string(), "--mcap", (own / "slave.h5").string(), "--out", out},
+        {"run", own.string(), "--mcap", out + "/report.json", "--out", out},
+        {"export", own.string(), "master.csv", "--out", (own / "slave.h5").string()}}) {
+    const Said said = run("telekerf-inspect", words);
+    EXPECT_EQ(said.code, 2) << said.text;
+    EXPECT_NE(said.text.find("name another file"), std::string::npos) << said.text;
+  }
+  EXPECT_EQ(text_of(own / "slave.h5"), before);
+}
+
+/// Number of `bytes` octets at `at`, the lowest first.
+std::uint64_t number_at(const std::string& text, std::size_t at, std::size_t bytes) {
+  std::uint64_t number = 0;
+  for (std::size_t n = bytes; n > 0; --n) number = number << 8U | static_cast<unsigned char>(text.at(at + n - 1));
+  return number;
+}
+
+TEST_F(RecordingFormats, TheMcapOfAVirtualRunBeginsAtItsFirstMoment) {
+  const std::string file = (Program::scratch() / "begins.mcap").string();
+  const Said made = run("telekerf-inspect", {"run", folder(), "--mcap", file, "--out", Program::scratch().string()});
+  ASSERT_EQ(made.code, 0) << made.text;
+  const std::string mcap = text_of(file);
+  // Behind the footer's head (9 octets) stands where the summary begins; statistics are record 0x0B of it.
+  std::size_t at = number_at(mcap, mcap.size() - 8 - 20, 8);
+  while (mcap.at(at) != 0x0B) at += 9 + number_at(mcap, at + 1, 8);
+  constexpr std::size_t kStart = 9 + 8 + 2 + 4 + 4 + 4 + 4;
+  EXPECT_LT(number_at(mcap, at + kStart, 8), 2'000'000U) << "ns";
+  EXPECT_NEAR(static_cast<double>(number_at(mcap, at + kStart + 8, 8)), 6e9, 0.1e9);
+}
+
 TEST_F(RecordingFormats, AnIndependentReaderTakesTheMcap) {
   const std::string file = (Program::scratch() / "lap.mcap").string();
   const Said made =

@@ -100,6 +100,7 @@ std::string made(const ExportOptions& o, const fs::path& run, const std::string&
 }
 
 int export_one(const ExportOptions& o) {
+  refuse_to_replace_recording("--out", o.out);
   const std::string file(EnumTable<RunPart>(kRunParts).word(o.what));
   const fs::path run = place_of_run(o.run);
   if (std::none_of(std::begin(kRecordedRoles), std::end(kRecordedRoles),

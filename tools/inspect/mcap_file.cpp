@@ -2,7 +2,6 @@
 #include "tools/inspect/mcap_file.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <zlib.h>
 #include <zstd.h>
 
@@ -70,11 +69,9 @@ std::uint32_t crc_of(std::string_view bytes) {
 
 }  // namespace
 
-McapFile::McapFile(std::filesystem::path file)
-    : place_(std::move(file)),
-      draft_(place_.string() + fmt::format(".{}.part", ::getpid())),
-      out_(draft_, std::ios::binary) {
-  if (!out_) throw environment_error(fmt::format("--mcap {}: cannot be written", place_.string()));
+McapFile::McapFile(const std::filesystem::path& file)
+    : place_(output_place(file)), out_(place_.draft, std::ios::binary) {
+  if (!out_) throw environment_error(fmt::format("--mcap {}: cannot be written", place_.file.string()));
   out_ << kMagic;
   at_ = kMagic.size();
   write(kHeader, Content().text("").text("telekerf").bytes);
@@ -82,7 +79,7 @@ McapFile::McapFile(std::filesystem::path file)
 
 McapFile::~McapFile() {
   std::error_code ignored;
-  std::filesystem::remove(draft_, ignored);  // unless it has been put in place
+  if (!place_.straight()) std::filesystem::remove(place_.draft, ignored);  // unless it has been put in place
 }
 
 void McapFile::write(std::uint8_t opcode, const std::string& content) {
@@ -127,7 +124,7 @@ void McapFile::write_chunk() {
   if (chunk_.empty()) return;
   std::string packed(ZSTD_compressBound(chunk_.size()), '\0');
   const std::size_t size = ZSTD_compress(packed.data(), packed.size(), chunk_.data(), chunk_.size(), 1);
-  if (ZSTD_isError(size) != 0) throw environment_error(fmt::format("--mcap {}: zstd failed", place_.string()));
+  if (ZSTD_isError(size) != 0) throw environment_error(fmt::format("--mcap {}: zstd failed", place_.file.string()));
   packed.resize(size);
   Chunk chunk{first_ns_, last_ns_, at_, 0, 0, size, chunk_.size(), {}};
   Content content;
@@ -178,7 +175,7 @@ void McapFile::finish() {
   }
   std::string indices;
   for (const Chunk& chunk : chunks_) {
-    first_ns = first_ns == 0 ? chunk.first_ns : std::min(first_ns, chunk.first_ns);
+    first_ns = &chunk == &chunks_.front() ? chunk.first_ns : std::min(first_ns, chunk.first_ns);
     last_ns = std::max(last_ns, chunk.last_ns);
     Content places;
     for (const auto& [id, place] : chunk.index) places.number(id).number(place);
@@ -204,8 +201,8 @@ void McapFile::finish() {
   out_ << kMagic;
   out_.close();
   std::error_code failed;
-  if (out_) std::filesystem::rename(draft_, place_, failed);
-  if (!out_ || failed) throw environment_error(fmt::format("--mcap {}: cannot be written", place_.string()));
+  if (out_ && !place_.straight()) std::filesystem::rename(place_.draft, place_.file, failed);
+  if (!out_ || failed) throw environment_error(fmt::format("--mcap {}: cannot be written", place_.file.string()));
 }
 
 }  // namespace telekerf::inspect

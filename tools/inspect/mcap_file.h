@@ -10,13 +10,15 @@
 #include <string_view>
 #include <vector>
 
+#include "common/runtime/results.h"
+
 namespace telekerf::inspect {
 
 class McapFile {
  public:
   using Words = std::map<std::string, std::string>;
   /// Written beside `file` and put in its place by finish(). Throws StartupError.
-  explicit McapFile(std::filesystem::path file);
+  explicit McapFile(const std::filesystem::path& file);
   ~McapFile();
   McapFile(const McapFile&) = delete;
   McapFile& operator=(const McapFile&) = delete;
@@ -43,8 +45,7 @@ class McapFile {
   void write(std::uint8_t opcode, const std::string& content);
   void write_chunk();
 
-  std::filesystem::path place_;
-  std::filesystem::path draft_;
+  OutputPlace place_;
   std::ofstream out_;
   std::uint64_t at_ = 0;
   std::string schemas_, channels_;  ///< records, for the summary

@@ -11,6 +11,7 @@
 #include "common/reporting/run_report.h"
 #include "common/reporting/tables.h"
 #include "common/runtime/results.h"
+#include "common/runtime/startup_error.h"
 #include "tools/inspect/commands.h"
 #include "tools/inspect/run_mcap.h"
 
@@ -34,16 +35,29 @@ std::string label_row(std::span<const fs::path> folders) {
   return reporting::table_row("label", fmt::format("{}: {}", label->good ? "good" : "bad", label->text));
 }
 
+void refuse_mcap_place(const fs::path& file, const fs::path& out) {
+  refuse_to_replace_recording("--mcap", file);
+  std::error_code ignored;
+  for (const char* result : {"report.json", "trace.csv", "cut.png", "master.csv", "slave.csv", "contour.csv"}) {
+    if (fs::weakly_canonical(file, ignored) == fs::weakly_canonical(out / result, ignored))
+      throw usage_error(fmt::format("--mcap {}: is where another result goes; name another file", file.string()));
+  }
+}
+
 int report_run(const RunOptions& options) {
   std::vector<fs::path> folders = {options.folder};
   if (!options.other.empty()) folders.emplace_back(options.other);
   const std::string out = options.out.empty() ? options.folder : options.out;
+  if (!options.mcap.empty()) refuse_mcap_place(options.mcap, out);
   refuse_idle_folders(folders);
   probe_recordings(folders);
-  const auto master = recording_of("master", folders);
-  const auto slave = recording_of("slave", folders);
-  if (master && slave)
-    refuse_unrelated(RunReader(*master, RunReader::Check::kHead), RunReader(*slave, RunReader::Check::kHead));
+  refuse_unrelated(folders);
+  if (!options.mcap.empty() && recording_of("machine", folders) && !recording_of("master", folders)) {
+    // Machined without a hand: its report is result.json, which the machine itself writes.
+    write_mcap(options.mcap, folders);
+    fmt::print("{}", reporting::table_row("files", options.mcap));
+    return 0;
+  }
   const RunRecord record = read_run(folders);
   if (!options.out.empty()) make_folder("--out", out);
   if (options.csv) {

@@ -165,6 +165,25 @@ TEST_F(DamagedFile, SitesOfTwoRunsAreNotMerged) {
   EXPECT_NE(judged(other, 0.0).find("apart in time"), std::string::npos);
 }
 
+TEST_F(DamagedFile, VisionOfAnotherRunIsNotMergedEither) {
+  write(folder_ / "master.h5", identity("master"), 10);
+  const std::vector<fs::path> folders{folder_};
+  const auto judged = [&](const RunIdentity& vision) {
+    write(folder_ / "vision.h5", vision, 10);
+    return refusal_of([&] { refuse_unrelated(folders); });
+  };
+  EXPECT_EQ(judged(identity("vision")), "none");
+  RunIdentity other = identity("vision");
+  other.utc_at_zero_ns += 480'000'000'000;
+  EXPECT_NE(judged(other).find("vision.h5: are not of the same run: they are 480 s apart"), std::string::npos) << judged(other);
+  other = identity("vision");
+  other.virtual_time = true;
+  EXPECT_NE(judged(other).find("virtual time"), std::string::npos);
+  other = identity("vision");
+  other.cell = "cell-2";
+  EXPECT_NE(judged(other).find("cell cell-1 and cell cell-2"), std::string::npos);
+}
+
 TEST_F(DamagedFile, RowsThatCannotBeAreCutOff) {
   const SeriesData data = rows("slave", 100);
   const std::size_t width = data.schema.width();

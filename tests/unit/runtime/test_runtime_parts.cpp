@@ -2,6 +2,8 @@
 // The small parts that every program stands on: bounds, error figures, device names, addresses, results.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -123,6 +125,21 @@ TEST(Results, AreWrittenWholeIntoFoldersThatAreMade) {
   EXPECT_EQ(refusal([&] { write_atomically(folder.path / "taken", "three"); }).second,
             ErrorKind::kEnvironment);
   EXPECT_FALSE(fs::exists(folder.path / "taken.part")) << "no draft is left";
+
+  // A link stays one; a pipe gets what is written.
+  fs::create_symlink(file, folder.path / "link");
+  write_atomically(folder.path / "link", "three\n");
+  EXPECT_TRUE(fs::is_symlink(folder.path / "link"));
+  EXPECT_EQ(fs::file_size(file), 6U);
+  const fs::path pipe = folder.path / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  write_atomically(pipe, "four\n");
+  char heard[8] = {};
+  EXPECT_EQ(::read(reader, heard, sizeof heard), 5);
+  ::close(reader);
+  EXPECT_STREQ(heard, "four\n");
+  EXPECT_TRUE(fs::is_fifo(pipe));
 
   EXPECT_EQ(refusal([] { refuse_unwritable("--out", ""); }),
             std::pair(std::string("--out is empty: name a folder for the results"), ErrorKind::kUsage));
