@@ -92,7 +92,7 @@ TEST(MachiningStation, WhatCannotBeMachinedOrReachedIsRefused) {
   const Station station(quick());
   EXPECT_EQ(refusal_of([&] {
               (void)station.prepare(square(50e-6));
-            }).find("the contour cannot be machined: the contour is 0.05 mm across"),
+            }).find("the contour cannot be machined: contour 0: the contour is 0.05 mm across"),
             0u);
   const double reach_m = robot::load_robot("slave-keops").workspace.radius_m;
   // With its corners beyond, and an open line whose run-out ends 0.1 mm within or beyond: the edge counts.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
@@ -28,7 +29,7 @@ inline ContourRequest at_true_size() {
 class Folder {
  public:
   explicit Folder(const std::string& name)
-      : path_(std::filesystem::path(testing::TempDir()) / ("telekerf_" + name)) {
+      : path_(std::filesystem::path(testing::TempDir()) / ("telekerf_" + name + "_" + std::to_string(::getpid()))) {
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }

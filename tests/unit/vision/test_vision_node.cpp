@@ -47,10 +47,12 @@ TEST(VisionNode, TheLowerLeftCornerIsThatOfAllLinesOfAPicture) {
   cv::circle(picture, {400, 150}, 100, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
   cv::circle(picture, {80, 330}, 40, cv::Scalar(40), cv::FILLED, cv::LINE_AA);
   for (const bool all : {false, true}) {
-    VisionNode node({.anchor = vision::AnchorMode::kLowerLeft,
-                     .width_m = 0.06,
-                     .workspace_radius_m = 0.1,
-                     .fit_all = all});
+    ContourRequest request;
+    request.anchor = vision::AnchorMode::kLowerLeft;
+    request.width_m = 0.06;
+    request.workspace_radius_m = 0.1;
+    request.fit_all = all;
+    VisionNode node(request);
     const auto outcome = node.step(Frame{"two.png", "", picture, false});
     ASSERT_TRUE(outcome.publish) << outcome.remark;
     ASSERT_EQ(outcome.publish->further.size(), 1u);
@@ -72,7 +74,9 @@ TEST(VisionNode, SaysHowManyLinesOfADrawingNoMessageHolds) {
           << "' width='.2' height='.2'/>";
     out << "</svg>";
     out.close();
-    VisionNode node({.workspace_radius_m = 0.03});
+    ContourRequest request;
+    request.workspace_radius_m = 0.03;
+    VisionNode node(request);
     const auto outcome = node.step(Frame{"plate.svg", folder.file("plate.svg"), {}, false});
     EXPECT_EQ(outcome.publish->further.size(), 1000u);
     return outcome.remark;
