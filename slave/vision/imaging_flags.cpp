@@ -135,6 +135,8 @@ void ImagingFlags::add_parameters(Settings& settings) {
                "calibrates with the printed grid, writes this imaging_file and ends");
   settings.add("grid_mm", grid_mm, {.min = 0.01, .max = 100, .unit = "mm"},
                "from dot to dot of the printed grid");
+  settings.not_with({"imaging_file", "law", "zoom", "focus_region", "grid_mm"}, "imaging", {"none"});
+  settings.not_with({"camera"}, "imaging", {"simulated"});
 }
 
 std::unique_ptr<ImagingCamera> open_imaging(const ImagingFlags& flags, const std::string& image,
