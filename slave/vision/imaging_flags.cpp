@@ -28,6 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kUsualWidth_m = 0.03;
 constexpr std::chrono::milliseconds kFrame{50};
+constexpr std::chrono::seconds kSilence{2};  ///< of axes that are given up at the start
 
 /// What a driver of Linux keeps in its buffers.
 int late_frames(const ImagingFlags& flags) { return flags.imaging == "simulated" ? 0 : 4; }
@@ -48,8 +49,12 @@ std::shared_ptr<AxesRunner> running_axes(const ImagingFlags& flags, const Imagin
       open_axes(flags.imaging, {.model = file.axes, .period_s = AxesRunner::kPeriod_s}), file.axes);
   runner->start();
   const auto until = Clock::now() + patience(file.axes);
-  while (runner->state() == AxesControl::State::kHoming && Clock::now() < until && !stop_requested())
+  auto heard = Clock::now();
+  while (runner->state() != AxesControl::State::kReady && Clock::now() < until && !stop_requested()) {
+    if (runner->state() != AxesControl::State::kLost) heard = Clock::now();
+    if (Clock::now() - heard > kSilence) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
   if (runner->state() == AxesControl::State::kReady) return runner;
   throw hardware_error(
       fmt::format("imaging = {}: the axes have not found their lower ends; switch them on, and see "
@@ -130,6 +135,8 @@ void ImagingFlags::add_parameters(Settings& settings) {
                "calibrates with the printed grid, writes this imaging_file and ends");
   settings.add("grid_mm", grid_mm, {.min = 0.01, .max = 100, .unit = "mm"},
                "from dot to dot of the printed grid");
+  settings.not_with({"imaging_file", "law", "zoom", "focus_region", "grid_mm"}, "imaging", {"none"});
+  settings.not_with({"camera"}, "imaging", {"simulated"});
 }
 
 std::unique_ptr<ImagingCamera> open_imaging(const ImagingFlags& flags, const std::string& image,

@@ -118,8 +118,10 @@ VisionNode::Outcome obey(Reader<EventMessage>& events, EventAnswers& answers, Im
       continue;
     }
     if (!adjusts) continue;
-    if (unit != nullptr) said.kind == EventMessage::Kind::kSetZoom ? unit->zoom(said.value) : unit->refocus();
-    answers.give(said.epoch, unit != nullptr ? "" : "there is no imaging unit; start vision with --imaging");
+    const std::string refused =
+        unit != nullptr ? unit->refusal() : "there is no imaging unit; start vision with --imaging";
+    if (refused.empty()) said.kind == EventMessage::Kind::kSetZoom ? unit->zoom(said.value) : unit->refocus();
+    answers.give(said.epoch, refused);
   }
   answers.again();
   return outcome;

@@ -64,6 +64,27 @@ ImagingCamera::ImagingCamera(const ImagingCameraSettings& settings, std::shared_
       printed_(printed_settings(settings)),
       correction_(settings.model) {}
 
+std::string ImagingCamera::refusal() const {
+  if (axes_->state() != AxesControl::State::kLost) return {};
+  return "the imaging unit's axes do not answer; see that they are on and connected, they home anew once they "
+         "answer";
+}
+
+bool ImagingCamera::homing() {
+  const AxesControl::State state = axes_->state();
+  if (state == AxesControl::State::kReady) return false;
+  if (std::exchange(homed_, false)) {  // it is as at the start, with the focus that is to be found anew
+    autofocus_.refocus();
+    focus_goal_m_.reset();
+    excited_ = 0;
+    still_frames_ = 0;
+    lost_ = true;
+  }
+  if (state == AxesControl::State::kHoming && std::exchange(lost_, false))
+    note("the axes answer again after they had stopped; they home anew");
+  return true;
+}
+
 void ImagingCamera::zoom(double share) {
   settings_.magnification = std::clamp(share, 0.0, 1.0);
   excited_ = 0;
@@ -154,12 +175,11 @@ bool ImagingCamera::drive_by_printed_law(const cv::Mat& grey) {
 
 Camera::Result ImagingCamera::next() {
   wait_();
-  if (axes_->state() == AxesControl::State::kLost)
-    return tl::unexpected<std::string>(
-        "imaging: the axes have stopped answering; switch them on and start anew");
+  const bool homing = this->homing();
+  if (const std::string lost = refusal(); !lost.empty()) return tl::unexpected(lost);
   Result result = source_(axes_->optics_m(), axes_->time_s());
   if (!result) stand_still();
-  if (axes_->state() == AxesControl::State::kHoming || !result || !*result)
+  if (homing || !result || !*result)
     return result ? std::nullopt : result;
   if (!std::exchange(homed_, true)) {
     arrived_s_ = axes_->time_s();

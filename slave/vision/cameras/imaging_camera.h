@@ -45,6 +45,8 @@ class ImagingCamera final : public Camera {
 
   Result next() override;
 
+  /// Why zoom and refocus would do nothing now, and the remedy; empty: they do.
+  std::string refusal() const;
   /// The magnification axis to a share of its travel, clamped to 0..1; the focus follows.
   void zoom(double share);
   /// Searches the focus anew.
@@ -61,6 +63,8 @@ class ImagingCamera final : public Camera {
   bool drive_by_printed_law(const cv::Mat& grey);
   /// Another size of the pictures than before: what was seen of them does not count any more.
   void adopt(const cv::Size& size);
+  /// The axes are on their way to their lower ends, or lost.
+  bool homing();
   /// They have been on their way for longer than any way takes.
   bool axes_are_held();
   void say_state();
@@ -76,6 +80,7 @@ class ImagingCamera final : public Camera {
   imaging::PrintedFocusLaw printed_;
   imaging::PictureCorrection correction_;
   bool homed_ = false;
+  bool lost_ = false;  ///< since they had homed, and not yet said
   int still_frames_ = 0;    ///< pictures since both axes stand still at their goals
   cv::Size size_;           ///< of the pictures
   double arrived_s_ = 0.0;  ///< axes' time when both were last where they were sent

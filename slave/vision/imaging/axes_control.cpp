@@ -9,6 +9,12 @@ namespace {
 
 /// Beyond the play by this much an axis goes below a goal that it approaches from above.
 constexpr double kOverTravel_m = 0.15e-3;
+/// How far an axis goes off its switch, how fast, and how slowly it comes back.
+constexpr double kBackOff_m = 0.2e-3;
+constexpr double kBackOff_m_per_s = 4e-3;
+constexpr double kCreep_m_per_s = 0.5e-3;
+/// Periods between the readings on both sides of the edge: with them it is known to a micrometre.
+constexpr int kEdgeApart = 2;
 
 control::DisturbanceObserver::Gains gains_of(const AxesControlSettings& settings) {
   return {.period_s = settings.period_s,
@@ -79,16 +85,44 @@ double AxesControl::velocity_to(std::size_t axis, double position_m) const noexc
   return std::copysign(std::min({braking, ending, model_[axis].speed_m_per_s}), way_m);
 }
 
+double AxesControl::homing_velocity(std::size_t axis, const AxesReading& reading) noexcept {
+  if (!reading.valid) return goals_[axis].reference_m_per_s;  // as it is going
+  const double fastest = homing_m_per_s(model_[axis]);
+  const double up = std::min(kBackOff_m_per_s, fastest);
+  const double creep = -std::min(kCreep_m_per_s, fastest);
+  const double encoder_m = reading.encoders_m[axis];
+  const bool pressed = reading.at_lower_end[axis];
+  switch (homing_[axis]) {
+    case Homing::kSeek:
+      if (!pressed) return -fastest;
+      break;
+    case Homing::kBackOff:
+      if (pressed) break;
+      if (encoder_m < last_m_[axis] + kBackOff_m) return up;
+      homing_[axis] = Homing::kCreep;
+      last_m_[axis] = encoder_m;
+      return creep;
+    case Homing::kCreep:
+      if (pressed && apart_ > kEdgeApart) break;  // it was not seen when it closed: once more
+      if (pressed) {
+        zero_m_[axis] = 0.5 * (last_m_[axis] + encoder_m);
+        homing_[axis] = Homing::kDone;
+      }
+      last_m_[axis] = encoder_m;
+      return creep;
+    case Homing::kDone:
+      return 0.0;
+  }
+  homing_[axis] = Homing::kBackOff;
+  last_m_[axis] = encoder_m;
+  return up;
+}
+
 double AxesControl::wanted_velocity(std::size_t axis, const AxesReading& reading) noexcept {
   Goal& goal = goals_[axis];
-  if (!homed_[axis]) {
-    if (!reading.valid) return goal.reference_m_per_s;  // as it is going
-    if (!reading.at_lower_end[axis]) released_[axis] = true;
-    if (!released_[axis]) return homing_m_per_s(model_[axis]);
-    if (!reading.at_lower_end[axis]) return -homing_m_per_s(model_[axis]);
-    homed_[axis] = true;
-    zero_m_[axis] = observed_m(axis);
-    move_to(axis, lowest_m());
+  if (homing_[axis] != Homing::kDone) {
+    const double velocity = homing_velocity(axis, reading);
+    if (homing_[axis] != Homing::kDone) return velocity;
   }
   if (goal.velocity_m_per_s) {
     // No further than from where it can still brake before the end.
@@ -101,24 +135,42 @@ double AxesControl::wanted_velocity(std::size_t axis, const AxesReading& reading
 }
 
 bool AxesControl::is_news(const AxesReading& reading) const noexcept {
-  return reading.valid && (!started_ || reading.tick != newest_tick_) &&
+  return reading.valid && reading.tick != newest_tick_ &&
          std::all_of(reading.encoders_m.begin(), reading.encoders_m.end(),
                      [](double encoder_m) { return std::isfinite(encoder_m); });
+}
+
+void AxesControl::lose() noexcept {
+  if (state_ == State::kLost) return;
+  state_ = State::kLost;
+  for (const std::size_t axis : kBothAxes) {
+    if (goals_[axis].velocity_m_per_s) move_to(axis, position_m(axis));
+    homing_[axis] = Homing::kSeek;
+  }
+}
+
+void AxesControl::begin(const Vec3& encoders_m) noexcept {
+  observer_.reset(encoders_m);
+  for (Goal& goal : goals_) goal.reference_m_per_s = 0.0;
+  started_ = true;
+  if (state_ == State::kLost) state_ = State::kHoming;
 }
 
 PerAxis AxesControl::step(const AxesReading& given) noexcept {
   AxesReading reading = given;
   reading.valid = is_news(given);
-  missing_ = reading.valid ? 0 : missing_ + 1;
-  if (state_ == State::kLost || missing_ > kMaxMissing) {
-    state_ = State::kLost;
-    return {};
+  if (reading.valid) {
+    newest_tick_ = reading.tick;
+    apart_ = missing_ + 1;
+    missing_ = 0;
+  } else {
+    missing_ = std::min(missing_ + 1, kMaxMissing + 1);
+    if (missing_ > kMaxMissing) lose();
+    if (missing_ > kMaxBridged) started_ = false;
+    if (!started_) return {};
   }
-  if (!started_ && !reading.valid) return {};
   const Vec3 encoders_m(reading.encoders_m[0], reading.encoders_m[1], 0.0);
-  if (!started_) observer_.reset(encoders_m);
-  started_ = true;
-  if (reading.valid) newest_tick_ = reading.tick;
+  if (!started_) begin(encoders_m);
   observer_.update(encoders_m, reading.valid);
 
   Vec3 force_n = Vec3::Zero();
@@ -141,7 +193,7 @@ PerAxis AxesControl::step(const AxesReading& given) noexcept {
     currents_a[i] = force_n[k] / axis.force_constant_n_per_a;
   }
   observer_.applied(force_n, mass_kg.asDiagonal());
-  if (homed_[kMagnification] && homed_[kFocus]) state_ = State::kReady;
+  if (homing_[kMagnification] == Homing::kDone && homing_[kFocus] == Homing::kDone) state_ = State::kReady;
   return currents_a;
 }
 

@@ -4,6 +4,7 @@
 // velocities.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -31,9 +32,14 @@ class AxesControl {
 
   AxesControl(const AxesModel& model, const AxesControlSettings& settings) noexcept;
 
-  /// One control step. A reading that is invalid, no number, or of the tick before is none: it is bridged by
-  /// the model, up to kMaxMissing in a row.
+  /// One control step. A reading that is invalid, no number, or of the tick before is none. Up to kMaxBridged
+  /// in a row are bridged by the model; then the motors get no current, friction brakes them, and the next
+  /// reading is a first one. After kMaxMissing the axes are lost: with the next reading they home anew and go
+  /// where they were sent last.
   PerAxis step(const AxesReading& reading) noexcept;
+  /// The caller was late: what it has read is old, and what was written has acted for too long. It gives the
+  /// next step no reading.
+  void lapse() noexcept { missing_ = std::max(missing_, kMaxBridged); }
 
   /// Goes to `position_m`, clamped to the travel less a margin before the end stops; a place that is no
   /// number changes nothing.
@@ -56,7 +62,8 @@ class AxesControl {
   double highest_m(std::size_t axis) const noexcept { return model_[axis].travel_m - kMargin_m; }
 
   static constexpr double kMargin_m = 0.5e-3;  ///< kept from the end stops
-  static constexpr int kMaxMissing = 50;       ///< readings in a row; then the axes are lost
+  static constexpr int kMaxBridged = 4;        ///< missing readings in a row; then the axes are let go
+  static constexpr int kMaxMissing = 50;       ///< and then they are lost
   static constexpr double kHoming_m_per_s = 0.01;
 
   /// At which an axis looks for its switch, m/s: never faster than it may go, nor than it can stop within
@@ -66,8 +73,10 @@ class AxesControl {
   static double longest_way_s(const AxesModel& model) noexcept;
 
  private:
+  /// Down to the switch, up off it, and down once more so slowly that two readings hold its edge.
+  enum class Homing : std::uint8_t { kSeek, kBackOff, kCreep, kDone };
   struct Goal {
-    double position_m = 0.0;
+    double position_m = kMargin_m;
     std::optional<double> first_m;  ///< the over-travel that comes before
     std::optional<double> velocity_m_per_s;
     double reference_m_per_s = 0.0;  ///< of the last step
@@ -77,6 +86,9 @@ class AxesControl {
   }
   bool is_news(const AxesReading& reading) const noexcept;
   double wanted_velocity(std::size_t axis, const AxesReading& reading) noexcept;
+  double homing_velocity(std::size_t axis, const AxesReading& reading) noexcept;
+  void lose() noexcept;
+  void begin(const Vec3& encoders_m) noexcept;
   double velocity_to(std::size_t axis, double position_m) const noexcept;
   bool near(std::size_t axis, double position_m) const noexcept;
 
@@ -85,11 +97,12 @@ class AxesControl {
   /// Two axes in an observer of three: the third rests.
   control::DisturbanceObserver observer_;
   State state_ = State::kHoming;
-  bool started_ = false;
-  int missing_ = 0;
-  std::uint64_t newest_tick_ = 0;
-  std::array<bool, kAxes> released_{};  ///< the switch has been seen open: what it says next is its edge
-  std::array<bool, kAxes> homed_{};
+  bool started_ = false;  ///< the observer goes on from the reading before
+  int missing_ = 0;       ///< readings in a row
+  int apart_ = 0;         ///< periods between the newest two readings
+  std::optional<std::uint64_t> newest_tick_;
+  std::array<Homing, kAxes> homing_{};
+  PerAxis last_m_{};  ///< while homing: where the encoder was when the switch was last seen in its other state
   PerAxis zero_m_{};
   std::array<Goal, kAxes> goals_;
 };

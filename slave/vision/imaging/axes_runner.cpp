@@ -30,8 +30,10 @@ void AxesRunner::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) {
     constexpr auto kPeriod_ns = static_cast<std::int64_t>(kPeriod_s * 1e9);
     std::int64_t due_ns = monotonic_ns();
+    // Simulated axes move by the steps, not by the clock: they cannot be late.
+    const std::int64_t late_ns = AxesControl::kMaxBridged * kPeriod_ns;
     while (!stop.stop_requested()) {
-      step();
+      step(device_.plant == nullptr && monotonic_ns() - due_ns > late_ns);
       due_ns = next_deadline_ns(due_ns, kPeriod_ns, monotonic_ns());
       sleep_until_ns(due_ns);
     }
@@ -72,8 +74,12 @@ void AxesRunner::take_orders() noexcept {
   }
 }
 
-void AxesRunner::step() noexcept {
-  const AxesReading reading = device_.axes->read();
+void AxesRunner::step(bool late) noexcept {
+  AxesReading reading = device_.axes->read();
+  if (late) {
+    reading = {};
+    control_.lapse();
+  }
   if (control_.state() == AxesControl::State::kReady) take_orders();
   device_.axes->write(control_.step(reading));
   if (device_.plant != nullptr) device_.plant->advance(kPeriod_s);
@@ -85,6 +91,9 @@ void AxesRunner::step() noexcept {
   optics_m_[kFocus] = optics.focus_m;
   for (const std::size_t axis : kBothAxes) {
     if (control_.settled(axis)) orders_[axis].settled.store(orders_[axis].taken, std::memory_order_release);
+    // Whoever homes anew is on its way to where it had arrived.
+    if (control_.state() != AxesControl::State::kReady)
+      orders_[axis].settled.store(kNone, std::memory_order_release);
   }
   state_.store(control_.state(), std::memory_order_release);
   steps_.fetch_add(1, std::memory_order_relaxed);

@@ -24,8 +24,8 @@ class AxesRunner {
 
   /// Steps once a period in a thread of its own, until it is destroyed; the motors then get no current.
   void start();
-  /// One control step; not while the thread runs.
-  void step() noexcept;
+  /// One control step; not while the thread runs. `late`: the one before was long ago.
+  void step(bool late = false) noexcept;
 
   /// As AxesControl's, from one other thread.
   void move_to(std::size_t axis, double position_m) noexcept { order(axis, Kind::kMove, position_m); }
@@ -51,12 +51,13 @@ class AxesRunner {
   }
 
  private:
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   enum class Kind : std::uint8_t { kMove, kApproach, kDrive };
   struct Order {
     std::atomic<double> value{0.0};
     std::atomic<Kind> kind{Kind::kMove};
     std::atomic<std::uint64_t> count{0};    ///< stored last: what it counts is there
-    std::atomic<std::uint64_t> settled{0};  ///< the order that the axis has arrived at
+    std::atomic<std::uint64_t> settled{kNone};  ///< the order that the axis has arrived at
     std::uint64_t taken = 0;                ///< the loop's own
   };
   void order(std::size_t axis, Kind kind, double value) noexcept;

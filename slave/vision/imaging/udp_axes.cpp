@@ -37,7 +37,7 @@ AxesReading UdpAxes::read() noexcept {
     if (incoming.sequence <= newest_ || incoming.sequence > outgoing_.sequence)
       continue;  // overtaken, or no answer
     newest_ = incoming.sequence;
-    reading.valid = incoming.valid == 1;
+    reading.valid = incoming.valid == 1 && outgoing_.sequence - incoming.sequence <= kMostLate;
     reading.tick = incoming.tick;
     for (const std::size_t axis : kBothAxes) {
       reading.encoders_m[axis] = incoming.encoders_m[axis];

@@ -33,9 +33,12 @@ struct UdpAxesReading {
   std::uint32_t at_lower_end[kAxes] = {0, 0};  ///< 1: the switch is pressed
 };
 
-/// Neither call blocks: an answer that is not there yet makes read() invalid.
+/// Neither call blocks: an answer that is not there yet makes read() invalid, as does one that is too old.
 class UdpAxes final : public Axes {
  public:
+  /// Periods that an answer may come later than the next step; the control loop bears no more.
+  static constexpr std::uint64_t kMostLate = 2;
+
   /// `period_s`: between two writes. Throws StartupError if the address cannot be resolved or opened.
   UdpAxes(const UdpAddress& address, double period_s);
 

@@ -150,7 +150,7 @@ TEST(Axes, FollowAVelocity) {
   EXPECT_LT(bench.axes.speed_m_per_s(kFocus), 1.1 * default_axes()[kFocus].speed_m_per_s);
 }
 
-TEST(Axes, BridgeMissingReadingsAndGiveUpAfterTooMany) {
+TEST(Axes, BridgeMissingReadingsAndAreLostAfterTooMany) {
   Bench bench;
   ASSERT_TRUE(bench.home());
   bench.control.move_to(kFocus, 0.02);
@@ -166,7 +166,6 @@ TEST(Axes, BridgeMissingReadingsAndGiveUpAfterTooMany) {
   EXPECT_EQ(bench.control.state(), AxesControl::State::kReady);
   EXPECT_EQ(bench.control.step(none), PerAxis{});
   EXPECT_EQ(bench.control.state(), AxesControl::State::kLost);
-  EXPECT_EQ(bench.control.step(bench.axes.read()), PerAxis{});  // for good
   EXPECT_FALSE(bench.control.settled());
 }
 

@@ -82,6 +82,57 @@ TEST_F(Runner, CountsItsTimeAndKnowsItsEnds) {
   EXPECT_EQ(runner_.highest_m(kFocus), default_axes()[kFocus].travel_m - AxesControl::kMargin_m);
 }
 
+/// Axes that can be silenced, and what they were given last.
+struct Shared {
+  bool silent = false;
+  PerAxis currents{};
+};
+class Silenced final : public Axes {
+ public:
+  explicit Silenced(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
+  AxesReading read() noexcept override {
+    axes_.advance(1e-3);
+    return shared_->silent ? AxesReading{} : axes_.read();
+  }
+  void write(const PerAxis& currents_a) noexcept override {
+    shared_->currents = currents_a;
+    axes_.write(currents_a);
+  }
+
+ private:
+  std::shared_ptr<Shared> shared_;
+  SimulatedAxes axes_{default_axes(), {5e-3, 5e-3}, 0.1, 1};
+};
+
+TEST(AxesRunner, WhoHomesAnewHasNotArrivedUntilItIsBack) {
+  const auto shared = std::make_shared<Shared>();
+  AxesRunner runner({std::make_unique<Silenced>(shared), nullptr}, default_axes());
+  runner.move_to(kFocus, 0.01);
+  for (int i = 0; i < 8000; ++i) runner.step();
+  ASSERT_TRUE(runner.settled());
+  shared->silent = true;
+  for (int i = 0; i < 60; ++i) runner.step();
+  EXPECT_EQ(runner.state(), AxesControl::State::kLost);
+  EXPECT_EQ(shared->currents, PerAxis{});
+  shared->silent = false;
+  for (int i = 0; i < 8000 && runner.state() != AxesControl::State::kReady; ++i) runner.step();
+  ASSERT_EQ(runner.state(), AxesControl::State::kReady);
+  for (int i = 0; i < 8000 && !runner.settled(); ++i) runner.step();
+  ASSERT_TRUE(runner.settled());
+  EXPECT_NEAR(runner.positions_m().focus_m, 0.01, 6e-6);
+}
+
+TEST(AxesRunner, GivesNoCurrentOnWhatItReadTooLate) {
+  const auto shared = std::make_shared<Shared>();
+  AxesRunner runner({std::make_unique<Silenced>(shared), nullptr}, default_axes());
+  for (int i = 0; i < 100; ++i) runner.step();
+  ASSERT_NE(shared->currents, PerAxis{});  // on its way home
+  runner.step(true);
+  EXPECT_EQ(shared->currents, PerAxis{});
+  runner.step();
+  EXPECT_NE(shared->currents, PerAxis{});
+}
+
 TEST(AxesRunner, StepsByItselfInAThread) {
   AxesRunner runner(open_axes("simulated", {.model = default_axes(), .period_s = 1e-3}), default_axes());
   runner.start();

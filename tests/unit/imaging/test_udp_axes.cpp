@@ -87,6 +87,24 @@ TEST_F(UdpAxesTest, AnAnswerIsAReading) {
   EXPECT_FALSE(axes_->read().valid);  // once
 }
 
+TEST_F(UdpAxesTest, AnAnswerThatComesTooLateIsNone) {
+  for (std::uint64_t late = 0; late < 5; ++late) {
+    SCOPED_TRACE(late);
+    axes_->write({});
+    const std::uint64_t asked = hear().sequence;
+    for (std::uint64_t i = 0; i < late; ++i) axes_->write({});
+    for (std::uint64_t i = 0; i < late; ++i) hear();
+    answer(reading_for(asked));
+    AxesReading reading;
+    for (int i = 0; i < 500 && reading.tick == 0; ++i) {
+      reading = axes_->read();
+      if (reading.tick == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_EQ(reading.tick, 70U + asked);
+    EXPECT_EQ(reading.valid, late <= 2);
+  }
+}
+
 TEST_F(UdpAxesTest, ALookTakesSixtyFourDatagramsAndLeavesTheRestToTheNext) {
   for (int i = 0; i < 70; ++i) axes_->write({});
   for (int i = 0; i < 70; ++i) hear();

@@ -127,7 +127,8 @@ TEST_F(ImagingCameraTest, AxesThatStopAnsweringAreACameraThatIsGone) {
   });
   const auto seen = camera_->next();
   ASSERT_FALSE(seen);
-  EXPECT_NE(seen.error().find("stopped answering"), std::string::npos);
+  EXPECT_NE(seen.error().find("axes do not answer"), std::string::npos);
+  EXPECT_EQ(camera_->refusal(), seen.error());
 }
 
 /// What the camera above the axes gives is decided picture by picture.
@@ -214,6 +215,45 @@ TEST(FocusGrey, IsTheSameForEveryDepthAndChannel) {
   EXPECT_EQ(focus_grey(cv::Mat(8, 8, CV_8UC3, cv::Scalar(0, 0, 100))).at<std::uint8_t>(0, 0), 30);  // red
 }
 
+TEST_F(ImagingCameraTest, AxesThatAnswerAgainHomeAnewAndAreFocusedAnew) {
+  const ImagingFile file = default_imaging();
+  class Silenced final : public Axes {
+   public:
+    Silenced(std::unique_ptr<SimulatedAxes> axes, const bool& silent) : axes_(std::move(axes)), silent_(silent) {}
+    AxesReading read() noexcept override {
+      axes_->advance(1e-3);
+      return silent_ ? AxesReading{} : axes_->read();
+    }
+    void write(const PerAxis& currents_a) noexcept override { axes_->write(currents_a); }
+
+   private:
+    std::unique_ptr<SimulatedAxes> axes_;
+    const bool& silent_;
+  };
+  bool silent = false;
+  auto axes =
+      std::make_unique<Silenced>(std::make_unique<SimulatedAxes>(file.axes, PerAxis{5e-3, 5e-3}, 0.0, 1), silent);
+  runner_ = std::make_shared<AxesRunner>(AxesDevice{std::move(axes), nullptr}, file.axes);
+  camera_.emplace(settings(), runner_, simulated_source(file.model, relief(), 0.03), [this] {
+    for (int i = 0; i < 60; ++i) runner_->step();
+  });
+  ASSERT_TRUE(usable());
+  EXPECT_EQ(camera_->remark(), "in focus");
+  EXPECT_EQ(camera_->refusal(), "");
+  silent = true;
+  EXPECT_FALSE(camera_->next());
+  EXPECT_NE(camera_->refusal().find("they home anew once they answer"), std::string::npos);
+  silent = false;
+  EXPECT_FALSE(*camera_->next());
+  EXPECT_EQ(camera_->refusal(), "");
+  EXPECT_EQ(camera_->remark(), "the axes answer again after they had stopped; they home anew");
+  camera_->zoom(0.3);  // is taken up, and carried out once they have homed
+  ASSERT_TRUE(usable());
+  EXPECT_EQ(camera_->remark(), "in focus");
+  EXPECT_NEAR(value("zoom"), 0.3, 1e-3);
+  EXPECT_EQ(value("focus_locks"), 2.0);
+}
+
 TEST_F(ImagingCameraTest, AxesThatDoNotArriveAreSaid) {
   const ImagingFile file = default_imaging();
   /// Held from outside once it is told to.
@@ -268,7 +308,8 @@ TEST_F(ImagingCameraTest, RefocusingWhileItRefocusesBeginsAnewOnceMore) {
 
 TEST_F(ImagingCameraTest, ThePrintedLawNeedsItsExcitationAndThenClimbs) {
   open(relief(), settings(FocusLaw::kThesis));
-  for (int i = 0; i < 30; ++i) ASSERT_TRUE(camera_->next());
+  while (runner_->state() == AxesControl::State::kHoming) ASSERT_TRUE(camera_->next());
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(camera_->next());
   const double first = value("focus_mm");
   EXPECT_GT(first, 1.0);  // it has left the lower end
   camera_->refocus();
