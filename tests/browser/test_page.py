@@ -268,6 +268,7 @@ def under_the_beam(page):
     page.let_go(page.tool())
     shown = page.js("return [document.getElementById('profile').value, telekerf.words.profile]")
     assert shown == ["", ""], shown
+    page.until("!telekerf.state.laser_on", 5)  # the slave learns of it after the network's delay
     said("another network under the beam: refused, and the page shows the one in force")
 
 

@@ -730,7 +730,7 @@ _telekerf_values() {
     'telekerf-inspect label ') echo "-d" ;;
     'telekerf-inspect label ') echo "-W 'good bad'" ;;
     'telekerf-inspect label ') echo "" ;;
-    'telekerf-inspect recover ') echo "-f" ;;
+    'telekerf-inspect recover ') echo "" ;;
     'telekerf-inspect robot ') echo "-f -W 'asymmetric master-horizontal slave-keops vertical'" ;;
     'telekerf-inspect robot --ik') echo "" ;;
     'telekerf-inspect robot --fk') echo "" ;;
