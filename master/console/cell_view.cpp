@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
 #include "common/protocol/sentences.h"
+#include "master/master_node.h"
 #include "master/modes.h"
 
 namespace telekerf::master {
@@ -278,7 +280,12 @@ std::string CellView::sentence(const std::string& stop, std::int64_t now_ns) con
       return "You may move along the line; engage, and the slave follows";
     case MasterMode::kEngaged:
       if (!slave_fresh(now_ns)) return "Engaged, but the slave has fallen silent";
-      if (slave_.mode == SlaveMode::kFollowing) return "Engaged: the slave follows";
+      if (slave_.mode == SlaveMode::kFollowing) {
+        const bool off_line = value("corridor_m") == 0.0 &&
+                              value("beta") * std::abs(value("phi_m")) > MasterSettings{}.max_off_line_m;
+        return off_line ? "Engaged: you push the tool off the line, so the beam waits until it is back"
+                        : "Engaged: the slave follows";
+      }
       return fmt::format("E{}", led_sentence_of(slave_.reason) + 1);
     case MasterMode::kStopped:
       return "Stopped: the master holds its pose";

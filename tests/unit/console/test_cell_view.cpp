@@ -2,6 +2,7 @@
 // What the page shows of the cell, and the one sentence of what holds or hinders.
 #include <gtest/gtest.h>
 
+#include "common/codec/encoder.h"
 #include "master/console/cell_view.h"
 #include "master/modes.h"
 
@@ -179,6 +180,25 @@ TEST_F(CellViewTest, TheImagingUnitIsSaidWhileItIsHeard) {
   EXPECT_EQ(said(2, 0), "no focus found");
   EXPECT_EQ(said(1, 1), "camera or axes gone");
   EXPECT_EQ(said(9, 0), "state unknown");
+}
+
+TEST_F(CellViewTest, WhoPushesTheToolOffTheLineIsToldWhyTheBeamWaits) {
+  StateBlock state;
+  state.mode = SlaveMode::kFollowing;
+  state.sample_period_ns = 1'000'000;
+  codec::BlockEncoder encoder{codec::StreamSettings{}};
+  const std::vector<Vec3> resting(16, Vec3::Zero());
+  state.payload.size = static_cast<std::uint16_t>(encoder.encode(resting, 0, {}, state.payload.room()).value());
+  view.hear({state, now_ns});
+  const auto said = [&](double beta, double phi_m, double corridor_m) {
+    const double engaged = static_cast<double>(MasterMode::kEngaged);
+    view.hear(TelemetryMessage{"master", 1, {{"mode", engaged}, {"beta", beta}, {"phi_m", phi_m}, {"corridor_m", corridor_m}}},
+              now_ns);
+    return view.sentence("", now_ns);
+  };
+  EXPECT_EQ(said(0.5, 19e-6, 0.0), "Engaged: the slave follows");
+  EXPECT_EQ(said(0.5, -21e-6, 0.0), "Engaged: you push the tool off the line, so the beam waits until it is back");
+  EXPECT_EQ(said(0.5, -21e-6, 1e-3), "Engaged: the slave follows") << "in a corridor the hand is free";
 }
 
 TEST_F(CellViewTest, NoBeamIsClaimedThatIsNotSeen) {
