@@ -32,14 +32,14 @@ struct Head {
 };
 
 template <class T>
-void append(std::string& bytes, const T& value) {
+void add_raw(std::string& bytes, const T& value) {
   const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
   bytes.append(raw.data(), raw.size());
 }
 
 /// The next one of what is left, which is long enough.
 template <class T>
-T take(std::string_view& bytes) {
+T next_raw(std::string_view& bytes) {
   T value;
   std::memcpy(&value, bytes.data(), sizeof(T));
   bytes.remove_prefix(sizeof(T));
@@ -51,32 +51,32 @@ T take(std::string_view& bytes) {
 std::string text_of(const CutSoFar& cut) {
   std::string bytes;
   bytes.reserve(sizeof(Head) + 8 * (cut.places_m.size() + cut.lit_s.size()));
-  append(bytes, Head{.contour_id = cut.contour_id,
+  add_raw(bytes, Head{.contour_id = cut.contour_id,
                      .slave_epoch = cut.slave_epoch,
                      .places = static_cast<std::uint32_t>(cut.places_m.size()),
                      .pieces = static_cast<std::uint32_t>(cut.lit_s.size())});
   for (const Vec2& place : cut.places_m) {
-    append(bytes, static_cast<float>(place.x()));
-    append(bytes, static_cast<float>(place.y()));
+    add_raw(bytes, static_cast<float>(place.x()));
+    add_raw(bytes, static_cast<float>(place.y()));
   }
-  for (const double lit_s : cut.lit_s) append(bytes, lit_s);
+  for (const double lit_s : cut.lit_s) add_raw(bytes, lit_s);
   return bytes;
 }
 
 std::optional<CutSoFar> parse_cut(std::string_view bytes) {
   if (bytes.size() < sizeof(Head)) return std::nullopt;
-  const auto head = take<Head>(bytes);
+  const auto head = next_raw<Head>(bytes);
   if (head.magic != kMagic || head.places > MarkTrail::kMost || head.pieces > DepthTrail::kMostPieces ||
       bytes.size() != 8U * head.places + sizeof(double) * head.pieces)
     return std::nullopt;
   CutSoFar cut{.contour_id = head.contour_id, .slave_epoch = head.slave_epoch, .places_m = {}, .lit_s = {}};
   for (std::uint32_t n = 0; n < head.places; ++n) {
-    const auto x_m = take<float>(bytes), y_m = take<float>(bytes);
+    const auto x_m = next_raw<float>(bytes), y_m = next_raw<float>(bytes);
     if (!std::isfinite(x_m) || !std::isfinite(y_m)) return std::nullopt;
     cut.places_m.emplace_back(x_m, y_m);
   }
   for (std::uint32_t n = 0; n < head.pieces; ++n) {
-    cut.lit_s.push_back(take<double>(bytes));
+    cut.lit_s.push_back(next_raw<double>(bytes));
     if (!(cut.lit_s.back() >= 0.0) || !std::isfinite(cut.lit_s.back())) return std::nullopt;
   }
   return cut;
