@@ -117,6 +117,12 @@ tl::expected<cv::Mat, std::string> picture_now(const ImagingCamera::Source& sour
 
 }  // namespace
 
+std::string ImagingFlags::warning() const {
+  if (!wanted() || imaging == "simulated" || !imaging_file.empty()) return {};
+  return "warning: without --imaging-file the simulated unit's scale is taken for this one's, and what is cut has another "
+         "size than it shows; calibrate with --calibrate FILE and name that file";
+}
+
 void ImagingFlags::add_parameters(Settings& settings) {
   settings.add("imaging", imaging,
                device_form("none, " + axes_forms(),

@@ -21,6 +21,8 @@ struct ImagingFlags {
 
   void add_parameters(Settings& settings);
   bool wanted() const { return imaging != "none"; }
+  /// Of real axes without a file: that the sizes are another unit's. Empty: nothing to warn of.
+  std::string warning() const;
 };
 
 /// The camera above the axes that `flags` name: the simulated microscope over `image` (`width_m` wide, 0: 30

@@ -176,6 +176,7 @@ int run(Flags& flags) {
   const auto emulator = flags.netem.emulator(settings.site);
   settings.receive_filter = emulator;
   Process process(settings, "vision");
+  if (const std::string warning = flags.imaging.warning(); !warning.empty()) process.status().say(warning);
   const netem::NetemSwitch netem_switch(process.bus(), emulator);
   Writer<ContourMessage> writer(process.bus());
   Writer<TelemetryMessage> telemetry(process.bus());

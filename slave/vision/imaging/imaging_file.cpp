@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/runtime/config.h"
+#include "common/runtime/startup_error.h"
 
 namespace telekerf::imaging {
 namespace {
@@ -124,7 +127,13 @@ ImagingFile default_imaging() {
   return file;
 }
 
-ImagingFile load_imaging(const std::string& path) { return read(ConfigFile(std::filesystem::path(path))); }
+ImagingFile load_imaging(const std::string& path) {
+  std::ifstream in(path);
+  if (in && std::string(std::istreambuf_iterator<char>(in), {}).find('=') == std::string::npos)
+    throw configuration_error(
+        fmt::format("{}: is empty, or has lost its figures; telekerf-vision --calibrate writes such a file", path));
+  return read(ConfigFile(std::filesystem::path(path)));
+}
 
 ImagingFile parse_imaging(const std::string& toml, const std::string& name) {
   return read(ConfigFile(toml, name));

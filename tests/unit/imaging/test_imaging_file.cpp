@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "common/runtime/startup_error.h"
@@ -22,6 +25,22 @@ TEST(ImagingFile, EmptyIsTheDefaultUnit) {
   const ImagingFile file = parse_imaging("", "unit.toml");
   EXPECT_EQ(file.model.log_scale, ImagingModel{}.log_scale);
   EXPECT_EQ(file.axes[kFocus].backlash_m, default_axes()[kFocus].backlash_m);
+}
+
+TEST(ImagingFile, ThatHasLostItsFiguresIsRefused) {
+  const auto path = std::filesystem::path(testing::TempDir()) / ("telekerf-unit-" + std::to_string(::getpid()) + ".toml");
+  for (const char* left : {"", "# An imaging unit\n", "[optics]\n"}) {
+    std::ofstream(path) << left;
+    try {
+      (void)load_imaging(path.string());
+      ADD_FAILURE() << left;
+    } catch (const StartupError& error) {
+      EXPECT_NE(std::string(error.what()).find("is empty, or has lost its figures"), std::string::npos) << error.what();
+    }
+  }
+  std::ofstream(path) << imaging_toml(default_imaging());
+  EXPECT_EQ(load_imaging(path.string()).model.log_scale, default_imaging().model.log_scale);
+  std::filesystem::remove(path);
 }
 
 TEST(ImagingFile, IsReadBackFigureByFigure) {
