@@ -94,16 +94,20 @@ std::optional<RunKept> recover_run_file(const fs::path& file) {
   }
 }
 
-std::optional<fs::path> recording_of(const std::string& role, std::span<const fs::path> folders) {
-  for (const fs::path& folder : folders) {
-    const fs::path file = folder / (role + ".h5");
-    if (!fs::exists(file)) continue;
-    if (const std::string of = RunReader(file, RunReader::Check::kHead).identity().role; of != role)
-      throw input_error(fmt::format("{}: is the recording of telekerf-{}; name it {}.h5 again", file.string(), of, of));
-    (void)recover_run_file(file);
-    return file;
-  }
+std::optional<fs::path> find_recording(const std::string& role, std::span<const fs::path> folders) {
+  for (const fs::path& folder : folders)
+    if (fs::exists(folder / (role + ".h5"))) return folder / (role + ".h5");
   return std::nullopt;
+}
+
+std::optional<fs::path> recording_of(const std::string& role, std::span<const fs::path> folders) {
+  const auto file = find_recording(role, folders);
+  if (!file) return std::nullopt;
+  if (const std::string of = RunReader(*file, RunReader::Check::kHead).identity().role; of != role)
+    throw input_error(
+        fmt::format("{}: is the recording of telekerf-{}; name it {}.h5 again", file->string(), of, of));
+  (void)recover_run_file(*file);
+  return file;
 }
 
 void refuse_idle_folders(std::span<const fs::path> folders) {

@@ -16,6 +16,10 @@ namespace telekerf {
 /// Whose recordings a folder may hold: ROLE.h5.
 inline constexpr const char* kRecordedRoles[] = {"master", "slave", "vision", "machine", "console"};
 
+/// Where a role's recording lies, as it is: in the first of the folders that has one; none: none has.
+std::optional<std::filesystem::path> find_recording(const std::string& role,
+                                                    std::span<const std::filesystem::path> folders);
+
 /// The recording of a role in the first of the folders that has one; none: none has. One that a killed
 /// process has left is finished first. Throws StartupError: a process is still at it.
 std::optional<std::filesystem::path> recording_of(const std::string& role,

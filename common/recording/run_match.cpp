@@ -66,11 +66,16 @@ std::optional<std::string> difference_of_times(const RunReader& master, const Ru
   return fmt::format("they are {:.1f} s apart in time", apart_s);
 }
 
+std::optional<std::string> difference_of_heads(const RunIdentity& ours, const RunIdentity& theirs) {
+  if (ours.cell != theirs.cell) return fmt::format("cell {} and cell {}", ours.cell, theirs.cell);
+  if (ours.virtual_time != theirs.virtual_time) return "one is of virtual time, the other of a real clock";
+  return std::nullopt;
+}
+
 std::optional<std::string> difference_of(const RunReader& master, const RunReader& slave) {
   const RunIdentity& ours = master.identity();
   const RunIdentity& theirs = slave.identity();
-  if (ours.cell != theirs.cell) return fmt::format("cell {} and cell {}", ours.cell, theirs.cell);
-  if (ours.virtual_time != theirs.virtual_time) return "one is of virtual time, the other of a real clock";
+  if (auto difference = difference_of_heads(ours, theirs)) return difference;
   if (ours.virtual_time && ours.settings != theirs.settings) return "their settings differ";
   if (auto difference = difference_of_contours(master, slave)) return difference;
   if (auto difference = difference_of_epochs(master, slave)) return difference;
@@ -96,22 +101,14 @@ std::optional<std::pair<double, double>> dates_of(const RunReader& reader) {
   return span;
 }
 
-std::optional<std::string> difference_of_strangers(const RunReader& first, const RunReader& other) {
-  const RunIdentity& ours = first.identity();
-  const RunIdentity& theirs = other.identity();
-  if (ours.cell != theirs.cell) return fmt::format("cell {} and cell {}", ours.cell, theirs.cell);
-  if (ours.virtual_time != theirs.virtual_time) return "one is of virtual time, the other of a real clock";
+/// Of a robot's side and any other process, or of two others.
+std::optional<std::string> difference_of_others(const RunReader& first, const RunReader& other) {
+  if (auto difference = difference_of_heads(first.identity(), other.identity())) return difference;
   const auto dates = dates_of(first), others = dates_of(other);
-  if (ours.virtual_time || !dates || !others) return std::nullopt;
+  if (first.identity().virtual_time || !dates || !others) return std::nullopt;
   const double apart_s = std::max(others->first - dates->second, dates->first - others->second);
   if (apart_s <= kDateTolerance_s) return std::nullopt;
   return fmt::format("they are {:.0f} s apart in time", apart_s);
-}
-
-std::optional<std::filesystem::path> left_of(const std::string& role, std::span<const std::filesystem::path> folders) {
-  for (const std::filesystem::path& folder : folders)
-    if (std::filesystem::exists(folder / (role + ".h5"))) return folder / (role + ".h5");
-  return std::nullopt;
 }
 
 [[noreturn]] void refuse(const RunReader& one, const RunReader& other, const std::string& difference) {
@@ -126,17 +123,18 @@ void refuse_unrelated(std::span<const std::filesystem::path> folders) {
   for (const char* role : kRecordedRoles) {
     // Of the robots' sides what a killed process has left is finished; the others may still be at it.
     const bool robot = role == std::string_view("master") || role == std::string_view("slave");
-    const auto file = robot ? recording_of(role, folders) : left_of(role, folders);
+    const auto file = robot ? recording_of(role, folders) : find_recording(role, folders);
     if (!file) continue;
     if (!first) {
       first.emplace(*file, RunReader::Check::kHead);
       continue;
     }
     const RunReader other(*file, RunReader::Check::kHead);
-    const bool both_robots = first->identity().role == "master" && other.identity().role == "slave";
-    if (both_robots) refuse_unrelated(*first, other);
-    if (const auto difference = both_robots ? std::nullopt : difference_of_strangers(*first, other))
+    if (first->identity().role == "master" && other.identity().role == "slave") {
+      refuse_unrelated(*first, other);
+    } else if (const auto difference = difference_of_others(*first, other)) {
       refuse(*first, other, *difference);
+    }
   }
 }
 

@@ -11,13 +11,6 @@
 namespace telekerf::master {
 namespace {
 
-geometry::Polyline scaled_points(const ContourMessage& contour, double beta, double spacing_m) {
-  geometry::Polyline line;
-  line.closed = contour.closed;
-  for (const auto& point : contour.points_m) line.points_m.push_back(point / beta);
-  return geometry::resampled(line, spacing_m);
-}
-
 /// Gaussian average along the curve: no tool turns a corner of no radius. A right angle loses 0.57 `sigma_m`
 /// of its tip, a bend of radius R moves inwards by sigma^2 / 2R.
 geometry::Polyline rounded(const geometry::Polyline& line, double spacing_m, double sigma_m) {
@@ -98,10 +91,16 @@ geometry::Polyline opened(geometry::Polyline line, double spacing_m, double radi
 
 }  // namespace
 
+geometry::Polyline scaled_contour(const ContourMessage& contour, double beta) {
+  geometry::Polyline line{contour.points_m, contour.closed};
+  for (Vec2& point_m : line.points_m) point_m /= beta;
+  return line;
+}
+
 geometry::Polyline guide_curve(const ContourMessage& contour, double beta,
                                const ConstraintSettings& settings) {
-  const geometry::Polyline smooth =
-      rounded(scaled_points(contour, beta, settings.spacing_m), settings.spacing_m, settings.rounding_m);
+  const geometry::Polyline even = geometry::resampled(scaled_contour(contour, beta), settings.spacing_m);
+  const geometry::Polyline smooth = rounded(even, settings.spacing_m, settings.rounding_m);
   return opened(smooth, settings.spacing_m, settings.min_radius_m, settings.opening_m);
 }
 

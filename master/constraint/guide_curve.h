@@ -12,6 +12,9 @@
 
 namespace telekerf::master {
 
+/// The contour as it came, in the master's size and workpiece frame. Allocates.
+geometry::Polyline scaled_contour(const ContourMessage& contour, double beta);
+
 /// Master's workpiece frame. Allocates.
 geometry::Polyline guide_curve(const ContourMessage& contour, double beta,
                                const ConstraintSettings& settings);

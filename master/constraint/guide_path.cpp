@@ -19,18 +19,12 @@ std::optional<geometry::EllipticFourierPath> descriptor_of(const geometry::Polyl
   return std::optional<geometry::EllipticFourierPath>(chosen->curve);
 }
 
-geometry::Polyline scaled(const ContourMessage& contour, double beta) {
-  geometry::Polyline line{contour.points_m, contour.closed};
-  for (Vec2& point_m : line.points_m) point_m /= beta;
-  return line;
-}
-
 }  // namespace
 
 GuidePath::GuidePath(const ContourMessage& message, double scale, const ConstraintSettings& settings)
     : contour_id(message.id),
       beta(scale),
-      contour(scaled(message, scale)),
+      contour(scaled_contour(message, scale)),
       curve(guide_curve(message, scale, settings)),
       descriptor_(descriptor_of(curve.line(), settings)),
       spacing_m_(curve.length_m() / static_cast<double>(curve.line().segments())),

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <span>
 #include <string>
 #include <string_view>
@@ -128,11 +126,13 @@ ImagingFile default_imaging() {
 }
 
 ImagingFile load_imaging(const std::string& path) {
-  std::ifstream in(path);
-  if (in && std::string(std::istreambuf_iterator<char>(in), {}).find('=') == std::string::npos)
+  const ConfigFile config{std::filesystem::path(path)};
+  ImagingFile any;
+  const auto entries = entries_of(any);
+  if (std::none_of(entries.begin(), entries.end(), [&](const Entry& entry) { return config.has(entry.key); }))
     throw configuration_error(
         fmt::format("{}: is empty, or has lost its figures; telekerf-vision --calibrate writes such a file", path));
-  return read(ConfigFile(std::filesystem::path(path)));
+  return read(config);
 }
 
 ImagingFile parse_imaging(const std::string& toml, const std::string& name) {
