@@ -97,18 +97,26 @@ void check(const ConfigFile& config, const ImagingModel& model) {
   }
 }
 
+struct ListEntry {
+  const char* key;
+  std::span<double> values;
+};
+
+std::vector<ListEntry> lists_of(ImagingFile& file) {
+  return {{"coupling.log_scale", file.model.log_scale},
+          {"coupling.ridge_m", file.model.ridge_m},
+          {"picture.flat_field", file.model.flat_field}};
+}
+
 ImagingFile read(const ConfigFile& config) {
   ImagingFile file;
   for (const Entry& entry : entries_of(file))
     *entry.value = config.number_or(entry.key, *entry.value, entry.bounds);
-  const auto list = [&](const char* key, auto& values) {
-    if (!config.has(key)) return;
-    const auto given = config.numbers(key, values.size(), {.min = -100.0, .max = 100.0});
-    std::copy(given.begin(), given.end(), values.begin());
-  };
-  list("coupling.log_scale", file.model.log_scale);
-  list("coupling.ridge_m", file.model.ridge_m);
-  list("picture.flat_field", file.model.flat_field);
+  for (const ListEntry& list : lists_of(file)) {
+    if (!config.has(list.key)) continue;
+    const auto given = config.numbers(list.key, list.values.size(), {.min = -100.0, .max = 100.0});
+    std::copy(given.begin(), given.end(), list.values.begin());
+  }
   config.refuse_unknown();
   file.model.magnification_travel_m = file.axes[kMagnification].travel_m;
   file.model.focus_travel_m = file.axes[kFocus].travel_m;
@@ -128,8 +136,8 @@ ImagingFile default_imaging() {
 ImagingFile load_imaging(const std::string& path) {
   const ConfigFile config{std::filesystem::path(path)};
   ImagingFile any;
-  const auto entries = entries_of(any);
-  if (std::none_of(entries.begin(), entries.end(), [&](const Entry& entry) { return config.has(entry.key); }))
+  const auto given = [&](const auto& entry) { return config.has(entry.key); };
+  if (std::ranges::none_of(entries_of(any), given) && std::ranges::none_of(lists_of(any), given))
     throw configuration_error(
         fmt::format("{}: is empty, or has lost its figures; telekerf-vision --calibrate writes such a file", path));
   return read(config);
