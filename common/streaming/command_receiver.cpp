@@ -46,7 +46,9 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
                               std::int64_t now_ns) noexcept {
   const std::int64_t useful_from =
       cursor_ ? static_cast<std::int64_t>(std::ceil(*cursor_)) : std::numeric_limits<std::int64_t>::min();
-  const Arrival arrival = stream_.receive(received, useful_from, contour_id);
+  const CommandHeader& header = received.value;
+  const bool answers = echoes_.age_s(header.echo_sequence, header.echo_sent_ns, now_ns).has_value();
+  const Arrival arrival = stream_.receive(received, useful_from, contour_id, answers);
   if (arrival.packet == nullptr) return;
   if (arrival.begins) {
     buffer_->clear();
@@ -54,7 +56,6 @@ void CommandReceiver::receive(const Received<CommandBlock>& received, std::optio
     cursor_.reset();
     begins_ = true;
   }
-  const CommandHeader& header = received.value;
   const PacketSamples samples(*arrival.packet, arrival.first);
   buffer_->store(samples, header, stream_.generation());
   if (asleep(now_ns)) {  // of a queue, the newest alone counts

@@ -65,6 +65,14 @@ Arrival StreamReceiver<Block>::refuse() noexcept {
 }
 
 template <class Block>
+void StreamReceiver<Block>::begin_anew() noexcept {
+  heard_ = false;
+  answered_ = false;
+  foreign_ns_.reset();
+  decoder_.reset();
+}
+
+template <class Block>
 bool StreamReceiver<Block>::too_far_ahead(const Header& header, std::int64_t first,
                                           std::int64_t now_ns) const noexcept {
   const double sample_s = 1e-9 * header.sample_period_ns;
@@ -75,26 +83,21 @@ bool StreamReceiver<Block>::too_far_ahead(const Header& header, std::int64_t fir
 
 template <class Block>
 Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int64_t useful_from,
-                                       std::optional<std::uint32_t> contour_id) noexcept {
+                                       std::optional<std::uint32_t> contour_id, bool answers) noexcept {
   const Block& block = received.value;
+  const bool first_answer = answers && !answered_;
   if (heard_ && block.epoch != header_.epoch) {
-    if (!(silent_s(received.received_ns) > silence_s_)) {
+    if (!first_answer && !(silent_s(received.received_ns) > silence_s_)) {
       foreign_ns_ = received.received_ns;
       return refuse();
     }
-    foreign_ns_.reset();
-    heard_ = false;
-    decoder_.reset();
+    begin_anew();
   }
   if (!within_bounds<Header>(block)) return refuse();
   if (contour_id && block.contour_id != *contour_id) return refuse();
   // Whoever has said nothing acceptable for so long may have begun to count anew, or the one before was a
   // forger.
-  const bool given_up = heard_ && silent_s(received.received_ns) > std::max(silence_s_, kLease_s);
-  const auto begin_anew = [&] {
-    heard_ = false;
-    decoder_.reset();
-  };
+  const bool given_up = first_answer || silent_s(received.received_ns) > std::max(silence_s_, kLease_s);
   if (heard_ && ahead(block.sequence, header_.sequence) <= 0) {
     if (!given_up) return overtaken(block, useful_from);
     begin_anew();
@@ -122,6 +125,7 @@ Arrival StreamReceiver<Block>::receive(const Received<Block>& received, std::int
   header_ = block;
   arrived_ns_ = received.received_ns;
   heard_ = true;
+  answered_ = answered_ || answers;
   return arrival;
 }
 

@@ -45,9 +45,10 @@ class StreamReceiver {
   explicit StreamReceiver(double silence_s) : silence_s_(silence_s) {}
 
   /// `useful_from`: an overtaken block that ends before this index is stale. `contour_id`: of the contour
-  /// that is worked on here; blocks for another one are refused.
+  /// that is worked on here; blocks for another one are refused. `answers`: the block's sender has heard this side
+  /// since it was started. The first that does is listened to at once: what was heard before may be a recording.
   Arrival receive(const Received<Block>& received, std::int64_t useful_from,
-                  std::optional<std::uint32_t> contour_id = {}) noexcept;
+                  std::optional<std::uint32_t> contour_id = {}, bool answers = false) noexcept;
 
   /// A block has come since the start, and since another sender began to be listened to.
   bool heard() const noexcept { return heard_; }
@@ -72,6 +73,7 @@ class StreamReceiver {
 
  private:
   Arrival refuse() noexcept;
+  void begin_anew() noexcept;
   /// Of what the time that has passed allows, in numbers or ticks.
   bool too_far_ahead(const Header& header, std::int64_t first, std::int64_t now_ns) const noexcept;
   Arrival overtaken(const Block& block, std::int64_t useful_from) noexcept;
@@ -85,6 +87,7 @@ class StreamReceiver {
   std::int64_t arrived_ns_ = 0;
   std::optional<std::int64_t> foreign_ns_;  ///< when another sender's block came, since this one is listened to
   bool heard_ = false;
+  bool answered_ = false;  ///< the stream that is listened to has come from a sender that hears this side
   std::uint32_t generation_ = 0;
   StreamCounters counters_;
 };

@@ -11,6 +11,29 @@
 namespace telekerf::streaming {
 namespace {
 
+TEST_F(CommandReceiverTest, ARecordingHeardFirstGivesWayToWhoEchoesOurState) {
+  const CommandBlock recorded = next();
+  for (int n = 0; n < 400; ++n) (void)next();
+  receiver_.receive({recorded, now_ns_}, 4, now_ns_);
+  ASSERT_TRUE(receiver_.heard());
+  receiver_.state_sent(5, now_ns_);
+  const std::int64_t sent_ns = now_ns_;
+  now_ns_ += 10 * kMs;
+  change_ = [&](CommandBlock& block) {
+    block.echo_sequence = 5;
+    block.echo_sent_ns = sent_ns + 1;  // an echo of nothing that was sent
+  };
+  receiver_.receive({next(), now_ns_}, 4, now_ns_);
+  EXPECT_EQ(receiver_.header().sequence, recorded.sequence);
+  change_ = [&](CommandBlock& block) {
+    block.echo_sequence = 5;
+    block.echo_sent_ns = sent_ns;
+  };
+  const CommandBlock live = next();
+  receiver_.receive({live, now_ns_}, 4, now_ns_);
+  EXPECT_EQ(receiver_.header().sequence, live.sequence);
+}
+
 TEST_F(CommandReceiverTest, PlaysEachSampleOnceInStepAfterBlockLookAheadAndMargin) {
   EXPECT_FALSE(receiver_.play(0, kTool).fresh) << "nothing was heard";
   EXPECT_EQ(receiver_.play(0, kTool).tick, -1.0);

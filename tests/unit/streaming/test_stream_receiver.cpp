@@ -81,6 +81,43 @@ TYPED_TEST(StreamReceiverTest, NumbersWrapAround) {
   EXPECT_EQ(this->receiver_.counters().lost, 0u);
 }
 
+/// A side that has been started anew may hear a recording first.
+TYPED_TEST(StreamReceiverTest, TheFirstThatAnswersIsListenedToAtOnceAndLaterOnesAreNot) {
+  const auto answering = [this](const TypeParam& block) {
+    this->last_ = this->receiver_.receive({block, this->now_ns_}, kAlways, {}, true);
+    this->now_ns_ += kBlock * kMs;
+    return this->last_.kind;
+  };
+  const TypeParam recorded = this->sender_.next();
+  for (int n = 0; n < 400; ++n) (void)this->sender_.next();
+  EXPECT_EQ(this->take(recorded), Kind::kNew);
+  EXPECT_EQ(this->take(this->sender_.next()), Kind::kRefused) << "too far ahead of the recording";
+  EXPECT_EQ(answering(this->sender_.next()), Kind::kNew);
+  EXPECT_TRUE(this->last_.begins);
+  EXPECT_EQ(this->last_.missing, 0u);
+  EXPECT_EQ(answering(this->sender_.next()), Kind::kNew);
+  EXPECT_FALSE(this->last_.begins);
+  EXPECT_EQ(answering(recorded), Kind::kStale);
+  for (int n = 0; n < 400; ++n) (void)this->sender_.next();
+  EXPECT_EQ(answering(this->sender_.next()), Kind::kRefused) << "too far ahead, whoever says it";
+}
+
+TYPED_TEST(StreamReceiverTest, WhoAnswersNeedNotWaitForTheSilenceOfWhoDoesNot) {
+  Sender<TypeParam> recording(8);
+  this->take(recording.next());
+  EXPECT_EQ(this->take(this->sender_.next()), Kind::kRefused);
+  this->last_ = this->receiver_.receive({this->sender_.next(), this->now_ns_}, kAlways, {}, true);
+  EXPECT_EQ(this->last_.kind, Kind::kNew);
+  EXPECT_EQ(this->receiver_.header().epoch, 7u);
+  this->last_ = this->receiver_.receive({recording.next(), this->now_ns_}, kAlways, {}, true);
+  EXPECT_EQ(this->last_.kind, Kind::kRefused) << "one that answers too, but later";
+  // Where that one has fallen silent, it is as at the start.
+  this->now_ns_ += 200 * kMs;
+  EXPECT_EQ(this->take(recording.next()), Kind::kNew);
+  this->last_ = this->receiver_.receive({this->sender_.next(), this->now_ns_}, kAlways, {}, true);
+  EXPECT_EQ(this->last_.kind, Kind::kNew);
+}
+
 TYPED_TEST(StreamReceiverTest, AnotherSenderKnocksInVainUntilOursIsSilent) {
   Sender<TypeParam> other(8);
   this->take(this->sender_.next());
