@@ -18,6 +18,11 @@ struct ErrorStatistics {
     max = std::max(max, std::abs(error));
     ++count;
   }
+  void add(const ErrorStatistics& others) {
+    squares += others.squares;
+    max = std::max(max, others.max);
+    count += others.count;
+  }
   /// 0 of none.
   double rms() const { return count == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(count)); }
 };

@@ -18,6 +18,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array kTextures{Target::kRelief, Target::kTissue, Target::kLetter};
 constexpr int kZoomsAUnit = 5;
+constexpr double kHold_s = 60.0;
+/// Of the starts one in so many is held: it takes fifty times the pictures of a search.
+constexpr int kStartsAHold = 10;
 
 int median(std::vector<int> values) {
   if (values.empty()) return 0;
@@ -35,6 +38,7 @@ std::vector<FocusOutcome> outcomes(const FocusPlan& plan, std::string_view name,
   static constexpr std::string_view kKinds[] = {"usual", "out_of_range", "moving"};
   std::vector<FocusOutcome> out(static_cast<std::size_t>(plan.starts) * kTextures.size());
   std::vector<FocusStart> starts(out.size());
+  std::vector<double> offsets_dof(out.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
     starts[i] = start_of(plan, kind, i);
     if (blank) starts[i].target = Target::kBlank;
@@ -44,13 +48,15 @@ std::vector<FocusOutcome> outcomes(const FocusPlan& plan, std::string_view name,
       out.size(),
       [&](std::size_t i) {
         DrawnStart drawn = draw_start(starts[i]);
+        offsets_dof[i] = drawn.unit->defocus_dof();
         out[i] = strategy(*drawn.unit, drawn.range);
       },
       plan.jobs);
   for (std::size_t i = 0; i < out.size(); ++i) {
     figures.starts.push_back({std::string(name),
                               std::string(blank ? "blank" : kKinds[static_cast<std::size_t>(kind)]),
-                              std::string(kTargets.word(starts[i].target)), starts[i].seed, out[i]});
+                              std::string(kTargets.word(starts[i].target)), starts[i].seed, offsets_dof[i],
+                              out[i]});
   }
   return out;
 }
@@ -74,9 +80,37 @@ StrategyRow row_of(std::string_view name, const std::vector<FocusOutcome>& outco
 }
 
 RefusedRow refused_of(std::string_view name, const std::vector<FocusOutcome>& outcomes) {
-  const auto refused =
-      std::count_if(outcomes.begin(), outcomes.end(), [](const auto& o) { return !o.claimed; });
-  return {std::string(name), outcomes.size(), static_cast<std::size_t>(refused)};
+  RefusedRow row{.name = std::string(name), .starts = outcomes.size()};
+  for (const FocusOutcome& outcome : outcomes) {
+    if (outcome.claimed) continue;
+    ++row.refused;
+    ++row.reasons[outcome.verdict];
+  }
+  return row;
+}
+
+std::string reasons_of(const RefusedRow& row) {
+  std::string out;
+  for (const auto& [verdict, count] : row.reasons)
+    out += fmt::format("{}{} {}", out.empty() ? "" : ", ", kFocusVerdicts.word(verdict), count);
+  return out;
+}
+
+void add_holds(const FocusPlan& plan, FocusFigures& figures) {
+  const auto seeds = static_cast<std::size_t>(std::max(1, plan.starts / kStartsAHold));
+  std::vector<FocusHold> holds(kTextures.size() * seeds);
+  for_each_parallel(
+      holds.size(),
+      [&](std::size_t i) { holds[i] = hold_focus(kTextures[i / seeds], plan.seed + i % seeds, kHold_s); },
+      plan.jobs);
+  for (std::size_t i = 0; i < holds.size(); ++i) {
+    if (i % seeds == 0) figures.holds.push_back({.target = std::string(kTargets.word(kTextures[i / seeds]))});
+    HoldRow& row = figures.holds.back();
+    ++row.runs;
+    row.lost += holds[i].lost ? 1U : 0U;
+    row.all_dof.add(holds[i].all_dof);
+    row.passed_dof.add(holds[i].passed_dof);
+  }
 }
 
 void add_zooms(const FocusPlan& plan, FocusFigures& figures) {
@@ -145,6 +179,7 @@ FocusFigures focus_figures(const FocusPlan& plan) {
   refused("out_of_range", StartKind::kOutOfRange, false);
   refused("moving", StartKind::kMoving, false);
   add_zooms(plan, figures);
+  add_holds(plan, figures);
   return figures;
 }
 
@@ -173,11 +208,24 @@ Json json_of(const FocusFigures& figures, const FocusPlan& plan) {
   std::size_t locks = 0;
   for (const RefusedRow& row : figures.refused) {
     json["no_focus"][row.name] = {{"starts", row.starts}, {"refused", row.refused}};
+    for (const auto& [verdict, count] : row.reasons)
+      json["no_focus"][row.name]["reasons"][std::string(kFocusVerdicts.word(verdict))] = count;
     locks += row.starts - row.refused;
   }
   json["no_focus_locks"] = locks;
   if (const StrategyRow* thesis = row_named(figures, "thesis_law"))
     json["thesis_law"] = {{"success_rate", thesis->success_rate()}, {"false_locks", thesis->false_locks}};
+  for (const HoldRow& row : figures.holds) {
+    json["hold"][row.target] = {{"runs", row.runs},
+                                {"seconds", kHold_s},
+                                {"lost", row.lost},
+                                {"pictures", row.all_dof.count},
+                                {"error_rms_dof", row.all_dof.rms()},
+                                {"error_max_dof", row.all_dof.max},
+                                {"passed_on", row.passed_dof.count},
+                                {"passed_error_rms_dof", row.passed_dof.rms()},
+                                {"passed_error_max_dof", row.passed_dof.max}};
+  }
   json["rows"] = Json::array();
   for (const StrategyRow& row : figures.rows) {
     json["rows"].push_back({{"strategy", row.name},
@@ -200,9 +248,17 @@ std::vector<reporting::PageTable> page_tables(const FocusFigures& figures) {
          std::to_string(row.pictures_p50), std::to_string(row.pictures_max),
          fmt::format("{:.3f}", row.error_rms_dof), fmt::format("{:.3f}", row.error_max_dof)});
   }
-  reporting::TableRows refused{{"start", "no focus found"}};
+  reporting::TableRows refused{{"start", "no focus found", "reasons"}};
   for (const RefusedRow& row : figures.refused)
-    refused.push_back({row.name, fmt::format("{} of {}", row.refused, row.starts)});
+    refused.push_back({row.name, fmt::format("{} of {}", row.refused, row.starts), reasons_of(row)});
+  reporting::TableRows hold{{"target", "runs", "focus lost", "all pictures: rms, dof", "largest",
+                             "passed on, %", "these: rms, dof", "largest, dof"}};
+  for (const HoldRow& row : figures.holds) {
+    hold.push_back({row.target, std::to_string(row.runs), std::to_string(row.lost),
+                    fmt::format("{:.2f}", row.all_dof.rms()), fmt::format("{:.2f}", row.all_dof.max),
+                    percent(static_cast<double>(row.passed_dof.count) / static_cast<double>(row.all_dof.count)),
+                    fmt::format("{:.3f}", row.passed_dof.rms()), fmt::format("{:.2f}", row.passed_dof.max)});
+  }
   const reporting::TableRows zoom{
       {"zoom steps", "found", "pictures, median", "most", "error rms, dof", "scale off at the most, %"},
       {std::to_string(figures.zooms), std::to_string(figures.zooms_found),
@@ -211,14 +267,15 @@ std::vector<reporting::PageTable> page_tables(const FocusFigures& figures) {
        fmt::format("{:.3f}", 100.0 * figures.scale_error_max)}};
   return {{"strategies", reporting::markdown_table(strategies)},
           {"refused", reporting::markdown_table(refused)},
-          {"zoom", reporting::markdown_table(zoom)}};
+          {"zoom", reporting::markdown_table(zoom)},
+          {"hold", reporting::markdown_table(hold)}};
 }
 
 std::string starts_csv(const FocusFigures& figures) {
-  std::string out = "strategy,start,target,seed,claimed,verdict,pictures,error_dof\n";
+  std::string out = "strategy,start,target,seed,offset_dof,claimed,verdict,pictures,error_dof\n";
   for (const StartRecord& row : figures.starts) {
-    out += fmt::format("{},{},{},{},{:d},{},{},{}\n", row.strategy, row.kind, row.target, row.seed,
-                       row.outcome.claimed, kFocusVerdicts.word(row.outcome.verdict), row.outcome.pictures,
+    out += fmt::format("{},{},{},{},{},{:d},{},{},{}\n", row.strategy, row.kind, row.target, row.seed,
+                       row.offset_dof, row.outcome.claimed, kFocusVerdicts.word(row.outcome.verdict), row.outcome.pictures,
                        row.outcome.error_dof);
   }
   return out;

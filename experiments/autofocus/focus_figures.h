@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "common/reporting/page_tables.h"
 #include "experiments/acceptance.h"
+#include "experiments/autofocus/focus_hold.h"
 #include "experiments/autofocus/focus_rivals.h"
 #include "experiments/autofocus/focus_zoom.h"
 
@@ -33,6 +35,7 @@ struct RefusedRow {
   std::string name;
   std::size_t starts = 0;
   std::size_t refused = 0;
+  std::map<imaging::FocusVerdict, std::size_t> reasons{};  ///< of those refused
 };
 
 /// One start of one strategy.
@@ -41,8 +44,18 @@ struct StartRecord {
   std::string kind;  ///< usual, blank, out_of_range or moving
   std::string target;
   std::uint64_t seed = 0;
+  double offset_dof = 0.0;  ///< true defocus at the start
   FocusOutcome outcome;
 };
+/// The focus kept on a target that stands still, over several seeds.
+struct HoldRow {
+  std::string target;
+  std::size_t runs = 0;
+  std::size_t lost = 0;
+  ErrorStatistics all_dof{};     ///< true defocus at every picture,
+  ErrorStatistics passed_dof{};  ///< at those that are passed on as in focus
+};
+
 /// One step of the magnification.
 struct ZoomRecord {
   std::string target;
@@ -63,6 +76,7 @@ struct FocusFigures {
   double zoom_error_rms_dof = 0.0;
   double scale_error_max = 0.0;  ///< as a share
   double calibration_residual = 0.0;
+  std::vector<HoldRow> holds;
   std::vector<StartRecord> starts;  ///< what all of the above are made of
   std::vector<ZoomRecord> steps;
 };
@@ -77,7 +91,7 @@ struct FocusPlan {
 FocusFigures focus_figures(const FocusPlan& plan);
 
 nlohmann::ordered_json json_of(const FocusFigures& figures, const FocusPlan& plan);
-/// Tables `strategies`, `refused` and `zoom` of docs/results/autofocus.md.
+/// Tables `strategies`, `refused`, `zoom` and `hold` of docs/results/autofocus.md.
 std::vector<reporting::PageTable> page_tables(const FocusFigures& figures);
 /// starts.csv and zooms.csv: a row for each, so that every figure can be had from them again.
 std::string starts_csv(const FocusFigures& figures);

@@ -78,7 +78,7 @@ StoryRun run_story(FocusStory story, FocusLaw law, std::uint64_t seed) {
   PrintedFocusLaw printed(
       {.mu_0_m_per_s = dof_m / unit.frame_period_s(), .alpha = dof_m, .window_m = 0.5 * dof_m});
   StoryRun run;
-  bool arrived = false;
+  LiveFocus live(unit, autofocus);
   while (unit.time_s() < kDuration_s) {
     const cv::Mat picture = unit.next_frame();
     add_frame(run, unit, picture);
@@ -92,11 +92,7 @@ StoryRun run_story(FocusStory story, FocusLaw law, std::uint64_t seed) {
       unit.control().drive(kFocus, shaken ? dof_m / unit.frame_period_s() : velocity);
       continue;
     }
-    // A picture counts where both axes stood still since the one before.
-    if (arrived && !zooming) autofocus.seen(picture, unit.measured_m());
-    const double goal_m = autofocus.goal_m(unit.measured_m(), zooming);
-    if (std::abs(goal_m - unit.control().goal_m(kFocus)) > 1e-7) unit.control().approach(kFocus, goal_m);
-    arrived = unit.control().settled();
+    live.step(picture, zooming);
   }
   return run;
 }

@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kPeriod_s = 1e-3;
 constexpr double kLongestMove_s = 20.0;
+/// A goal that differs less than this is the same.
+constexpr double kSameGoal_m = 1e-7;
 
 }  // namespace
 
@@ -89,6 +91,15 @@ void focus_now(VirtualUnit& unit, Autofocus& autofocus) {
   }
   unit.control().approach(kFocus, goal_m);
   unit.settle();
+}
+
+bool LiveFocus::step(const cv::Mat& picture, bool zooming) {
+  const bool counts = arrived_ && !zooming;
+  if (counts) autofocus_.seen(picture, unit_.measured_m());
+  const double goal_m = autofocus_.goal_m(unit_.measured_m(), zooming);
+  if (std::abs(goal_m - unit_.control().goal_m(kFocus)) > kSameGoal_m) unit_.control().approach(kFocus, goal_m);
+  arrived_ = unit_.control().settled();
+  return counts && autofocus_.sharp();
 }
 
 }  // namespace telekerf::experiments

@@ -73,4 +73,19 @@ imaging::FocusResult run_search(VirtualUnit& unit, imaging::FocusSearch search);
 /// Lets the autofocus work until it tracks or gives up; the focus then stands where it wants it.
 void focus_now(VirtualUnit& unit, imaging::Autofocus& autofocus);
 
+/// The autofocus on the stream of pictures, as vision has it: a picture counts where both axes stood still
+/// since the one before.
+class LiveFocus {
+ public:
+  LiveFocus(VirtualUnit& unit, imaging::Autofocus& autofocus) : unit_(unit), autofocus_(autofocus) {}
+
+  /// The next picture of the stream. True: it counted, in focus and nothing being tried.
+  bool step(const cv::Mat& picture, bool zooming);
+
+ private:
+  VirtualUnit& unit_;
+  imaging::Autofocus& autofocus_;
+  bool arrived_ = false;
+};
+
 }  // namespace telekerf::experiments

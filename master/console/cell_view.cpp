@@ -182,7 +182,8 @@ std::string CellView::imaging_sentence(std::int64_t now_ns) const {
   if (!vision_.contains("magnification") || static_cast<double>(now_ns - vision_ns_) * 1e-9 > kTelling_s)
     return {};
   // As docs/how-to/imaging-unit.md counts them.
-  constexpr std::array<std::string_view, 3> kStates{"searching the focus", "in focus", "no focus found"};
+  constexpr std::array<std::string_view, 4> kStates{"searching the focus", "in focus", "no focus found",
+                                                    "focus moved by the printed law"};
   const auto state = static_cast<std::size_t>(std::max(0.0, of("imaging_state")));
   return fmt::format("{}, {:.2f}x, focus {:.3f} mm, sharpness {:.3g}",
                      of("camera_gone") != 0.0 ? "camera or axes gone"

@@ -173,6 +173,10 @@ void run_calibration(const ImagingFlags& flags, const std::string& camera) {
   }
   // What cannot be written is better known before than afterwards.
   refuse_unwritable("--calibrate", std::filesystem::absolute(flags.calibrate).parent_path());
+  if (std::filesystem::is_directory(flags.calibrate)) {
+    throw usage_error(fmt::format("calibrate = {}: is a folder; name the file to be written in it, as {}",
+                                  flags.calibrate, (std::filesystem::path(flags.calibrate) / "unit.toml").string()));
+  }
   ImagingFile file = file_of(flags);
   CalibrationSettings settings;
   settings.pitch_m = 1e-3 * flags.grid_mm;

@@ -60,6 +60,9 @@ TEST(Imaging, ACalibrationThatCannotBeIsRefusedAtOnce) {
                   {"--imaging", "simulated", "--calibrate", (file / "unit.toml").string()});
   EXPECT_EQ(nowhere.wait(seconds(40)), 2) << nowhere.output();
   EXPECT_TRUE(nowhere.says("no-folder is no folder", seconds(1))) << nowhere.output();
+  Program folder("telekerf-vision", {"--imaging", "simulated", "--calibrate", Program::scratch().string()});
+  EXPECT_EQ(folder.wait(seconds(40)), 2) << folder.output();
+  EXPECT_TRUE(folder.says("is a folder; name the file to be written in it", seconds(1))) << folder.output();
 }
 
 TEST(Imaging, AFileOfAnotherUnitIsRefused) {

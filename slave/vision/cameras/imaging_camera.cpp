@@ -24,6 +24,14 @@ FocusLawSettings printed_settings(const ImagingCameraSettings& settings) {
   return {.mu_0_m_per_s = dof_m / settings.frame_period_s, .alpha = dof_m, .window_m = 0.5 * dof_m};
 }
 
+template <typename Value>
+std::string in_words(const EnumTable<Value>& table, Value value) {
+  for (const auto& row : table) {
+    if (row.value == value) return fmt::format("{}: {}", row.word, row.sentence);
+  }
+  return std::string(table.word(value));
+}
+
 }  // namespace
 
 cv::Mat focus_grey(const cv::Mat& picture) {
@@ -149,7 +157,9 @@ void ImagingCamera::say_state() {
       note("in focus");
       break;
     case Autofocus::State::kUnfocused:
-      note(fmt::format("no focus found: {}", kFocusVerdicts.word(autofocus_.result().verdict)));
+      note("no focus found: " + in_words(kFocusVerdicts, autofocus_.result().verdict));
+      break;
+    case Autofocus::State::kPrintedLaw:  // says so itself
       break;
   }
 }
@@ -160,9 +170,10 @@ void ImagingCamera::stand_still() {
 }
 
 bool ImagingCamera::drive_by_printed_law(const cv::Mat& grey) {
-  const cv::Rect region = central_region(grey.size(), settings_.region);
-  const double velocity =
-      printed_.step(axes_->positions_m().focus_m, normalised_variance(grey_sums(grey(region))));
+  const cv::Mat region = grey(central_region(grey.size(), settings_.region));
+  printed_sharpness_ = sharpness_of(region, {});
+  note(in_words(kAutofocusStates, Autofocus::State::kPrintedLaw));
+  const double velocity = printed_.step(axes_->positions_m().focus_m, normalised_variance(grey_sums(region)));
   const bool exciting = excited_ < kExcitation;
   if (exciting) ++excited_;
   axes_->drive(kFocus, exciting ? printed_settings(settings_).mu_0_m_per_s : velocity);
@@ -204,12 +215,14 @@ Camera::Result ImagingCamera::next() {
 std::vector<std::pair<std::string, double>> ImagingCamera::values() const {
   const AxisPositions axes = axes_->positions_m();
   const double metres_per_pixel = autofocus_.metres_per_pixel(axes);
-  return {{"imaging_state", static_cast<double>(autofocus_.state())},
+  const bool printed = settings_.law == FocusLaw::kThesis;
+  const Sharpness& sharpness = printed ? printed_sharpness_ : autofocus_.sharpness();
+  return {{"imaging_state", static_cast<double>(printed ? Autofocus::State::kPrintedLaw : autofocus_.state())},
           {"focus_verdict", static_cast<double>(autofocus_.result().verdict)},
           {"focus_pictures", autofocus_.pictures()},
           {"focus_locks", autofocus_.locks()},
-          {"sharpness_variance", autofocus_.sharpness().variance},
-          {"sharpness_tenengrad", autofocus_.sharpness().tenengrad},
+          {"sharpness_variance", sharpness.variance},
+          {"sharpness_tenengrad", sharpness.tenengrad},
           {"focus_mm", 1e3 * axes.focus_m},
           {"zoom", axes.magnification_m / settings_.model.magnification_travel_m},
           {"magnification", settings_.model.optics.magnification(metres_per_pixel)},

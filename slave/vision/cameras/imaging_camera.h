@@ -78,6 +78,7 @@ class ImagingCamera final : public Camera {
   Wait wait_;
   imaging::Autofocus autofocus_;
   imaging::PrintedFocusLaw printed_;
+  imaging::Sharpness printed_sharpness_;  ///< of the newest picture that the printed law has seen
   imaging::PictureCorrection correction_;
   bool homed_ = false;
   bool lost_ = false;  ///< since they had homed, and not yet said

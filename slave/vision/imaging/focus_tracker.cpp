@@ -24,7 +24,8 @@ FocusTracker::FocusTracker(const FocusTrackerSettings& settings, const FocusRang
       // slope mu_0 alpha / 2.
       alpha_(2.0 * settings.convergence * lock.width_dof * lock.width_dof / settings.mu_0_dof),
       lock_tenengrad_(lock.tenengrad),
-      centre_m_(lock.position_m) {}
+      centre_m_(lock.position_m),
+      rest_pictures_(settings.rest_pictures) {}
 
 double FocusTracker::next_m() const noexcept {
   const double half_m = 0.5 * settings_.window_dof * range_.depth_of_field_m;
@@ -46,6 +47,8 @@ void FocusTracker::step(double above_log, double apart_m) {
   centre_m_ = std::clamp(centre_m_ + step_dof * range_.depth_of_field_m, range_.lowest_m, range_.highest_m);
   const bool arrived = std::abs(step_dof) < settings_.small_dof;
   stage_ = arrived ? Stage::kRest : Stage::kBelow;
+  rest_pictures_ = arrived ? std::min(2 * rest_pictures_, settings_.longest_rest_pictures)
+                           : settings_.rest_pictures;
   rested_ = 0;
   rest_tenengrad_ = 0.0;
 }
@@ -53,11 +56,12 @@ void FocusTracker::step(double above_log, double apart_m) {
 void FocusTracker::seen(const cv::Mat& region, double position_m) {
   ++pictures_;
   newest_ = sharpness_of(region, background_);
+  resting_ = stage_ == Stage::kRest;
   switch (stage_) {
     case Stage::kRest:
       if (rest_tenengrad_ == 0.0) rest_tenengrad_ = newest_.tenengrad;
       lost_ = newest_.tenengrad < settings_.lost * lock_tenengrad_;
-      if (++rested_ >= settings_.rest_pictures ||
+      if (++rested_ >= rest_pictures_ ||
           newest_.tenengrad < (1.0 - settings_.fall) * rest_tenengrad_)
         stage_ = Stage::kBelow;
       break;

@@ -16,7 +16,8 @@ struct FocusTrackerSettings {
   double mu_0_dof = 0.5;    ///< largest step after a pair of pictures
   /// Share of the way to the peak that a step goes: alpha of eq. 158 is chosen for it from the peak's width.
   double convergence = 0.6;
-  int rest_pictures = 20;  ///< between two pairs where the last step was small
+  int rest_pictures = 20;  ///< between two pairs where the last step was small; doubles
+  int longest_rest_pictures = 160;  ///< up to this while all steps stay small
   double small_dof = 0.1;
   double fall = 0.1;   ///< of the sharpness at rest that ends the rest, as a share
   double lost = 0.25;  ///< share of the sharpness at the lock below which the focus is lost
@@ -33,7 +34,8 @@ class FocusTracker {
   void seen(const cv::Mat& region, double position_m);
 
   double centre_m() const noexcept { return centre_m_; }
-  bool resting() const noexcept { return stage_ == Stage::kRest; }
+  /// The newest picture was taken at rest in the focus, none half a window off it.
+  bool resting() const noexcept { return resting_; }
   /// The sharpness is gone: to be searched for anew.
   bool lost() const noexcept { return lost_; }
   /// Of the newest picture.
@@ -51,6 +53,8 @@ class FocusTracker {
   double lock_tenengrad_;
   double centre_m_;
   Stage stage_ = Stage::kRest;
+  bool resting_ = true;
+  int rest_pictures_;  ///< of this rest
   int rested_ = 0;
   double rest_tenengrad_ = 0.0;  ///< of the first picture at rest; 0: none yet
   double below_log_ = 0.0;

@@ -178,6 +178,7 @@ TEST_F(CellViewTest, TheImagingUnitIsSaidWhileItIsHeard) {
   };
   EXPECT_EQ(said(1, 0), "in focus");
   EXPECT_EQ(said(2, 0), "no focus found");
+  EXPECT_EQ(said(3, 0), "focus moved by the printed law");
   EXPECT_EQ(said(1, 1), "camera or axes gone");
   EXPECT_EQ(said(9, 0), "state unknown");
 }

@@ -32,6 +32,22 @@ TEST(AutofocusExperiment, MeetsItsBarsOnAFewStarts) {
   EXPECT_TRUE(json["thesis_law"]["success_rate"].is_number());
   EXPECT_EQ(json["rows"].size(), 5U);
   EXPECT_EQ(json["no_focus"]["moving"]["refused"], 9);
+  for (const RefusedRow& row : figures.refused) {
+    std::size_t reasons = 0;
+    for (const auto& [verdict, count] : row.reasons) reasons += count;
+    EXPECT_EQ(reasons, row.refused) << row.name;
+  }
+  EXPECT_EQ(json["no_focus"]["moving"]["reasons"]["moving"], 9);
+  // A minute on each of three targets, twenty pictures a second.
+  ASSERT_EQ(figures.holds.size(), 3U);
+  for (const HoldRow& row : figures.holds) {
+    EXPECT_EQ(row.lost, 0U) << row.target;
+    EXPECT_EQ(row.all_dof.count, 1201U) << row.target;
+    EXPECT_LT(row.passed_dof.rms(), 0.05) << row.target;
+    EXPECT_LT(row.passed_dof.max, 0.15) << row.target;
+    EXPECT_GT(row.passed_dof.count, 800U) << row.target;
+    EXPECT_LT(row.all_dof.rms(), 0.25) << row.target;
+  }
 }
 
 TEST(AutofocusExperiment, IsTheSameForTheSameSeed) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <opencv2/imgproc.hpp>
 
 #include "slave/vision/imaging/focus_tracker.h"
@@ -60,16 +61,40 @@ TEST_F(Tracking, RestsAndTriesNowAndThen) {
     EXPECT_EQ(tracker.next_m(), focus_m_);
     look(tracker);
   }
-  // Half a window below, then half a window above.
-  EXPECT_FALSE(tracker.resting());
+  // Half a window below, then half a window above; neither picture is one in focus.
+  EXPECT_TRUE(tracker.resting());
   EXPECT_NEAR(tracker.next_m(), focus_m_ - 0.5 * kDof_m, 1e-12);
   look(tracker);
+  EXPECT_FALSE(tracker.resting());
   EXPECT_NEAR(tracker.next_m(), focus_m_ + 0.5 * kDof_m, 1e-12);
   look(tracker);
-  EXPECT_TRUE(tracker.resting());
+  EXPECT_FALSE(tracker.resting());
+  EXPECT_EQ(tracker.next_m(), tracker.centre_m());
   EXPECT_NEAR(off_dof(tracker), 0.0, 0.1);
   EXPECT_EQ(tracker.pictures(), 22);
   EXPECT_GT(tracker.sharpness().tenengrad, 0.0);
+}
+
+/// How many pictures are taken at rest until the next pair begins.
+int rest_of(FocusTracker& tracker, const std::function<void()>& look) {
+  int pictures = 0;
+  while (tracker.next_m() == tracker.centre_m()) {
+    look();
+    ++pictures;
+  }
+  return pictures;
+}
+
+TEST_F(Tracking, RestsLongerTheLongerNothingHasChanged) {
+  FocusTracker tracker = locked();
+  const auto next = [&] { look(tracker); };
+  for (const int pictures : {20, 40, 80, 160, 160}) {
+    EXPECT_EQ(rest_of(tracker, next), pictures);
+    look(tracker);
+    look(tracker);
+  }
+  focus_m_ += 0.8 * kDof_m;
+  EXPECT_EQ(rest_of(tracker, next), 1 + 1);  // the first is what the second is less sharp than
 }
 
 TEST_F(Tracking, GoesBackToThePeakFromBothSides) {
@@ -97,7 +122,12 @@ TEST_F(Tracking, EndsItsRestWhereTheSharpnessFalls) {
   look(tracker);
   focus_m_ += 0.8 * kDof_m;
   look(tracker);
-  EXPECT_FALSE(tracker.resting());
+  EXPECT_LT(tracker.next_m(), tracker.centre_m());
+  look(tracker);
+  look(tracker);  // a step that is not small
+  ASSERT_LT(tracker.next_m(), tracker.centre_m());
+  while (tracker.next_m() != tracker.centre_m()) look(tracker);
+  EXPECT_EQ(rest_of(tracker, [&] { look(tracker); }), 40);
 }
 
 TEST_F(Tracking, SaysWhenTheFocusIsLost) {
@@ -155,10 +185,10 @@ TEST_F(Tracking, RestsAgainAfterASmallStepOnly) {
   settings.rest_pictures = 1;
   FocusTracker far = locked(settings, 1.5);
   for (int i = 0; i < 3; ++i) look(far);
-  EXPECT_FALSE(far.resting());  // another pair at once
+  EXPECT_LT(far.next_m(), far.centre_m());  // another pair at once
   FocusTracker near = locked(settings);
   for (int i = 0; i < 3; ++i) look(near);
-  EXPECT_TRUE(near.resting());
+  EXPECT_EQ(near.next_m(), near.centre_m());
 }
 
 TEST_F(Tracking, AStepIsBounded) {

@@ -60,7 +60,8 @@ TableRows settings() {
   add("window of the tracking, dof", tracker.window_dof);
   add("its largest step (mu_0), dof", tracker.mu_0_dof);
   add("share of the way that a step goes", tracker.convergence);
-  add("pictures at rest", tracker.rest_pictures);
+  add("pictures at rest, the first time", tracker.rest_pictures);
+  add("and at the most", tracker.longest_rest_pictures);
   add("step after which it rests, dof", tracker.small_dof);
   add("fall that ends the rest, share", tracker.fall);
   add("sharpness of the lock below which it is lost, share", tracker.lost);

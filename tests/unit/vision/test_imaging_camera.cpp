@@ -110,7 +110,9 @@ TEST_F(ImagingCameraTest, RefocusSearchesAnew) {
 TEST_F(ImagingCameraTest, WithoutAFocusThereAreNoPicturesAndAReason) {
   open(cv::Mat(600, 600, CV_8U, cv::Scalar(180)), settings());
   EXPECT_FALSE(usable());
-  EXPECT_EQ(camera_->remark(), "no focus found: blank");
+  EXPECT_EQ(camera_->remark(),
+            "no focus found: blank: nothing stands out from the noise anywhere in the range: a blank object, or one "
+            "far out of focus");
   EXPECT_EQ(value("imaging_state"), 2.0);
   EXPECT_EQ(value("focus_verdict"), static_cast<double>(FocusVerdict::kBlank));
 }
@@ -312,6 +314,12 @@ TEST_F(ImagingCameraTest, ThePrintedLawNeedsItsExcitationAndThenClimbs) {
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(camera_->next());
   const double first = value("focus_mm");
   EXPECT_GT(first, 1.0);  // it has left the lower end
+  EXPECT_EQ(value("imaging_state"), 3.0);
+  EXPECT_EQ(camera_->remark(),
+            "printed law: the law of the thesis moves the focus, which cannot say whether it has arrived");
+  EXPECT_EQ(camera_->remark(), "");  // once
+  EXPECT_GT(value("sharpness_tenengrad"), 0.0);
+  EXPECT_GT(value("sharpness_variance"), 0.0);
   camera_->refocus();
   ASSERT_TRUE(camera_->next());
   ASSERT_TRUE(camera_->next());
