@@ -2,10 +2,6 @@
 // Somebody with a DDS library and some keys, who commands a slave: nothing is checked beforehand, all is
 // tried. Usage: rogue DOMAIN CELL TRIES [property=value ..] Writes TRIES blocks to telekerf/command and says
 // "commanded N, readers M"; or what the library refused it.
-#include <telekerf.h>
-#include <telekerfPubSubTypes.h>
-
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -17,6 +13,8 @@
 #include <string>
 #include <thread>
 
+#include "common/bus/middleware.h"
+#include "common/bus/topics.h"
 #include "common/bus/wire_messages.h"
 #include "common/protocol/contract_version.h"
 
@@ -84,7 +82,7 @@ int run(int argc, char** argv) {
   int said = 0;
   for (int n = 0; n < tries; ++n) {
     block.octets().assign(60, static_cast<std::uint8_t>(n));
-    said += writer->write(&block) ? 1 : 0;
+    said += middleware::succeeded(writer->write(&block)) ? 1 : 0;
     std::this_thread::sleep_for(200us);
   }
   writer->get_publication_matched_status(matched);
