@@ -72,6 +72,11 @@ TEST(CorridorRaster, HoldsEachCellWhoseMiddleIsWithinUpToTheWorkspacesEdge) {
       }
     }
     EXPECT_GT(held, 2000);
+    // About the very end, one float after the other: nothing behind the cells is read.
+    for (float end_m = 10.9999e-3F; end_m < 11.0001e-3F; end_m = std::nextafter(end_m, 1.0F)) {
+      ASSERT_FALSE(raster.holds(0.0F, end_m));
+      ASSERT_FALSE(raster.holds(end_m, 0.0F));
+    }
   }
 }
 
