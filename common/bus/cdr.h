@@ -6,6 +6,8 @@
 #include <fastcdr/Cdr.h>
 #include <fastcdr/exceptions/Exception.h>
 #if __has_include(<telekerfCdrAux.hpp>)
+#include <fastcdr/CdrSizeCalculator.hpp>
+#include <fastcdr/exceptions/NotEnoughMemoryException.h>
 #include <telekerf.hpp>
 #include <telekerfCdrAux.hpp>
 #else
@@ -40,8 +42,13 @@ void read_cdr(std::span<char> bytes, Wire& wire) {
   using eprosima::fastcdr::Cdr;
   eprosima::fastcdr::FastBuffer buffer(bytes.data(), bytes.size());
 #if __has_include(<telekerfCdrAux.hpp>)
-  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, eprosima::fastcdr::CdrVersion::XCDRv1);
+  constexpr auto kVersion = eprosima::fastcdr::CdrVersion::XCDRv1;
+  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, kVersion);
   cdr >> wire;
+  // Where the bytes end between two members, this release is content and leaves the rest as it was.
+  std::size_t alignment = 0;
+  if (eprosima::fastcdr::CdrSizeCalculator(kVersion).calculate_serialized_size(wire, alignment) > bytes.size())
+    throw eprosima::fastcdr::exception::NotEnoughMemoryException("the bytes end before the message does");
 #else
   Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::CORBA_CDR);
   wire.deserialize(cdr);

@@ -20,7 +20,11 @@ std::string shown(const toml::node& node) {
     for (const auto& element : *array) elements.push_back(element.is_table() ? "{..}" : shown(element));
     return fmt::format("[{}]", fmt::join(elements, ", "));
   }
-  if (const auto* number = node.as_floating_point()) return fmt::format("{:#}", number->get());
+  if (const auto* number = node.as_floating_point()) {
+    const std::string digits = fmt::format("{}", number->get());
+    const bool whole = digits.find_first_not_of("-0123456789") == std::string::npos;
+    return whole ? digits + ".0" : digits;
+  }
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
   return out.str();

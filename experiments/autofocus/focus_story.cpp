@@ -46,7 +46,7 @@ Autofocus taught(std::uint64_t seed) {
 
 void add_frame(StoryRun& run, VirtualUnit& unit, const cv::Mat& picture) {
   run.frames.push_back({unit.time_s(), unit.measured_m().magnification_m,
-                        normalised_variance(grey_sums(picture)), unit.defocus_dof()});
+                        normalised_variance(grey_sums(picture)), unit.defocus_dof(), false});
   const double next_s = static_cast<double>(run.strip.size()) * kDuration_s / kStrip;
   if (unit.time_s() < next_s) return;
   run.strip.push_back(picture);
@@ -92,7 +92,7 @@ StoryRun run_story(FocusStory story, FocusLaw law, std::uint64_t seed) {
       unit.control().drive(kFocus, shaken ? dof_m / unit.frame_period_s() : velocity);
       continue;
     }
-    live.step(picture, zooming);
+    run.frames.back().passed_on = live.step(picture, zooming);
   }
   return run;
 }

@@ -22,6 +22,7 @@ struct StoryFrame {
   double magnification_m = 0.0;  ///< of the axis, as measured
   double sharpness = 0.0;        ///< eq. 155
   double defocus_dof = 0.0;      ///< true
+  bool passed_on = false;        ///< as in focus; the printed law cannot say so
 };
 
 struct StoryRun {

@@ -25,7 +25,8 @@ FocusTracker::FocusTracker(const FocusTrackerSettings& settings, const FocusRang
       alpha_(2.0 * settings.convergence * lock.width_dof * lock.width_dof / settings.mu_0_dof),
       lock_tenengrad_(lock.tenengrad),
       centre_m_(lock.position_m),
-      rest_pictures_(settings.rest_pictures) {}
+      rest_pictures_(settings.rest_pictures),
+      rest_tenengrad_(lock.tenengrad) {}
 
 double FocusTracker::next_m() const noexcept {
   const double half_m = 0.5 * settings_.window_dof * range_.depth_of_field_m;
@@ -50,7 +51,20 @@ void FocusTracker::step(double above_log, double apart_m) {
   rest_pictures_ = arrived ? std::min(2 * rest_pictures_, settings_.longest_rest_pictures)
                            : settings_.rest_pictures;
   rested_ = 0;
-  rest_tenengrad_ = 0.0;
+}
+
+void FocusTracker::rest() {
+  lost_ = newest_.tenengrad < settings_.lost * lock_tenengrad_;
+  const bool first = rested_ == 0;
+  const bool known = first && after_fall_;
+  const bool fell = !known && newest_.tenengrad < (1.0 - settings_.fall) * rest_tenengrad_;
+  if (first && !fell) {
+    rest_tenengrad_ = newest_.tenengrad;
+    after_fall_ = false;
+  }
+  if (!fell && ++rested_ < rest_pictures_) return;
+  after_fall_ = fell;
+  stage_ = Stage::kBelow;
 }
 
 void FocusTracker::seen(const cv::Mat& region, double position_m) {
@@ -59,11 +73,7 @@ void FocusTracker::seen(const cv::Mat& region, double position_m) {
   resting_ = stage_ == Stage::kRest;
   switch (stage_) {
     case Stage::kRest:
-      if (rest_tenengrad_ == 0.0) rest_tenengrad_ = newest_.tenengrad;
-      lost_ = newest_.tenengrad < settings_.lost * lock_tenengrad_;
-      if (++rested_ >= rest_pictures_ ||
-          newest_.tenengrad < (1.0 - settings_.fall) * rest_tenengrad_)
-        stage_ = Stage::kBelow;
+      rest();
       break;
     case Stage::kBelow:
       below_log_ = log_of(newest_);

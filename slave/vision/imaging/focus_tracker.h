@@ -44,6 +44,7 @@ class FocusTracker {
 
  private:
   enum class Stage : std::uint8_t { kRest, kBelow, kAbove };
+  void rest();
   void step(double above_log, double apart_m);
 
   FocusTrackerSettings settings_;
@@ -56,7 +57,8 @@ class FocusTracker {
   bool resting_ = true;
   int rest_pictures_;  ///< of this rest
   int rested_ = 0;
-  double rest_tenengrad_ = 0.0;  ///< of the first picture at rest; 0: none yet
+  double rest_tenengrad_;      ///< of the first picture of this rest, or of the one before
+  bool after_fall_ = false;    ///< a fall has led to this rest's place, so that the sharpness is what it is now
   double below_log_ = 0.0;
   double below_m_ = 0.0;
   Sharpness newest_;

@@ -94,7 +94,7 @@ TEST_F(Tracking, RestsLongerTheLongerNothingHasChanged) {
     look(tracker);
   }
   focus_m_ += 0.8 * kDof_m;
-  EXPECT_EQ(rest_of(tracker, next), 1 + 1);  // the first is what the second is less sharp than
+  EXPECT_EQ(rest_of(tracker, next), 1) << "less sharp than at the rest before";
 }
 
 TEST_F(Tracking, GoesBackToThePeakFromBothSides) {
