@@ -16,6 +16,7 @@ MasterValues master_values(const MasterOutputs& out, double beta, const streamin
           out.constraint_n,
           out.active.phi_m,
           out.corridor_m,
+          out.off_line ? 1.0 : 0.0,
           shape.is_line ? 1.0 : 0.0,
           centre.x(),
           centre.y(),

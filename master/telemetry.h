@@ -16,8 +16,8 @@ namespace telekerf::master {
 
 inline constexpr std::array kMasterValueNames{
     // The constraint.
-    "mode", "tool_x_m", "tool_y_m", "constraint_n", "phi_m", "corridor_m", "circle_is_line", "circle_x_m",
-    "circle_y_m", "circle_radius_m", "tangent_x", "tangent_y", "arc_m", "speed_limit_m_per_s", "beta",
+    "mode", "tool_x_m", "tool_y_m", "constraint_n", "phi_m", "corridor_m", "off_line", "circle_is_line",
+    "circle_x_m", "circle_y_m", "circle_radius_m", "tangent_x", "tangent_y", "arc_m", "speed_limit_m_per_s", "beta",
     // The network observer.
     "slave_x_m", "slave_y_m", "slave_z_m", "slave_x_m_per_s", "slave_y_m_per_s", "slave_z_m_per_s",
     "disturbance_x_m_per_s2", "disturbance_y_m_per_s2", "disturbance_z_m_per_s2", "innovation_x_m",
@@ -33,9 +33,9 @@ inline constexpr std::array kMasterValueNames{
 using MasterValues = std::array<double, kMasterValueNames.size()>;
 
 /// In the order of kMasterValueNames. Circle and tangent in the master's workpiece frame; of a line,
-/// circle_x_m and circle_y_m are a point on it and the radius is zero. `slave_`: predicted for the tick at
-/// which the command made now acts, slave's workpiece frame. `clock_`: slave's clock against the master's.
-/// `round_trip_s`: the newest.
+/// circle_x_m and circle_y_m are a point on it and the radius is zero. `off_line`: 1: so far off the contour that the
+/// button is not passed on. `slave_`: predicted for the tick at which the command made now acts, slave's workpiece
+/// frame. `clock_`: slave's clock against the master's. `round_trip_s`: the newest.
 MasterValues master_values(const MasterOutputs& out, double beta, const streaming::ClockEstimate& clocks,
                            double round_trip_s, const StreamChoice& stream) noexcept;
 

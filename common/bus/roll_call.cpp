@@ -9,6 +9,7 @@ namespace telekerf {
 namespace {
 
 constexpr const char* kRole = "clock";
+constexpr const char* kAsker = "ctl";  ///< role of telekerf-ctl
 
 double wall_clock_s() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -18,6 +19,9 @@ double wall_clock_s() {
 
 void ClockTeller::tell() {
   if (writer_.readers() == 0) return;
+  // Consoles and recorders listen to telemetry all the time, and never ask.
+  const auto others = bus_.others();
+  if (std::none_of(others.begin(), others.end(), [](const auto& other) { return other.role == kAsker; })) return;
   writer_.write({.role = kRole, .tick = epoch_, .values = {{"wall_clock_s", wall_clock_s()}}});
 }
 

@@ -15,15 +15,16 @@
 
 namespace telekerf {
 
-/// Every process' side: says now and then what this computer's clock shows. Nothing is sent while nobody
-/// asks.
+/// Every process' side: says now and then what this computer's clock shows. Nothing is sent while no
+/// telekerf-ctl is there to ask.
 class ClockTeller {
  public:
-  explicit ClockTeller(Bus& bus) : writer_(bus), epoch_(bus.settings().epoch) {}
+  explicit ClockTeller(Bus& bus) : bus_(bus), writer_(bus), epoch_(bus.settings().epoch) {}
   /// Several times a second, from a thread that may wait.
   void tell();
 
  private:
+  Bus& bus_;
   Writer<TelemetryMessage> writer_;
   std::uint32_t epoch_;
 };

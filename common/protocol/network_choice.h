@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is said of an emulated network in a running cell (EventMessage::Kind::kSetNetem). The slave, which has the beam,
-// decides for everyone and says so by the same event, with the epoch of who has asked.
+// decides for everyone and says so by the same event, with the epoch of who has asked; to
+// who comes later once more, with the epoch 0.
 #pragma once
 
 #include <string_view>

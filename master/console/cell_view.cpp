@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "common/protocol/sentences.h"
-#include "master/master_node.h"
 #include "master/modes.h"
 
 namespace telekerf::master {
@@ -81,19 +80,23 @@ void CellView::recall() {
   if (!contour_ || contour_->id != slave_.contour_id) return;  // it is still on its way
   for (const Vec2& place_m : before_->places_m) mark_.add(place_m);
   depths_.add(before_->lit_s);
+  if (wish_.material == nullptr) wish_.material = before_->wish.material;
+  if (!wish_.depth_m) wish_.depth_m = before_->wish.depth_m;
+  ++wish_version_;
   before_.reset();
 }
 
 std::optional<CutSoFar> CellView::news_of_cut() {
   if (before_ || !contour_ || !slave_heard_ || contour_->id != slave_.contour_id) return std::nullopt;
-  const std::uint64_t version = depths_.version() + mark_.size();
-  if (mark_.size() == 0 || cut_told_ == version) return std::nullopt;
+  const std::uint64_t version = depths_version() + mark_.size();
+  if ((mark_.size() == 0 && !wish_.said()) || cut_told_ == version) return std::nullopt;
   cut_told_ = version;
   const auto places = mark_.from(0, mark_.size());
   return CutSoFar{.contour_id = contour_->id,
                   .slave_epoch = slave_.epoch,
                   .places_m = {places.begin(), places.end()},
-                  .lit_s = depths_.lit_s()};
+                  .lit_s = depths_.lit_s(),
+                  .wish = wish_};
 }
 
 void CellView::compare(const streaming::SlaveSample& sample) noexcept {
@@ -171,6 +174,11 @@ void CellView::forget_pictures() {
 double CellView::zoom() const {
   const auto found = vision_.find("zoom");
   return found == vision_.end() ? 0.0 : found->second;
+}
+
+std::optional<double> CellView::level() const {
+  const auto found = vision_.find("level");
+  return found == vision_.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::string CellView::imaging_sentence(std::int64_t now_ns) const {
@@ -282,10 +290,8 @@ std::string CellView::sentence(const std::string& stop, std::int64_t now_ns) con
     case MasterMode::kEngaged:
       if (!slave_fresh(now_ns)) return "Engaged, but the slave has fallen silent";
       if (slave_.mode == SlaveMode::kFollowing) {
-        const bool off_line = value("corridor_m") == 0.0 &&
-                              value("beta") * std::abs(value("phi_m")) > MasterSettings{}.max_off_line_m;
-        return off_line ? "Engaged: you push the tool off the line, so the beam waits until it is back"
-                        : "Engaged: the slave follows";
+        return value("off_line") != 0.0 ? "Engaged: you push the tool off the line, so the beam waits until it is back"
+                                        : "Engaged: the slave follows";
       }
       return fmt::format("E{}", led_sentence_of(slave_.reason) + 1);
     case MasterMode::kStopped:

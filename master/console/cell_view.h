@@ -60,9 +60,17 @@ class CellView {
   /// Of vision's imaging unit; empty: there is none.
   std::string imaging_sentence(std::int64_t now_ns) const;
   double zoom() const;  ///< share of the axis' travel
+  /// Threshold in force for the picture, a share; 0: found by itself; none: vision has not said.
+  std::optional<double> level() const;
   MarkTrail& mark() noexcept { return mark_; }
   const DepthTrail& depths() const noexcept { return depths_; }
-  /// What an earlier console has seen cut: it counts if the cell still is at that work.
+  /// What who drives has said of the work.
+  const DepthWish& wish() const noexcept { return wish_; }
+  void set_material(const workpiece::Material& material) noexcept { wish_.material = &material, ++wish_version_; }
+  void set_depth(double depth_m) noexcept { wish_.depth_m = depth_m, ++wish_version_; }
+  /// Counts what has changed of the wish, and of the depths.
+  std::uint64_t depths_version() const noexcept { return depths_.version() + wish_version_; }
+  /// What an earlier console has seen cut, and was told: it counts if the cell still is at that work.
   void remember(CutSoFar before) { before_ = std::move(before); }
   /// None: nobody knows yet which work it is, or nothing has changed since it was asked for last.
   std::optional<CutSoFar> news_of_cut();
@@ -126,6 +134,8 @@ class CellView {
   std::optional<UdpHandAnswer> answer_;  ///< newer than the telemetry
   MarkTrail mark_;
   DepthTrail depths_;
+  DepthWish wish_;
+  std::uint64_t wish_version_ = 0;
   std::optional<CutSoFar> before_;
   std::uint64_t cut_told_ = 0;  ///< counts what has changed, at the last telling
 };

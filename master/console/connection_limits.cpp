@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace telekerf::master {
 namespace {
@@ -26,7 +27,17 @@ std::string owner_of(const address& from) {
 
 }  // namespace
 
+void ConnectionLimits::wait(const std::string& why) {
+  ++waits_;
+  if (std::exchange(waiting_, true)) return;
+  waits_for_ = fmt::format(
+      "browsers that want to connect have to wait: {}; close pages, or let this process open more files (LimitNOFILE "
+      "of its service, ulimit -n)",
+      why);
+}
+
 bool ConnectionLimits::admit(const address& from) {
+  waiting_ = false;
   const std::string owner = owner_of(from);
   const bool other = !plain(from).is_loopback();
   const auto found = of_.find(owner);
@@ -58,6 +69,10 @@ void ConnectionLimits::leave(const address& from) {
 }
 
 std::string ConnectionLimits::due(std::int64_t now_ns) {
+  if (!waits_for_.empty() && (wait_said_ns_ == 0 || now_ns - wait_said_ns_ >= kAgain_ns)) {
+    wait_said_ns_ = now_ns;
+    return std::exchange(waits_for_, {});
+  }
   if (refused_ == said_ || (said_ns_ != 0 && now_ns - said_ns_ < kAgain_ns)) return {};
   said_ns_ = now_ns;
   const std::uint64_t count = refused_ - said_;

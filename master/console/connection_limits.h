@@ -21,11 +21,14 @@ class ConnectionLimits {
   /// False: refused, and counted. Who was admitted has to leave.
   bool admit(const boost::asio::ip::address& from);
   void leave(const boost::asio::ip::address& from);
-  /// One sentence of those that were refused since the last one, every kAgain_ns at most; mostly empty.
+  /// A connection could not be taken, and waits: `why`, as the operating system says it.
+  void wait(const std::string& why);
+  /// One sentence of those that were refused, or wait, since the last one, every kAgain_ns at most; mostly empty.
   std::string due(std::int64_t now_ns);
 
   int open() const noexcept { return open_; }
   std::uint64_t refused() const noexcept { return refused_; }
+  std::uint64_t waits() const noexcept { return waits_; }
 
  private:
   std::map<std::string, int> of_;  ///< by address
@@ -35,6 +38,10 @@ class ConnectionLimits {
   std::uint64_t said_ = 0;  ///< of these
   std::int64_t said_ns_ = 0;
   std::string last_;  ///< who was refused, and why
+  std::uint64_t waits_ = 0;
+  bool waiting_ = false;   ///< and none was taken since
+  std::string waits_for_;  ///< what is to be said of that
+  std::int64_t wait_said_ns_ = 0;
 };
 
 }  // namespace telekerf::master

@@ -24,8 +24,10 @@ constexpr int kMostInASecond = 1500;
 constexpr std::size_t kMarksAtOnce = 1000;
 /// The master's answer may come before a state is due, but no sooner after the last one than this.
 constexpr std::int64_t kSoonest_ns = 7'000'000;
-/// A state is sent when its time comes before the next look at the clock.
-constexpr std::int64_t kEarly_ns = 1'000'000;
+/// A state may come this much before its time; how many come in a second stays as it is.
+constexpr std::int64_t kEarly_ns = 4'000'000;
+/// Between two steps: mostly, and where something is to be said often.
+constexpr std::int64_t kStep_ns = 16'000'000, kQuickStep_ns = 8'000'000;
 /// A master that listens answers every frame at its next step.
 constexpr std::int64_t kUnanswered_ns = 500'000'000;
 /// A contour is prepared for another scale within this time.
@@ -38,8 +40,6 @@ constexpr std::size_t kMostAnswers = 8;
 /// Who refuses says it once more, a little later (common/bus/event_answers.h).
 constexpr std::int64_t kSaidAgain_ns = 1'000'000'000;
 constexpr std::size_t kMostRefusals = 64;
-/// Deeper than any material is thick.
-constexpr double kDeepest_m = 0.1;
 
 }  // namespace
 
@@ -148,6 +148,7 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
       return;
     case Kind::kRate:
       page.period_ns = static_cast<std::int64_t>(1e9 / std::clamp(command.value, 1.0, 125.0));
+      page.due_ns = std::min(page.due_ns, now_ns + page.period_ns);
       return;
     case Kind::kTake:
       if (!token_matches(settings_.token, command.text))
@@ -193,16 +194,13 @@ void Console::obey(std::uint32_t id, Page& page, const PageCommand& command, std
     case Kind::kMaterial: {
       const auto material = workpiece::kMaterials.find(command.text);
       if (!material) return refuse(page, fmt::format("No material of the name {} is known", command.text));
-      material_ = *material;
-      ++depth_version_;
-      return;
+      return cell_.set_material(**material);
     }
     case Kind::kDepth:
-      if (!(command.value >= 0.0 && command.value <= kDeepest_m))
-        return refuse(
-            page, fmt::format("The depth must be within [0, {:g}] mm; 0: none is wished", 1e3 * kDeepest_m));
-      depth_m_ = command.value;
-      return;
+      if (!(command.value >= 0.0 && command.value <= DepthWish::kDeepest_m))
+        return refuse(page, fmt::format("The depth must be within [0, {:g}] mm; 0: none is wished",
+                                        1e3 * DepthWish::kDeepest_m));
+      return cell_.set_depth(command.value);
     case Kind::kTakeContour:
       if (cell_.waiting() == nullptr) return refuse(page, "No other contour waits");
       if (beam_on) return refuse(page, "No other contour while the beam is on; let go of the fire button");
@@ -273,10 +271,23 @@ void Console::step(std::int64_t now_ns) {
   stopped_ = stop_.in_force();
 }
 
+std::int64_t Console::pause_ns() const noexcept {
+  std::int64_t pause_ns = stop_.says() ? kQuickStep_ns : kStep_ns;
+  for (const auto& [id, page] : pages_) pause_ns = std::min(pause_ns, std::max(page.period_ns, kQuickStep_ns));
+  return pause_ns;
+}
+
 Console::Outbox Console::take_outbox() { return std::exchange(outbox_, {}); }
+
+std::string Console::depth_sentence() const {
+  const DepthWish& wish = cell_.wish();
+  const DepthPlan plan(settings_.cut, wish.material_or_wood(), wish.depth_m.value_or(0.0));
+  return (wish.material ? "" : "Nobody has told this console what lies there, so this is for wood: ") + plan.sentence();
+}
 
 std::string Console::words(std::uint32_t id, std::int64_t now_ns) const {
   const std::string stop = stop_.sentence();
+  const DepthWish& wish = cell_.wish();
   return Json{{"type", "words"},
               {"sentence", cell_.sentence(stop, now_ns)},
               {"beam", cell_.beam_sentence(seat_.armed(), now_ns)},
@@ -290,14 +301,15 @@ std::string Console::words(std::uint32_t id, std::int64_t now_ns) const {
               {"engaged", cell_.engaged(now_ns)},
               {"profile", profile_},
               {"stream", stream_words(cell_.stream())},
-              {"material", material_->name},
-              {"depth_m", depth_m_},
-              {"depth", depth_plan().sentence()},
+              {"material", wish.material_or_wood().name},
+              {"depth_m", wish.depth_m.value_or(0.0)},
+              {"depth", depth_sentence()},
               {"deaf", deaf(now_ns)},
               {"contour", cell_.contour() ? cell_.contour()->id : 0U},
               {"waiting", cell_.waiting() != nullptr ? cell_.waiting()->id : 0U},
               {"pictures", picture_words(cell_)},
               {"imaging", cell_.imaging_sentence(now_ns)},
+              {"level", cell_.level() ? Json(std::round(1e3 * *cell_.level()) / 1e3) : Json()},
               {"zoom", std::round(1e3 * cell_.zoom()) / 1e3}}
       .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -349,16 +361,16 @@ std::optional<PageMessage> Console::next(std::uint32_t id, std::int64_t now_ns) 
     page.marks += places.size();
     return message;
   }
-  const std::uint64_t depths = cell_.depths().version() + depth_version_;
+  const std::uint64_t depths = cell_.depths_version();
   if (page.depths != depths && now_ns - page.depths_ns >= kDepths_ns) {
     page.depths = depths;
     page.depths_ns = now_ns;
-    return PageMessage{true, encode_depths(cell_.depths().depths_m(settings_.cut, *material_))};
+    return PageMessage{true, encode_depths(cell_.depths().depths_m(settings_.cut, cell_.wish().material_or_wood()))};
   }
-  const std::int64_t since_ns = now_ns - page.state_ns;
-  const bool news = page.answered != answers_ && seat_.drives(id) && since_ns >= kSoonest_ns;
-  if (since_ns < page.period_ns - kEarly_ns && !news) return std::nullopt;
+  const bool news = page.answered != answers_ && seat_.drives(id) && now_ns - page.state_ns >= kSoonest_ns;
+  if (now_ns < page.due_ns - kEarly_ns && !news) return std::nullopt;
   page.state_ns = now_ns;
+  page.due_ns = std::max(page.due_ns, now_ns - kEarly_ns) + page.period_ns;
   page.answered = answers_;
   return state(id, now_ns);
 }

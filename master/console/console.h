@@ -67,8 +67,9 @@ class Console {
   CellView& cell() noexcept { return cell_; }
   StopCall& stop() noexcept { return stop_; }
 
-  /// Every few milliseconds.
+  /// Every pause_ns() at least.
   void step(std::int64_t now_ns);
+  std::int64_t pause_ns() const noexcept;
   Outbox take_outbox();
   /// What this page is to get next; none: nothing now. The page must be able to take it.
   std::optional<PageMessage> next(std::uint32_t page, std::int64_t now_ns);
@@ -83,7 +84,8 @@ class Console {
   struct Page {
     bool greeted = false;
     std::int64_t period_ns = 16'000'000;  ///< between states
-    std::int64_t state_ns = 0;            ///< of the last one
+    std::int64_t state_ns = 0;            ///< of the last one,
+    std::int64_t due_ns = 0;              ///< and when the next one is due
     std::uint64_t answered = 0;           ///< answers of the master that it has seen
     std::uint32_t mark_generation = ~0U;
     std::size_t marks = 0;      ///< that it has got
@@ -112,7 +114,7 @@ class Console {
   PageMessage state(std::uint32_t id, std::int64_t now_ns);
   /// Frames go out, and the master answers none of them.
   bool deaf(std::int64_t now_ns) const noexcept;
-  DepthPlan depth_plan() const { return {settings_.cut, *material_, depth_m_}; }
+  std::string depth_sentence() const;
   /// What became of a scale that was asked for.
   void follow_up(std::int64_t now_ns);
 
@@ -132,9 +134,6 @@ class Console {
   std::string profile_;   ///< that the cell was told to emulate last; empty: not yet
   bool stopped_ = false;  ///< a stop was in force at the last step
   std::map<std::string, std::int64_t> refusals_;  ///< of the cell, and when: each is said twice on the bus
-  const workpiece::Material* material_ = &workpiece::kWood;  ///< as who drives has said
-  double depth_m_ = 0.0;                                     ///< wished; 0: none
-  std::uint64_t depth_version_ = 0;
   std::int64_t sent_ns_ = 0;     ///< of the newest frame,
   std::int64_t unheard_ns_ = 0;  ///< and of the first since the master's last answer; 0: none
   double asked_beta_ = 0.0;      ///< a scale that was asked for; 0: none,

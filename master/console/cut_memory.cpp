@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <chrono>
@@ -20,8 +21,10 @@
 namespace telekerf::master {
 namespace {
 
-constexpr std::array kMagic{'t', 'k', 'c', 'u', 't', '1', '\n', '\0'};
+constexpr std::array kMagic{'t', 'k', 'c', 'u', 't', '2', '\n', '\0'};
 constexpr std::chrono::milliseconds kPeriod{200};
+
+constexpr double kUnsaid = -1.0;
 
 struct Head {
   std::array<char, 8> magic = kMagic;
@@ -29,7 +32,10 @@ struct Head {
   std::uint32_t slave_epoch = 0;
   std::uint32_t places = 0;
   std::uint32_t pieces = 0;
+  std::array<char, 16> material{};  ///< its name, filled up with zeros; empty: nobody has said
+  double depth_m = kUnsaid;
 };
+static_assert(sizeof(Head) == 48, "the file holds no padding");
 
 template <class T>
 void add_raw(std::string& bytes, const T& value) {
@@ -51,10 +57,13 @@ T next_raw(std::string_view& bytes) {
 std::string text_of(const CutSoFar& cut) {
   std::string bytes;
   bytes.reserve(sizeof(Head) + 8 * (cut.places_m.size() + cut.lit_s.size()));
-  add_raw(bytes, Head{.contour_id = cut.contour_id,
-                     .slave_epoch = cut.slave_epoch,
-                     .places = static_cast<std::uint32_t>(cut.places_m.size()),
-                     .pieces = static_cast<std::uint32_t>(cut.lit_s.size())});
+  Head head{.contour_id = cut.contour_id,
+            .slave_epoch = cut.slave_epoch,
+            .places = static_cast<std::uint32_t>(cut.places_m.size()),
+            .pieces = static_cast<std::uint32_t>(cut.lit_s.size()),
+            .depth_m = cut.wish.depth_m.value_or(kUnsaid)};
+  if (cut.wish.material != nullptr) cut.wish.material->name.copy(head.material.data(), head.material.size());
+  add_raw(bytes, head);
   for (const Vec2& place : cut.places_m) {
     add_raw(bytes, static_cast<float>(place.x()));
     add_raw(bytes, static_cast<float>(place.y()));
@@ -69,7 +78,17 @@ std::optional<CutSoFar> parse_cut(std::string_view bytes) {
   if (head.magic != kMagic || head.places > MarkTrail::kMost || head.pieces > DepthTrail::kMostPieces ||
       bytes.size() != 8U * head.places + sizeof(double) * head.pieces)
     return std::nullopt;
-  CutSoFar cut{.contour_id = head.contour_id, .slave_epoch = head.slave_epoch, .places_m = {}, .lit_s = {}};
+  CutSoFar cut{.contour_id = head.contour_id, .slave_epoch = head.slave_epoch, .places_m = {}, .lit_s = {}, .wish = {}};
+  const auto end = std::find(head.material.begin(), head.material.end(), '\0');
+  if (end != head.material.begin()) {
+    const auto material = workpiece::kMaterials.find(std::string(head.material.begin(), end));
+    if (!material) return std::nullopt;
+    cut.wish.material = *material;
+  }
+  if (head.depth_m >= 0.0 && head.depth_m <= DepthWish::kDeepest_m)
+    cut.wish.depth_m = head.depth_m;
+  else if (head.depth_m != kUnsaid)
+    return std::nullopt;
   for (std::uint32_t n = 0; n < head.places; ++n) {
     const auto x_m = next_raw<float>(bytes), y_m = next_raw<float>(bytes);
     if (!std::isfinite(x_m) || !std::isfinite(y_m)) return std::nullopt;

@@ -12,6 +12,7 @@
 
 #include "common/runtime/periodic.h"
 #include "common/runtime/vectors.h"
+#include "master/console/depth_plan.h"
 
 namespace telekerf::master {
 
@@ -21,6 +22,7 @@ struct CutSoFar {
   std::uint32_t slave_epoch = 0;  ///< of another one nobody knows what lies under it
   std::vector<Vec2> places_m;     ///< as MarkTrail has them
   std::vector<double> lit_s;      ///< as DepthTrail has them
+  DepthWish wish;
 };
 std::string text_of(const CutSoFar& cut);
 /// None: it is nothing of this kind, or damaged.

@@ -23,6 +23,15 @@ struct CutPower {
   workpiece::BeamPowerSettings power;
 };
 
+/// What who drives has said of the work. No other process knows of it.
+struct DepthWish {
+  static constexpr double kDeepest_m = 0.1;  ///< deeper than any material is thick
+  const workpiece::Material* material = nullptr;  ///< null: nobody has said
+  std::optional<double> depth_m;                  ///< within [0, kDeepest_m]; 0: none is wished; none: nobody has said
+  bool said() const noexcept { return material != nullptr || depth_m; }
+  const workpiece::Material& material_or_wood() const noexcept { return material ? *material : workpiece::kWood; }
+};
+
 /// Of one material and wished depth.
 class DepthPlan {
  public:

@@ -29,8 +29,6 @@
 namespace telekerf::master {
 namespace {
 
-/// Between two looks at what the bus has brought; pages and the master's answers are served as they come.
-constexpr std::chrono::milliseconds kStep{8};
 /// Between two tellings of what is counted, and of what is cut so far.
 constexpr std::int64_t kTelling_ns = 1'000'000'000;
 constexpr std::int64_t kKeeping_ns = 500'000'000;
@@ -160,9 +158,10 @@ int run(Flags& flags) {
     deliver();
     web.pump();
     tell(now_ns);
-    // On a fixed grid, but none of it is made up for.
+    // What the bus has brought is looked at on a grid, none of which is made up for; pages and the master's answers are
+    // served as they come.
     const auto now = std::chrono::steady_clock::now();
-    timer.expires_at(std::max(timer.expiry() + kStep, now));
+    timer.expires_at(std::max(timer.expiry() + std::chrono::nanoseconds(console.pause_ns()), now));
     timer.async_wait([&step](const boost::system::error_code&) { step(); });
   };
   process.status().say(web.address());

@@ -23,7 +23,9 @@ class StopCall {
   std::string clear(std::int64_t now_ns);
   void hear(const StopMessage& message) { answers_.hear(message); }
 
-  /// Something is to be said.
+  /// Something is to be said again and again.
+  bool says() const noexcept { return said_.has_value(); }
+  /// It is to be said now.
   bool due(std::int64_t now_ns) const noexcept { return said_ && now_ns >= again_ns_; }
   /// What is to be said now: call it as soon as it is due. `others`: everyone in the cell.
   std::optional<StopMessage> step(std::span<const PresenceMessage> others, std::int64_t now_ns);

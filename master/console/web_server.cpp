@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/ssl.hpp>
@@ -42,6 +43,8 @@ constexpr std::chrono::seconds kFilePatience{600};
 constexpr std::chrono::seconds kSilence{3};
 constexpr std::size_t kMostHeaderBytes = 8192;
 constexpr std::size_t kMostMessageBytes = 4096;
+/// After a connection that could not be taken.
+constexpr std::chrono::milliseconds kTryAgain{100};
 /// A page that takes its message no faster is slow.
 constexpr std::int64_t kSlow_ns = 250'000'000;
 
@@ -67,6 +70,7 @@ struct WebServer::Impl : std::enable_shared_from_this<Impl> {
         console(target),
         heard(std::move(on_heard)),
         acceptor(io),
+        again(io),
         shelf(io, chosen.runs) {}
 
   void open();
@@ -81,6 +85,7 @@ struct WebServer::Impl : std::enable_shared_from_this<Impl> {
   Console& console;
   std::function<void()> heard;
   tcp::acceptor acceptor;
+  boost::asio::steady_timer again;
   std::optional<ssl::context> tls;
   RunShelf shelf;
   std::uint16_t port = 0;
@@ -315,8 +320,16 @@ void WebServer::Impl::encrypt() {
 void WebServer::Impl::accept() {
   acceptor.async_accept([self = shared_from_this()](Error error, tcp::socket socket) {
     if (error == boost::asio::error::operation_aborted) return;
-    if (!error) self->greet(std::move(socket));
-    self->accept();
+    if (!error) {
+      self->greet(std::move(socket));
+      return self->accept();
+    }
+    // Too many open files, mostly: whoever wants in stays where it is, and asking at once would only spin.
+    self->limits.wait(error.message());
+    self->again.expires_after(kTryAgain);
+    self->again.async_wait([self](Error) {
+      if (self->acceptor.is_open()) self->accept();
+    });
   });
 }
 
@@ -340,6 +353,7 @@ Metrics WebServer::Impl::figures() const {
   console.add_figures(figures);
   figures["web_connections"] = limits.open();
   figures["web_refused_connections"] = static_cast<double>(limits.refused());
+  figures["web_connections_waited"] = static_cast<double>(limits.waits());
   figures["web_refused_requests"] = static_cast<double>(refused_requests);
   figures["web_slow_writes"] = static_cast<double>(slow_writes);
   shelf.add_figures(figures);
@@ -357,6 +371,7 @@ WebServer::WebServer(boost::asio::io_context& context, const WebServerSettings& 
 WebServer::~WebServer() {
   Error ignored;
   impl_->acceptor.close(ignored);
+  impl_->again.cancel();
   impl_->heard = [] {};
   for (Impl::Page* page : std::set(impl_->pages)) page->close();
 }

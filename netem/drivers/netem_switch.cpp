@@ -17,6 +17,9 @@ namespace telekerf::netem {
 namespace {
 
 constexpr std::string_view kDecider = "slave";
+constexpr std::uint32_t kNobody = 0;  ///< has asked
+constexpr std::chrono::milliseconds kLook{50};
+constexpr std::chrono::milliseconds kOnceMore{300};
 
 bool someone_decides(const Bus& bus) {
   const auto others = bus.others();
@@ -32,19 +35,36 @@ NetemSwitch::NetemSwitch(Bus& bus, std::shared_ptr<ReceivePathEmulator> emulator
       answers_(bus),
       events_(bus),
       decisions_(bus),
-      hearing_(std::chrono::milliseconds(20), [this] { hear(); }) {}
+      hearing_(kLook, [this] { hear(); }) {}
 
 void NetemSwitch::hear() {
   answers_.again();
+  if (decides_) tell_newcomers();
   while (const auto event = events_.take()) {
     if (event->value.kind == EventMessage::Kind::kSetNetem) hear(event->value);
   }
+}
+
+void NetemSwitch::tell_newcomers() {
+  const int readers = decisions_.readers();
+  const bool more = readers > std::exchange(readers_, readers);
+  if (profile_.empty()) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (!more && now < again_at_) return;
+  // Once more, as an answer is: who comes may find this process later than this process finds it.
+  again_at_ = more ? now + kOnceMore : kNever;
+  (void)decisions_.write(
+      {.epoch = kNobody, .kind = EventMessage::Kind::kSetNetem, .value = kNetworkTaken, .text = profile_});
 }
 
 void NetemSwitch::hear(const EventMessage& event) {
   const bool asked = event.value == kNetworkAsked;
   if (asked && !decides_ && someone_decides(bus_)) return;  // its word comes
   if (!asked && decides_) return;
+  if (!asked && event.value == kNetworkTaken) {
+    const bool known = std::exchange(decided_, event.text) == event.text;
+    if (known && event.epoch == kNobody) return;  // it was for somebody who came later
+  }
   const Verdict verdict = event.value == kNetworkRefused
                               ? Verdict{Outcome::kRefusedBySlave, std::string(kAsAtTheSlave)}
                               : switch_to(event.text);
@@ -63,7 +83,7 @@ void NetemSwitch::hear(const EventMessage& event) {
                                    verdict.text.empty() ? "" : "; ", verdict.text));
   else
     write_line(stderr, fmt::format("{}: {}", role, refusal));
-  answers_.give(event.epoch, refusal);
+  if (event.epoch != kNobody) answers_.give(event.epoch, refusal);
 }
 
 NetemSwitch::Verdict NetemSwitch::switch_to(const std::string& profile) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -18,7 +19,7 @@ namespace telekerf::netem {
 
 /// Listens for EventMessage::Kind::kSetNetem, whose text names a profile, and switches this process'
 /// receiving side. All of a cell switch or none does: whoever has the beam, the slave, decides for everyone, and the
-/// others do what it says; without a slave in the cell each does as it is asked. A name that cannot be loaded, a process
+/// others do what it says, also who comes later; without a slave in the cell each does as it is asked. A name that cannot be loaded, a process
 /// that runs without emulation, and a beam that is on keep what there is; who asked is told which it was.
 class NetemSwitch {
  public:
@@ -39,6 +40,8 @@ class NetemSwitch {
   };
 
   void hear();
+  /// Of whoever decides: which network is in place, to whom has come since.
+  void tell_newcomers();
   void hear(const EventMessage& event);
   Verdict switch_to(const std::string& profile);
 
@@ -47,6 +50,10 @@ class NetemSwitch {
   std::shared_ptr<ReceivePathEmulator> emulator_;
   std::atomic<bool> beam_{false};
   std::string profile_;  ///< that was put in place; empty: the one of the start
+  std::string decided_;  ///< by somebody else
+  static constexpr auto kNever = std::chrono::steady_clock::time_point::max();
+  std::chrono::steady_clock::time_point again_at_ = kNever;
+  int readers_ = 0;  ///< of the decisions
   std::array<std::atomic<std::uint64_t>, kOutcomes> counts_{};
   EventAnswers answers_;
   Reader<EventMessage> events_;

@@ -147,7 +147,8 @@ TelemetryMessage VisionNode::record() const {
   out.tick = static_cast<Tick>(frames_);
   out.values = {{"frames", frames_},        {"published", published_count_},
                 {"camera_losses", losses_}, {"camera_gone", state_ == State::kGone},
-                {"contrast", contrast_},    {"picture_noise", noise_}};
+                {"contrast", contrast_},    {"picture_noise", noise_},
+                {"level", request_.picture.level.value_or(0.0)}};
   if (!published_) return out;
   const geometry::Polyline line{published_->points_m, published_->closed};
   const Vec2 size = geometry::bounding_box(line.points_m).size();

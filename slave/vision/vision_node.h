@@ -49,7 +49,8 @@ class VisionNode {
   int frames() const noexcept { return frames_; }
   int published() const noexcept { return published_count_; }
   int losses() const noexcept { return losses_; }  ///< times the camera was gone
-  /// The quality record: deviation and size of what is published, contrast and noise of the newest picture.
+  /// The quality record: deviation and size of what is published, contrast and noise of the newest picture,
+  /// the threshold that is asked for (0: none, it is found).
   TelemetryMessage record() const;
 
  private:

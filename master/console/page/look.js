@@ -1,6 +1,15 @@
 // What is meant in the picture: clicked at, drawn over it, or told by mode and threshold. And the pointer that pans.
-const kLook_ms = 300, kClose_m = 2e-3, kPlacesAtOnce = 9;
+const kLook_ms = 300, kLevelTold_ms = 2500, kClose_m = 2e-3, kPlacesAtOnce = 9;
 const $ = (id) => document.getElementById(id);
+
+// Also when the page or the console was started anew: the threshold that vision looks with.
+let levelWanted = null, levelSaid_ms = -Infinity;
+export function showLevel(level) {
+  if (typeof level !== "number" || levelWanted !== null || performance.now() - levelSaid_ms < kLevelTold_ms) return;
+  if (document.activeElement === $("level")) return;
+  $("level").value = level || 0.5;
+  $("level-shown").value = level ? level.toFixed(2) : "by itself";
+}
 
 export function listenForLooks(link, hand, stage) {
   // A pointer that pans or chooses pulls nothing.
@@ -59,7 +68,6 @@ export function listenForLooks(link, hand, stage) {
   });
   // The threshold: one look at a time is on its way, and the newest place of the slider is said next. What comes of it
   // waits, and is drawn over the picture.
-  let levelWanted = null, levelSaid_ms = -Infinity;
   function sayLevel() {
     if (levelWanted === null || performance.now() - levelSaid_ms < kLook_ms) return;
     link.command("look", { text: `level ${levelWanted}`.trim() });

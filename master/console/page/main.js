@@ -4,7 +4,7 @@ import { Hand } from "./hand.js";
 import { Stage } from "./stage.js";
 import { DepthStrip, Plot } from "./plots.js";
 import { Player } from "./play.js";
-import { listenForLooks } from "./look.js";
+import { listenForLooks, showLevel } from "./look.js";
 
 const kStale_ms = 190, kLapse_ms = 400, kRefusal_ms = 5000, kRefusals = 3;
 const $ = (id) => document.getElementById(id);
@@ -44,7 +44,7 @@ const link = new Link({
     showStream();
   },
   words: setWords,
-  lease(m) { hand.setLease(m.lease); refusals.clear(); drawn_ms.length = 0; },
+  lease(m) { hand.setLease(m.lease); refusals.clear(); openRefusals(false); drawn_ms.length = 0; },
   refused(m) { say(m.why); showStream(); showDepth(words); showProfile(); },
   pong(m) { remember(trip_ms, performance.now() - m.at); },
   mark(first, places) { stage.addMark(first, places); },
@@ -101,6 +101,7 @@ function setWords(m) {
   $("clear-stop").textContent = you ? "Clear the stop" : "Clear the stop: take the hand first";
   showProfile();
   showDepth(m);
+  showLevel(m.level);
   if (JSON.stringify(m.stream) !== shownStream) { shownStream = JSON.stringify(m.stream); showStream(); }
   if (m.waiting === undefined || !link.open) return;
   $("waiting").hidden = !m.waiting;
@@ -198,16 +199,27 @@ async function loadContour(id) {
   } catch { shownContour = -1; }
 }
 
-// The same sentence stands there once, several below each other, the newest last.
+// The same sentence stands there once, several below each other, the newest first. Two lines are seen until somebody
+// opens it: the contour stays clear.
 function say(why) {
   refusals.delete(why);
   refusals.set(why, performance.now() + kRefusal_ms);
   if (refusals.size > kRefusals) refusals.delete(refusals.keys().next().value);
 }
 function showRefusals(now_ms) {
-  for (const [why, ends_ms] of refusals) if (now_ms > ends_ms) refusals.delete(why);
-  const text = [...refusals.keys()].join("\n");
-  if ($("refusal").textContent !== text) $("refusal").textContent = text;
+  const open = $("refusal").classList.contains("open");
+  for (const [why, ends_ms] of refusals) if (now_ms > ends_ms && !open) refusals.delete(why);
+  const text = [...refusals.keys()].reverse().join("\n"), shown = $("refusal-text");
+  if (shown.textContent === text) return;
+  shown.textContent = text;
+  $("refusal").hidden = !text;
+  $("refusal-more").hidden = !open && shown.scrollHeight <= shown.clientHeight;
+}
+function openRefusals(open) {
+  $("refusal").classList.toggle("open", open);
+  $("refusal-more").setAttribute("aria-expanded", open);
+  $("refusal-more").textContent = open ? "less" : "more";
+  if (!open) for (const why of refusals.keys()) refusals.set(why, performance.now() + kRefusal_ms);
 }
 
 function stop() {
@@ -216,6 +228,7 @@ function stop() {
   if (!link.open) say("STOP is said as soon as the console is heard again. Use the machine's own stop!");
 }
 
+$("refusal-more").addEventListener("click", () => openRefusals($("refusal-more").textContent === "more"));
 $("stop").addEventListener("pointerdown", stop);
 $("stop").addEventListener("click", stop);
 $("take").addEventListener("click", () => {
@@ -319,8 +332,8 @@ function frame(now_ms) {
   showRefusals(begun);
   if (s && ++slow % 6 === 0) {
     $("pull").textContent = pullText(s);
-    $("round-trip").textContent = `${(s.round_trip_s * 1e3).toFixed(1)} ms`;
-    $("playout").textContent = `${(s.playout_s * 1e3).toFixed(0)} ms`;
+    $("round-trip").textContent = s.master_age_s < 0 ? "–" : `${(s.round_trip_s * 1e3).toFixed(1)} ms`;
+    $("playout").textContent = s.slave_age_s < 0 ? "–" : `${(s.playout_s * 1e3).toFixed(0)} ms`;
     if (trip_ms.length) $("page-trip").textContent = `${quantile(trip_ms.slice(-20), 0.5).toFixed(1)} ms`;
     $("lost").textContent = s.lost.toFixed(0);
     $("late").textContent = s.late_frames.toFixed(0);

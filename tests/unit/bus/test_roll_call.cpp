@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "tests/unit/bus/cell.h"
 
 namespace telekerf {
@@ -47,14 +50,20 @@ TEST(RollCall, AClockIsToldOnlyWhileSomebodyAsks) {
   Bus slave(settings("slave", Site::kSlave));
   ClockTeller teller(slave);
   teller.tell();  // nobody asks
+  Bus console(settings("console"));
+  Reader<TelemetryMessage> telemetry(console);
+  ASSERT_TRUE(soon([&] { return telemetry.writers() > 0; }));
+  for (int n = 0; n < 20; ++n) teller.tell();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_FALSE(telemetry.take()) << "who listens to telemetry has not asked for clocks";
   Bus operators(settings("ctl"));
   const RollCall roll_call(operators);
   ASSERT_TRUE(soon([&] {
     teller.tell();
     const auto present = roll_call.present();
-    return present.size() == 1 && present[0].clock_ahead_s;
+    return present.size() == 2 && present[1].clock_ahead_s;  // the slave
   }));
-  EXPECT_NEAR(*roll_call.present()[0].clock_ahead_s, 0.0, 1.0) << "the same computer's clock";
+  EXPECT_NEAR(*roll_call.present()[1].clock_ahead_s, 0.0, 1.0) << "the same computer's clock";
 }
 
 }  // namespace

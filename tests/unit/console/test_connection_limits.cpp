@@ -53,6 +53,25 @@ TEST(ConnectionLimits, RefusalsAreCountedAndSaidNowAndThen) {
   EXPECT_EQ(limits.refused(), 8u);
 }
 
+TEST(ConnectionLimits, ThatNoneCanBeTakenIsCountedAndSaidOnceUntilOneWas) {
+  ConnectionLimits limits;
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  for (std::int64_t s = 1; s < 100; ++s) {
+    limits.wait("Too many open files");
+    EXPECT_EQ(limits.due(s * kSecond),
+              s > 1 ? ""
+                    : "browsers that want to connect have to wait: Too many open files; close pages, or let this process "
+                      "open more files (LimitNOFILE of its service, ulimit -n)");
+  }
+  EXPECT_EQ(limits.waits(), 99u);
+  ASSERT_TRUE(limits.admit(make_address("10.0.0.5")));
+  limits.wait("Too many open files");
+  EXPECT_NE(limits.due(100 * kSecond), "") << "again";
+  ASSERT_TRUE(limits.admit(make_address("10.0.0.5")));
+  limits.wait("Too many open files");
+  EXPECT_EQ(limits.due(101 * kSecond), "") << "but not each second";
+}
+
 TEST(Warning, IsForWhatOthersCouldReadAndNamesTheRemedy) {
   for (const char* own : {"127.0.0.1", "127.0.0.7", "::1"}) EXPECT_EQ(warning_of(own, false, false), "") << own;
   for (const char* open : {"0.0.0.0", "192.168.1.7", "::"}) {

@@ -242,6 +242,31 @@ TEST_F(ConsoleTest, ASlowPageGetsTheNewestStateAndNoQueue) {
   EXPECT_LE(states, 1) << "a hidden page";
 }
 
+TEST_F(ConsoleTest, StepsAreRareUntilSomethingIsToBeSaidOftenAndEachBringsAState) {
+  EXPECT_EQ(console.pause_ns(), 16 * kMs);
+  read(first);
+  int states = 0;
+  for (int n = 0; n < 60; ++n) {  // steps that come late and early
+    pass(n % 2 ? 18 : 14);
+    state.clear();
+    read(first);
+    states += state.empty() ? 0 : 1;
+  }
+  EXPECT_GE(states, 59);
+  say(first, R"({"do":"rate","value":125})");
+  EXPECT_EQ(console.pause_ns(), 8 * kMs);
+  say(first, R"({"do":"rate","value":1})");
+  EXPECT_EQ(console.pause_ns(), 16 * kMs) << "the other page has not said anything";
+  pass(1000);
+  say(first, R"({"do":"rate","value":60})");
+  pass(20);
+  state.clear();
+  read(first);
+  EXPECT_FALSE(state.empty()) << "a page that is seen again does not wait for its slow turn";
+  say(first, R"({"do":"stop"})");
+  EXPECT_EQ(console.pause_ns(), 8 * kMs) << "said every 20 ms until it is obeyed";
+}
+
 TEST_F(ConsoleTest, TheMastersAnswerSaysWhichFrameItActedOnAndHowFast) {
   take(first);
   read(first);

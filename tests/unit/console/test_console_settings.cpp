@@ -44,6 +44,8 @@ TEST_F(ConsoleTest, WhoDrivesChangesTheCommandStreamBetweenTwoEngagements) {
 }
 
 TEST_F(ConsoleTest, WhoDrivesChoosesMaterialAndDepthAndAllAreTold) {
+  const std::string at_first = words(second)["depth"];
+  EXPECT_TRUE(at_first.starts_with("Nobody has told this console what lies there, so this is for wood: wood gets ")) << at_first;
   say(second, R"({"do":"material","text":"fibreglass"})");
   EXPECT_EQ(refusal(second), "You watch: take the hand first");
   take(first);
@@ -56,13 +58,22 @@ TEST_F(ConsoleTest, WhoDrivesChoosesMaterialAndDepthAndAllAreTold) {
   say(first, R"({"do":"depth","value":0.0001})");
   EXPECT_TRUE(events().empty()) << "the cell is told nothing";
   pass(100);
-  nlohmann::json words;
-  for (const auto& text : read(second))
-    if (text["type"] == "words") words = text;
-  EXPECT_EQ(words["material"], "fibreglass");
-  EXPECT_EQ(words["depth_m"], 0.0001);
-  EXPECT_NE(words["depth"].get<std::string>().find("mm/s on the workpiece for 0.10 mm"), std::string::npos)
-      << words["depth"];
+  const nlohmann::json told = words(second);
+  EXPECT_EQ(told["material"], "fibreglass");
+  EXPECT_EQ(told["depth_m"], 0.0001);
+  const std::string depth = told["depth"];
+  EXPECT_TRUE(depth.starts_with("fibreglass gets ")) << depth;
+  EXPECT_NE(depth.find("mm/s on the workpiece for 0.10 mm"), std::string::npos) << depth;
+}
+
+TEST_F(ConsoleTest, TheThresholdIsTheOneThatVisionLooksWith) {
+  pass(100);
+  EXPECT_TRUE(words(first)["level"].is_null()) << "not heard yet";
+  for (const double level : {0.4, 0.0}) {
+    console.cell().hear(TelemetryMessage{"vision", 1, {{"level", level}}}, now_ns);
+    pass(100);
+    EXPECT_EQ(words(first)["level"], level);
+  }
 }
 
 TEST_F(ConsoleTest, PagesGetTheDepthsAlongTheContourTwiceASecondAtMost) {

@@ -94,8 +94,43 @@ TEST(CutMemory, IsReadAsItWasWrittenAndDamagedNotAtAll) {
   lies[19] = '\x7f';  // more places than there can be
   EXPECT_FALSE(parse_cut(lies));
   std::string numberless = text;
-  numberless.replace(24, 4, "\xff\xff\xff\xff");
+  numberless.replace(48, 4, "\xff\xff\xff\xff");
   EXPECT_FALSE(parse_cut(numberless));
+  std::string unknown = text;
+  unknown.replace(24, 4, "gold");
+  EXPECT_FALSE(parse_cut(unknown));
+  std::string deep = text;
+  deep[47] = '\x40';
+  EXPECT_FALSE(parse_cut(deep)) << "2 m and more";
+}
+
+TEST(CutMemory, WhatWasSaidOfTheMaterialAndTheDepthComesBackWithTheWork) {
+  CellView view;
+  streaming::Sender<StateBlock> slave(7);
+  view.hear(line(4));
+  step(view, slave, false);
+  EXPECT_FALSE(view.news_of_cut()) << "nothing is cut, and nobody has said anything";
+  view.set_material(workpiece::kFibreglass);
+  view.set_depth(0.3e-3);
+  const auto kept = view.news_of_cut();
+  ASSERT_TRUE(kept) << "also before anything is cut";
+  const auto before = parse_cut(text_of(*kept));
+  ASSERT_TRUE(before);
+  const auto after = [&](std::uint32_t contour, const workpiece::Material* said) {
+    CellView anew;
+    streaming::Sender<StateBlock> same(7, 1000);
+    anew.remember(*before);
+    anew.hear(line(contour));
+    if (said != nullptr) anew.set_material(*said);
+    StateBlock block = same.next();
+    block.contour_id = contour;
+    anew.hear({block, 1000 * kMs});
+    return anew.wish();
+  };
+  EXPECT_EQ(after(4, nullptr).material, &workpiece::kFibreglass);
+  EXPECT_EQ(after(4, nullptr).depth_m, 0.3e-3);
+  EXPECT_EQ(after(4, &workpiece::kWood).material, &workpiece::kWood) << "what is said anew holds";
+  EXPECT_FALSE(after(5, nullptr).said()) << "of another piece of work nobody knows";
 }
 
 TEST(CutMemory, IsKeptInAFileAndWhatCannotBeKeptIsSaidOnce) {

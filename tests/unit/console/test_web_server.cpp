@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The server as others meet it: over sockets, with whatever they send.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -117,6 +122,40 @@ TEST_F(WebServerTest, OneComputerThatTakesAllConnectionsItMayIsRefusedMoreWithAS
   for (int n = 0; n < 200 && figures()["web_connections"] != 1; ++n)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(figures()["web_connections"], 1) << "every place is free again but the asker's own";
+}
+
+TEST_F(WebServerTest, WithoutAFileToOpenItWaitsSaysSoOnceAndGoesOn) {
+  (void)get("/");
+  boost::asio::io_context own;
+  tcp::socket late(own, tcp::v4());
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit few{.rlim_cur = 256, .rlim_max = before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+  std::vector<int> files;
+  for (int file = 0; (file = ::open("/dev/null", O_RDONLY)) >= 0;) files.push_back(file);
+  late.connect({kLoopback, server.port()});  // the operating system has taken it, the server cannot
+  std::string said;
+  std::int64_t now_ns = 0;
+  const auto look = [&] {
+    std::promise<std::string> told;
+    boost::asio::post(context, [&] { told.set_value(server.due(now_ns += 20'000'000'000)); });
+    said += told.get_future().get();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  };
+  for (int n = 0; n < 10; ++n) look();
+  for (const int file : files) ::close(file);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_NE(said.find("have to wait: Too many open files; close pages"), said.npos) << said;
+  EXPECT_EQ(said.find("have to wait"), said.rfind("have to wait")) << "once";
+  boost::asio::write(late, boost::asio::buffer("GET / HTTP/1.1\r\nHost: " + host() + "\r\nConnection: close\r\n\r\n"));
+  std::string answer;
+  boost::system::error_code error;
+  boost::asio::read(late, boost::asio::dynamic_buffer(answer), error);
+  EXPECT_TRUE(is(answer, "200")) << "it goes on";
+  const double waited = figures()["web_connections_waited"];
+  EXPECT_GE(waited, 1);
+  EXPECT_LT(waited, 100) << "and does not spin meanwhile";
 }
 
 TEST_F(WebServerTest, WhatIsCountedIsToldAndStandsInTheReference) {

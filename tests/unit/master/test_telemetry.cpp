@@ -14,6 +14,7 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
             kMasterValueNames.size());
   MasterOutputs out;
   out.corridor_m = 0.5e-3;
+  out.off_line = true;
   out.constraint_n = 2.5;
   out.velocity_m_per_s = {0.0, 0.03, 0.0};
   out.hand_n = {1.25, 0.0, 0.0};
@@ -41,6 +42,7 @@ TEST(MasterTelemetry, NamesAreUniqueAndValuesAreThoseInForce) {
     return 0.0;
   };
   EXPECT_EQ(value("corridor_m"), 0.5e-3);
+  EXPECT_EQ(value("off_line"), 1.0);
   EXPECT_EQ(value("constraint_n"), 2.5);
   EXPECT_EQ(value("phi_m"), 7e-6);
   EXPECT_EQ(value("circle_is_line"), 0.0);

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/bus/send_event.h"
+#include "common/protocol/network_choice.h"
 #include "common/runtime/clock.h"
 #include "netem/drivers/netem_switch.h"
 #include "netem/drivers/receive_path_emulator.h"
@@ -362,6 +363,37 @@ TEST(Emulation, ACellSwitchesTogetherOrNotAtAllAndTheSlaveDecides) {
   switch_of_slave.beam(false);
   EXPECT_EQ(tell(console, lan, {"master", "slave"}).size(), 2u);
   EXPECT_GE(figures(switch_of_master)["netem_switched"], 1.0);
+}
+
+TEST(Emulation, WhoComesLaterIsToldWhichNetworkIsInForceAndNobodyElseHearsOfItTwice) {
+  EmulatedBus slave(settings("slave", Site::kSlave), constant(0.0, 0.0));
+  EmulatedBus master(settings("master"), constant(0.0, 0.0));
+  const netem::NetemSwitch switch_of_slave(slave, slave.emulator);
+  const netem::NetemSwitch switch_of_master(master, master.emulator);
+  auto asking = settings("netem-switch");
+  asking.epoch = 9;
+  Bus first(asking);
+  ASSERT_TRUE(soon([&] { return first.others().size() == 2 && master.bus.others().size() == 2; }));
+  const EventMessage lan{.kind = EventMessage::Kind::kSetNetem, .text = "lan"};
+  ASSERT_EQ(tell(first, lan, {"master", "slave"}).size(), 2u);
+  const auto switched = [](const netem::NetemSwitch& of) {
+    Metrics all;
+    of.add_figures(all);
+    return all["netem_switched"];
+  };
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const double before = switched(switch_of_master);
+  EmulatedBus console(settings("console"), constant(0.0, 0.0));
+  Reader<EventMessage> events(console);
+  const netem::NetemSwitch switch_of_console(console, console.emulator);
+  EXPECT_TRUE(soon([&] { return switched(switch_of_console) > 0.0; })) << "its own receiving side";
+  EXPECT_TRUE(soon([&] {
+    const auto event = events.take();
+    return event && event->value.value == kNetworkTaken && event->value.text == "lan";
+  })) << "and its page";
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // all that was said has come
+  EXPECT_EQ(switched(switch_of_console), 1.0);
+  EXPECT_EQ(switched(switch_of_master), before);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -104,6 +105,8 @@ TEST_F(Looking, ALevelSaysWhatOfAFaintDrawingCounts) {
   ASSERT_TRUE(node.step(Frame{"tones.png", folder.file("tones.png")}).publish);
   EXPECT_NEAR(looked("level 0.2"), 241.0, 2.0);
   EXPECT_NEAR(looked("level 0.7"), 201.0, 2.0);
+  const auto values = node.record().values;
+  EXPECT_EQ((std::map<std::string, double>(values.begin(), values.end()).at("level")), 0.7) << "and all are told";
 }
 
 TEST_F(Looking, WhatIsNoLookIsRefusedAndChangesNothing) {

@@ -101,6 +101,7 @@ TEST(VisionNode, ALiveContourIsPublishedOnceWhenFramesAgree) {
   const std::map<std::string, double> record(values.begin(), values.end());
   EXPECT_EQ(record.at("frames"), 12.0);
   EXPECT_NEAR(record.at("picture_noise"), 6.0, 1.0);
+  EXPECT_EQ(record.at("level"), 0.0) << "found";
   EXPECT_GT(record.at("contrast"), 100.0);  // ink 40 on paper 228, a thin pen, blurred
   EXPECT_LT(record.at("contrast"), 190.0);
   EXPECT_GT(record.at("width_mm"), 10.0);
