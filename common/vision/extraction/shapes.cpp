@@ -13,6 +13,8 @@ namespace {
 constexpr double kBand = 0.125;       ///< a band of even width is a stroke up to this fraction of its size
 constexpr double kEven = 1.35;        ///< the middle line lies equally far from both sides all along
 constexpr double kUneven = 2.1;       ///< no pen draws like this
+constexpr double kTouching = 4.0;     ///< nor like this: parts that touch in their corners only, as of a chessboard
+constexpr double kThick = 0.02;       ///< from here on that is looked at: width over size
 constexpr double kNearlyThin = 0.05;  ///< from here on a shape may have a body
 constexpr double kFat = 0.2;          ///< a region for certain: its width over its size
 constexpr double kOfPen = 1.8;        ///< and over that of the pen
@@ -35,9 +37,9 @@ double perimeter_of(const PixelContour& c) { return length_px(c); }
 
 /// How much the distance of the middle line from the rim varies along a shape: its largest values over its
 /// smallest, 1 for a pen's line. Nothing if there is too little of it.
-std::optional<double> variation_of(const Field& field, const Shape& shape, const cv::Mat& labels) {
+std::optional<double> variation_of(const Field& field, const cv::Mat& drawn) {
   cv::Mat own;
-  cv::copyMakeBorder(labels(shape.box) == shape.label, own, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::copyMakeBorder(drawn, own, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   cv::Mat distance;
   cv::distanceTransform(own, distance, cv::DIST_L2, 5);
   std::vector<float> ridge;
@@ -59,7 +61,7 @@ std::optional<double> variation_of(const Field& field, const Shape& shape, const
 }
 
 bool is_even(const Field& field, const Shape& shape, const cv::Mat& labels) {
-  return variation_of(field, shape, labels).value_or(9.0) < kEven;
+  return variation_of(field, labels(shape.box) == shape.label).value_or(9.0) < kEven;
 }
 
 /// All of one pen, straight or nearly, much longer than wide: a dashed line. Letters are not.
@@ -94,7 +96,10 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
       outers <= 1) {  // most pictures: one shape of a clear kind
     const double ratio = outlines.width_px / std::max(1.0, outlines.size_px);
     const bool holes = outlines.contours.size() > 1;
-    if (all_strokes && (ratio < kNearlyThin || !holes)) return {outlines, {}, {}};
+    if (all_strokes && (ratio < kNearlyThin || !holes)) {
+      const bool parts = ratio > kThick && variation_of(field, field.drawn).value_or(1.0) > kTouching;
+      return parts ? ShapeKinds{{}, outlines, {}} : ShapeKinds{outlines, {}, {}};
+    }
     if (!all_strokes && (ratio > kBand || !holes)) return {{}, outlines, {}};
   }
   cv::Mat labels;
@@ -131,7 +136,7 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
     const double ratio = shape.width() / shape.size;
     shape.stroke = ratio < Outlines::kThin;
     if (shape.stroke && ratio > kNearlyThin && shape.size > kSmall * largest) {
-      shape.bulky = variation_of(field, shape, labels).value_or(1.0) > kUneven;
+      shape.bulky = variation_of(field, labels(shape.box) == shape.label).value_or(1.0) > kUneven;
       shape.stroke = !shape.bulky;
     }
     if (!shape.stroke && !shape.bulky && ratio < kBand && shape.holes > 0 && shape.size > kSmall * largest) {

@@ -162,6 +162,21 @@ std::vector<Vec2> star_points(int stride, double inner) {
   return out;
 }
 
+/// Thin by area and rim, as a stroke is, and no pen's line.
+TEST(Extract, SquaresThatTouchInTheirCornersAreNoStroke) {
+  for (const int side : {40, 73}) {
+    cv::Mat board(7 * side + 80, 9 * side + 80, CV_8U, cv::Scalar(235));
+    for (int row = 0; row < 7; ++row) {
+      for (int column = row % 2; column < 9; column += 2)
+        board({40 + column * side, 40 + row * side, side, side}).setTo(90);
+    }
+    const auto found = extract(board, {});
+    ASSERT_TRUE(found) << found.error();
+    EXPECT_EQ(found->mode, ExtractionMode::kOutline) << side;
+    EXPECT_GT(found->contours.size(), 1U) << side;
+  }
+}
+
 TEST(Extract, SharpCornersOfAStrokeAreGoneRound) {
   for (const double pen : {3.0, 5.0, 8.0}) {
     const std::vector<drawing::Drawing> drawings{

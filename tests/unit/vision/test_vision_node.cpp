@@ -135,7 +135,7 @@ TEST(VisionNode, ItsRecordHasTheSizesOfWhatIsPublished) {
   std::ofstream(folder.file("part.svg")) << "<svg width='20mm' height='20mm' viewBox='0 0 20 20'><rect x='4' "
                                             "y='7' width='12' height='6'/></svg>";
   VisionNode node({});
-  EXPECT_EQ(node.record().values.size(), 6u) << "nothing is published yet";
+  EXPECT_EQ(node.record().values.size(), 7u) << "nothing is published yet";
   EXPECT_EQ(node.record().role, "vision");
   EXPECT_EQ(node.record().tick, 0u);
   const auto outcome = node.step(Frame{"part.svg", folder.file("part.svg"), {}, false});
