@@ -13,7 +13,7 @@ namespace {
 constexpr double kBand = 0.125;       ///< a band of even width is a stroke up to this fraction of its size
 constexpr double kEven = 1.35;        ///< the middle line lies equally far from both sides all along
 constexpr double kUneven = 2.1;       ///< no pen draws like this
-constexpr double kTouching = 4.0;     ///< nor like this: parts that touch in their corners only, as of a chessboard
+constexpr double kTouching = 3.0;     ///< nor like this: parts that touch in their corners only, as of a chessboard
 constexpr double kThick = 0.02;       ///< from here on that is looked at: width over size
 constexpr double kNearlyThin = 0.05;  ///< from here on a shape may have a body
 constexpr double kFat = 0.2;          ///< a region for certain: its width over its size
