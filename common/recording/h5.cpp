@@ -66,7 +66,12 @@ void check(herr_t status, const char* what) {
   if (status < 0) throw Failure(what);
 }
 
-void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+void keep_quiet() {
+  // A file that a full disk has kept from being closed is closed once more at the process' end, which crashes
+  // (HDF5 1.10). What we open we close.
+  [[maybe_unused]] static const herr_t asked = H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 Id create_file(const std::filesystem::path& path, bool newest) {
   keep_quiet();

@@ -64,14 +64,15 @@ Recording::Recording(std::filesystem::path file, const RunIdentity& identity, co
     series.push_back({part.schema, running.ring->file()});
     parts_.push_back(std::move(running));
   }
+  const bool taken = std::filesystem::exists(file_);
   try {
     live_ = std::make_unique<LiveFile>(file_, identity, series);
   } catch (const h5::Failure& failure) {
-    if (std::filesystem::exists(file_))
+    if (taken)
       throw environment_error(fmt::format("--record {}: another process records into it; name another folder",
                                           file_.string()));
     throw environment_error(
-        fmt::format("--record {}: {}; name a folder on a local disk, or on a network's set "
+        fmt::format("--record {}: {}; name a folder with room on a local disk, or on a network's set "
                     "HDF5_USE_FILE_LOCKING=FALSE",
                     file_.string(), failure.what()));
   }

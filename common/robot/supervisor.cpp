@@ -17,6 +17,8 @@ namespace {
 
 /// For the first reading.
 constexpr std::chrono::seconds kPatience{5};
+/// Without a reading for so long no current is sent, however patient drive_stale_s is: nobody sees what it does.
+constexpr double kBlind_s = 0.05;
 
 }  // namespace
 
@@ -96,7 +98,8 @@ JointReading RobotSupervisor::read() noexcept {
 
 void RobotSupervisor::write(const Vec3& currents_a) noexcept {
   if (started_ && !failed()) runaway_.written(currents_a);
-  drive_.robot->write(started_ && !failed() ? currents_a : Vec3(Vec3::Zero()));
+  const bool blind = static_cast<double>(missing_) * period_s_ >= kBlind_s;
+  drive_.robot->write(started_ && !failed() && !blind ? currents_a : Vec3(Vec3::Zero()));
 }
 
 void RobotSupervisor::advance() noexcept {

@@ -73,13 +73,33 @@ class Watched : public testing::Test {
   std::unique_ptr<RobotSupervisor> machine() {
     RobotSupervisorSettings settings;
     settings.drive = "scripted";
-    settings.drive_stale_s = 0.003;
+    settings.drive_stale_s = stale_s;
     return std::make_unique<RobotSupervisor>(load_robot("slave-keops"), settings, 1000.0,
                                              Drive{std::make_unique<Scripted>(told), nullptr});
   }
   Scripted::Told told;
   const Vec3 current_a = Vec3(1, -2, 3);
+  double stale_s = 0.003;
 };
+
+TEST_F(Watched, HasNoCurrentWhileItHasNotBeenSeenForFiftyMillisecondsHoweverPatientOneIs) {
+  stale_s = 0.5;
+  told.readings = {reading(1), reading(2)};
+  told.readings.resize(2 + 100);
+  told.readings.push_back(reading(3));
+  const auto robot = machine();
+  EXPECT_TRUE(robot->read().valid);
+  robot->write(current_a);
+  for (int missing = 1; missing <= 100; ++missing) {
+    EXPECT_FALSE(robot->read().valid);
+    robot->write(current_a);
+    ASSERT_EQ(told.written_a.back(), missing < 50 ? current_a : Vec3(Vec3::Zero())) << missing;
+  }
+  EXPECT_FALSE(robot->failed());
+  EXPECT_TRUE(robot->read().valid);
+  robot->write(current_a);
+  EXPECT_EQ(told.written_a.back(), current_a);
+}
 
 TEST_F(Watched, HasNoCurrentBeforeTheLoopsFirstReadingNorAfterTheEnd) {
   told.readings = {{}, {}, reading(1), {}, reading(2)};
