@@ -24,6 +24,9 @@ TEST(PrintedLaw, HasNoVelocityWhereNothingMoves) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(law.step(0.3, 1.0 + 0.1 * i), 0.0);
   EXPECT_EQ(law.step(0.39, 5.0), 0.0);  // less than a window
   EXPECT_GT(law.step(0.41, 5.0), 0.0);
+  PrintedFocusLaw exact({.mu_0_m_per_s = 1.0, .alpha = 1.0, .window_m = 0.25});
+  exact.step(0.0, 1.0);
+  EXPECT_GT(exact.step(0.25, 2.0), 0.0) << "a window is enough";
 }
 
 TEST(PrintedLaw, TakesTheNewestPictureAWindowBehind) {
