@@ -104,7 +104,7 @@ TEST(Commands, ResultsHoldNoPath) {
                 fs::copy_options::overwrite_existing);
   const std::string out = (Program::scratch() / "machined").string();
   Program contour("telekerf-experiment", {"closed-contour", "--image", picture.string(), "--out", out});
-  ASSERT_EQ(contour.wait(seconds(60)), 0) << contour.output();
+  ASSERT_EQ(contour.wait(seconds(150)), 0) << contour.output();
   const auto result = nlohmann::json::parse(std::ifstream(out + "/result.json"));
   EXPECT_EQ(result.at("image").get<std::string>(), "my circle.png");
   EXPECT_EQ(nlohmann::json::parse(contour.output()), result) << "one object on standard output";
