@@ -66,7 +66,7 @@ void check(herr_t status, const char* what) {
   if (status < 0) throw Failure(what);
 }
 
-void keep_quiet() {
+void prepare() {
   // A file that a full disk has kept from being closed is closed once more at the process' end, which crashes
   // (HDF5 1.10). What we open we close.
   [[maybe_unused]] static const herr_t asked = H5dont_atexit();
@@ -74,7 +74,7 @@ void keep_quiet() {
 }
 
 Id create_file(const std::filesystem::path& path, bool newest) {
-  keep_quiet();
+  prepare();
   const Id access(H5Pcreate(H5P_FILE_ACCESS), "no file access");
   check(newest ? H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST)
                : H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18),
@@ -84,7 +84,7 @@ Id create_file(const std::filesystem::path& path, bool newest) {
 }
 
 Id open_file(const std::filesystem::path& path) {
-  keep_quiet();
+  prepare();
   const hid_t plain = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (plain >= 0) return {plain, ""};
   // What a writer is at reads wrongly for a moment; HDF5 tries again after 1, 2, 4, ... ns. Of its 100

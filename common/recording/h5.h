@@ -51,7 +51,7 @@ class Id {
 void check(herr_t status, const char* what);
 
 /// In this thread: errors are said in our own words.
-void keep_quiet();
+void prepare();
 /// `newest`: a new file in the format that SWMR needs; otherwise one that HDF5 1.8 reads, in place of any.
 Id create_file(const std::filesystem::path& path, bool newest);
 /// A finished file, or one that is being written or was left by a killed process. Throws Failure that says

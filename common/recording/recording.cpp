@@ -106,7 +106,7 @@ void Recording::add(RunContour contour) {
 
 void Recording::run(const std::stop_token& stop) {
   ::pthread_setname_np(::pthread_self(), "recorder");
-  h5::keep_quiet();
+  h5::prepare();
   auto next = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
     const auto now = std::chrono::steady_clock::now();

@@ -27,13 +27,14 @@ StateReceiver::StateReceiver(double silence_s, std::uint32_t epoch, int ticks_pe
 
 const Feedback& StateReceiver::receive(const Received<StateBlock>& received) noexcept {
   feedback_ = {};
-  const Arrival arrival = stream_.receive(received, kNothingLate);
+  const bool ours = received.value.master_epoch == epoch_;
+  const Arrival arrival = stream_.receive(received, kNothingLate, {}, ours);
   feedback_.kind = arrival.kind;
   feedback_.number = received.value.sequence;
   if (arrival.kind != Arrival::Kind::kNew) return feedback_;
   const StateBlock& block = received.value;
   feedback_.begins = arrival.begins;
-  feedback_.ours = block.master_epoch == epoch_;
+  feedback_.ours = ours;
   if (arrival.begins) newest_ = -1;
   take_samples({*arrival.packet, arrival.first});
   if (block.force.size == 0) return feedback_;

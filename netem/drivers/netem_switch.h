@@ -19,8 +19,9 @@ namespace telekerf::netem {
 
 /// Listens for EventMessage::Kind::kSetNetem, whose text names a profile, and switches this process'
 /// receiving side. All of a cell switch or none does: whoever has the beam, the slave, decides for everyone, and the
-/// others do what it says, also who comes later; without a slave in the cell each does as it is asked. A name that cannot be loaded, a process
-/// that runs without emulation, and a beam that is on keep what there is; who asked is told which it was.
+/// others do what it says, also who comes later; without a slave in the cell each does as it is asked. A name that
+/// cannot be loaded, a process that runs without emulation, and a beam that is on keep what there is; who asked is
+/// told which it was.
 class NetemSwitch {
  public:
   /// `emulator`: what stands in the process' receive path; null: nothing does.

@@ -14,6 +14,12 @@ FRAME = struct.Struct("<IIIIQqdd")  # master/operator/udp_hand.h
 ANSWER = struct.Struct("<IIIIQqdddd")
 HELD = 1
 
+begun = time.monotonic()
+
+
+def said(text):
+    print(f"{time.monotonic() - begun:5.1f} s  {text}", flush=True)
+
 
 def free_port():
     with socket.socket() as probe:

@@ -13,17 +13,12 @@ import time
 import urllib.error
 import urllib.request
 
-from cell import Page, free_port
+from cell import Page, free_port, said
 
 programs, folder, domain = sys.argv[1:4]
-begun = time.monotonic()
 runs = tempfile.mkdtemp(prefix="telekerf-runs-")
 port = free_port()
 children = []
-
-
-def said(text):
-    print(f"{time.monotonic() - begun:5.1f} s  {text}", flush=True)
 
 
 def program(name, *words, log=subprocess.DEVNULL):

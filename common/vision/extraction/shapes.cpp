@@ -13,9 +13,7 @@ namespace {
 constexpr double kBand = 0.125;       ///< a band of even width is a stroke up to this fraction of its size
 constexpr double kEven = 1.35;        ///< the middle line lies equally far from both sides all along
 constexpr double kUneven = 2.1;       ///< no pen draws like this
-constexpr double kTouching = 3.0;     ///< nor like this: parts that touch in their corners only, as of a chessboard
-constexpr double kThick = 0.02;       ///< from here on that is looked at: width over size
-constexpr double kNearlyThin = 0.05;  ///< from here on a shape may have a body
+constexpr double kNearlyThin = 0.02;  ///< from here on a shape may have a body
 constexpr double kFat = 0.2;          ///< a region for certain: its width over its size
 constexpr double kOfPen = 1.8;        ///< and over that of the pen
 constexpr double kSmall = 0.05;       ///< of the largest shape: below, nothing is told apart
@@ -96,10 +94,7 @@ ShapeKinds kinds_of(const Field& field, const Outlines& outlines) {
       outers <= 1) {  // most pictures: one shape of a clear kind
     const double ratio = outlines.width_px / std::max(1.0, outlines.size_px);
     const bool holes = outlines.contours.size() > 1;
-    if (all_strokes && (ratio < kNearlyThin || !holes)) {
-      const bool parts = ratio > kThick && variation_of(field, field.drawn).value_or(1.0) > kTouching;
-      return parts ? ShapeKinds{{}, outlines, {}} : ShapeKinds{outlines, {}, {}};
-    }
+    if (all_strokes && (ratio < kNearlyThin || !holes)) return {outlines, {}, {}};
     if (!all_strokes && (ratio > kBand || !holes)) return {{}, outlines, {}};
   }
   cv::Mat labels;

@@ -24,12 +24,14 @@ FocusLawSettings printed_settings(const ImagingCameraSettings& settings) {
   return {.mu_0_m_per_s = dof_m / settings.frame_period_s, .alpha = dof_m, .window_m = 0.5 * dof_m};
 }
 
-template <typename Value>
-std::string in_words(const EnumTable<Value>& table, Value value) {
-  for (const auto& row : table) {
-    if (row.value == value) return fmt::format("{}: {}", row.word, row.sentence);
+/// State of the printed law in the telemetry, behind those of the autofocus.
+constexpr double kPrintedLaw = 3.0;
+
+std::string in_words(FocusVerdict verdict) {
+  for (const auto& row : kFocusVerdicts) {
+    if (row.value == verdict) return fmt::format("{}: {}", row.word, row.sentence);
   }
-  return std::string(table.word(value));
+  return {};
 }
 
 }  // namespace
@@ -157,9 +159,7 @@ void ImagingCamera::say_state() {
       note("in focus");
       break;
     case Autofocus::State::kUnfocused:
-      note("no focus found: " + in_words(kFocusVerdicts, autofocus_.result().verdict));
-      break;
-    case Autofocus::State::kPrintedLaw:  // says so itself
+      note("no focus found: " + in_words(autofocus_.result().verdict));
       break;
   }
 }
@@ -172,7 +172,7 @@ void ImagingCamera::stand_still() {
 bool ImagingCamera::drive_by_printed_law(const cv::Mat& grey) {
   const cv::Mat region = grey(central_region(grey.size(), settings_.region));
   printed_sharpness_ = sharpness_of(region, {});
-  note(in_words(kAutofocusStates, Autofocus::State::kPrintedLaw));
+  note("the printed law moves the focus, and cannot say whether it has arrived");
   const double velocity = printed_.step(axes_->positions_m().focus_m, normalised_variance(grey_sums(region)));
   const bool exciting = excited_ < kExcitation;
   if (exciting) ++excited_;
@@ -217,7 +217,7 @@ std::vector<std::pair<std::string, double>> ImagingCamera::values() const {
   const double metres_per_pixel = autofocus_.metres_per_pixel(axes);
   const bool printed = settings_.law == FocusLaw::kThesis;
   const Sharpness& sharpness = printed ? printed_sharpness_ : autofocus_.sharpness();
-  return {{"imaging_state", static_cast<double>(printed ? Autofocus::State::kPrintedLaw : autofocus_.state())},
+  return {{"imaging_state", printed ? kPrintedLaw : static_cast<double>(autofocus_.state())},
           {"focus_verdict", static_cast<double>(autofocus_.result().verdict)},
           {"focus_pictures", autofocus_.pictures()},
           {"focus_locks", autofocus_.locks()},

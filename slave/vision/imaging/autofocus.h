@@ -24,8 +24,7 @@ struct AutofocusSettings {
 
 class Autofocus {
  public:
-  /// kPrintedLaw: no autofocus decides, the law of the thesis moves the axis (FocusLaw::kThesis).
-  enum class State : std::uint8_t { kSearching, kTracking, kUnfocused, kPrintedLaw };
+  enum class State : std::uint8_t { kSearching, kTracking, kUnfocused };
 
   /// `lowest_m`, `highest_m`: of the focus axis.
   Autofocus(const AutofocusSettings& settings, const ImagingModel& model, double lowest_m, double highest_m);
@@ -83,8 +82,6 @@ inline constexpr EnumRow<Autofocus::State> kAutofocusStateRows[] = {
     {"searching", Autofocus::State::kSearching, "the focus is being searched for"},
     {"tracking", Autofocus::State::kTracking, "in focus, and kept there"},
     {"no focus", Autofocus::State::kUnfocused, "no focus found"},
-    {"printed law", Autofocus::State::kPrintedLaw,
-     "the law of the thesis moves the focus, which cannot say whether it has arrived"},
 };
 inline constexpr EnumTable<Autofocus::State> kAutofocusStates(kAutofocusStateRows);
 

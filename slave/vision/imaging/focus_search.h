@@ -27,8 +27,10 @@ enum class FocusVerdict : std::uint8_t {
 };
 inline constexpr EnumRow<FocusVerdict> kFocusVerdictRows[] = {
     {"found", FocusVerdict::kFound, "the focus was found"},
-    {"blank", FocusVerdict::kBlank, "nothing stands out from the noise anywhere in the range: a blank object, or one far out of focus"},
-    {"out of range", FocusVerdict::kOutOfRange, "the picture is sharpest at the end of the range, the focus lies beyond"},
+    {"blank", FocusVerdict::kBlank,
+     "nothing stands out from the noise anywhere in the range: a blank object, or one far out of focus"},
+    {"out of range", FocusVerdict::kOutOfRange,
+     "the picture is sharpest at the end of the range, the focus lies beyond"},
     {"moving", FocusVerdict::kMoving, "the object moves between two pictures"},
     {"specks", FocusVerdict::kSpecks, "only single specks become sharp, as of dust"},
     {"no peak", FocusVerdict::kNoPeak, "no peak as the optics would make it"},

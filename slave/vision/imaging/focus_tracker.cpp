@@ -55,16 +55,10 @@ void FocusTracker::step(double above_log, double apart_m) {
 
 void FocusTracker::rest() {
   lost_ = newest_.tenengrad < settings_.lost * lock_tenengrad_;
-  const bool first = rested_ == 0;
-  const bool known = first && after_fall_;
-  const bool fell = !known && newest_.tenengrad < (1.0 - settings_.fall) * rest_tenengrad_;
-  if (first && !fell) {
-    rest_tenengrad_ = newest_.tenengrad;
-    after_fall_ = false;
-  }
-  if (!fell && ++rested_ < rest_pictures_) return;
-  after_fall_ = fell;
-  stage_ = Stage::kBelow;
+  const bool fell = newest_.tenengrad < (1.0 - settings_.fall) * rest_tenengrad_;
+  // Where that is no focus that has gone, but light or texture, it is how sharp it is from now on.
+  if (fell || rested_ == 0) rest_tenengrad_ = newest_.tenengrad;
+  if (fell || ++rested_ >= rest_pictures_) stage_ = Stage::kBelow;
 }
 
 void FocusTracker::seen(const cv::Mat& region, double position_m) {

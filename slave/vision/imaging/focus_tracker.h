@@ -57,8 +57,7 @@ class FocusTracker {
   bool resting_ = true;
   int rest_pictures_;  ///< of this rest
   int rested_ = 0;
-  double rest_tenengrad_;      ///< of the first picture of this rest, or of the one before
-  bool after_fall_ = false;    ///< a fall has led to this rest's place, so that the sharpness is what it is now
+  double rest_tenengrad_;  ///< at the beginning of this rest, or of the one before; after a fall, then
   double below_log_ = 0.0;
   double below_m_ = 0.0;
   Sharpness newest_;

@@ -43,6 +43,21 @@ class StateReceiverTest : public ::testing::Test {
   int skipped_ = 0;
 };
 
+TEST_F(StateReceiverTest, ARecordingHeardFirstGivesWayToWhoFollowsUs) {
+  StateBlock recorded = next();
+  recorded.master_epoch = 2;  // the master of before
+  for (int n = 0; n < 400; ++n) (void)next();
+  EXPECT_EQ(receiver_.receive({recorded, now_ns_}).kind, Arrival::Kind::kNew);
+  StateBlock live = next();
+  live.master_epoch = 2;
+  EXPECT_EQ(receiver_.receive({live, now_ns_}).kind, Arrival::Kind::kRefused);
+  live = next();
+  const Feedback& feedback = receiver_.receive({live, now_ns_});
+  EXPECT_EQ(feedback.kind, Arrival::Kind::kNew);
+  EXPECT_TRUE(feedback.ours);
+  EXPECT_EQ(receiver_.receive({recorded, now_ns_}).kind, Arrival::Kind::kStale);
+}
+
 TEST_F(StateReceiverTest, LostBlocksComeByTheirCopiesAndNothingComesTwice) {
   for (int n = 0; n < 60; ++n) {
     const StateBlock block = next();

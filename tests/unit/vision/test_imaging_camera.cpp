@@ -315,8 +315,7 @@ TEST_F(ImagingCameraTest, ThePrintedLawNeedsItsExcitationAndThenClimbs) {
   const double first = value("focus_mm");
   EXPECT_GT(first, 1.0);  // it has left the lower end
   EXPECT_EQ(value("imaging_state"), 3.0);
-  EXPECT_EQ(camera_->remark(),
-            "printed law: the law of the thesis moves the focus, which cannot say whether it has arrived");
+  EXPECT_EQ(camera_->remark(), "the printed law moves the focus, and cannot say whether it has arrived");
   EXPECT_EQ(camera_->remark(), "");  // once
   EXPECT_GT(value("sharpness_tenengrad"), 0.0);
   EXPECT_GT(value("sharpness_variance"), 0.0);
