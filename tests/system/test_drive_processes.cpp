@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tests/system/machine_noise.h"
@@ -39,6 +41,20 @@ std::vector<double> column_of(const std::string& file, const std::string& column
     values.push_back(std::stod(text));
   }
   return values;
+}
+
+/// Distance of the tool from where it should be, in the plane, over the ticks with light.
+double median_deviation_um(const std::string& trace) {
+  const auto tool_x = column_of(trace, "tool_x_m"), tool_y = column_of(trace, "tool_y_m");
+  const auto ref_x = column_of(trace, "ref_x_m"), ref_y = column_of(trace, "ref_y_m");
+  const auto laser_w = column_of(trace, "laser_w");
+  std::vector<double> um;
+  for (std::size_t i = 0; i < laser_w.size(); ++i)
+    if (laser_w[i] > 0.0) um.push_back(1e6 * std::hypot(tool_x[i] - ref_x[i], tool_y[i] - ref_y[i]));
+  EXPECT_GT(um.size(), 1000u) << trace;
+  if (um.empty()) return std::numeric_limits<double>::infinity();
+  std::nth_element(um.begin(), um.begin() + static_cast<long>(um.size() / 2), um.end());
+  return um[um.size() / 2];
 }
 
 long lit_of(const std::vector<double>& laser_w) {
@@ -278,15 +294,14 @@ TEST_P(Machining, CutsAContourWithIt) {
   EXPECT_TRUE(result["finished"].get<bool>());
   EXPECT_EQ(result["drive"]["tool"].get<std::string>(), "measured");
   EXPECT_TRUE(result["sensor"].is_null()) << "nobody told";
-  const auto timing = nlohmann::json::parse(std::ifstream(out + "/timing.json"));
-  const bool quiet = timing["rate_hz"].get<double>() >= 0.98 * 2400.0;  // as machine_noise.h has it
-  EXPECT_LE(result["contour_error_um"]["rms"].get<double>(), quiet ? 1.0 : 10.0) << result.dump(2);
+  // Its median is the control's own; the worst and the rms are those of the machine's pauses, too.
+  EXPECT_LE(median_deviation_um(out + "/trace.csv"), 1.0) << result.dump(2);
   EXPECT_EQ(result["burn"]["energy_outside_corridor_j"].get<double>(), 0.0);
   robot.interrupt();
   EXPECT_EQ(robot.wait(seconds(10)), 0) << robot.output();
 }
 INSTANTIATE_TEST_SUITE_P(DriveProcesses, Machining,
-                         ::testing::Values("drive_delay_s = 0", "drive_delay_s = 0.001"),
+                         ::testing::Values("drive_delay_s = 0", "drive_delay_s = 0.0012"),
                          [](const auto& test) { return test.index == 0 ? "InTime" : "Late"; });
 
 TEST(DriveProcesses, ADriveTooLateToMachineWithIsRefused) {
