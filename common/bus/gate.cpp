@@ -90,7 +90,7 @@ Gate::Gate(std::vector<security::SubjectPrefix> known, MessageProtection own) : 
 }
 
 bool Gate::admits(std::span<const std::byte> datagram, std::uint32_t from, std::int64_t now_ns) noexcept {
-  const Verdict verdict = judge(datagram, now_ns);
+  const Verdict verdict = judge(datagram, from, now_ns);
   if (verdict == Verdict::kRefused) {
     refused_.fetch_add(1, std::memory_order_relaxed);
     refused_from_.store(from, std::memory_order_relaxed);
@@ -98,7 +98,8 @@ bool Gate::admits(std::span<const std::byte> datagram, std::uint32_t from, std::
   return verdict == Verdict::kAdmitted;
 }
 
-Gate::Verdict Gate::judge(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept {
+Gate::Verdict Gate::judge(std::span<const std::byte> datagram, std::uint32_t from,
+                           std::int64_t now_ns) noexcept {
   Identity* const identity = identity_of(datagram);
   if (identity == nullptr || datagram.size() < kRtpsHeader + kSubmessageHeader) return Verdict::kRefused;
   Prefix prefix;
@@ -121,7 +122,7 @@ Gate::Verdict Gate::judge(std::span<const std::byte> datagram, std::int64_t now_
       return Verdict::kOtherwise;
     }
   }
-  return has_room(*identity, prefix, now_ns) ? Verdict::kAdmitted : Verdict::kRefused;
+  return has_room(*identity, prefix, from, now_ns) ? Verdict::kAdmitted : Verdict::kRefused;
 }
 
 Gate::Identity* Gate::identity_of(std::span<const std::byte> datagram) noexcept {
@@ -148,7 +149,8 @@ void Gate::take_leave(Identity& identity, const Prefix& prefix, std::int64_t now
   deaf_until_ns_.store(now_ns + kDeaf_ns, std::memory_order_release);
 }
 
-bool Gate::has_room(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept {
+bool Gate::has_room(Identity& identity, const Prefix& prefix, std::uint32_t from,
+                    std::int64_t now_ns) noexcept {
   const std::lock_guard lock(mutex_);
   for (Seen& seen : identity.proven) {
     if (seen.heard_ns == 0 || seen.prefix != prefix) continue;
@@ -160,6 +162,7 @@ bool Gate::has_room(Identity& identity, const Prefix& prefix, std::int64_t now_n
     const bool free = trial.heard_ns == 0 || now_ns - trial.heard_ns > kForgotten_ns;
     if (trial.heard_ns != 0 && trial.prefix == prefix) {
       trial.heard_ns = now_ns;
+      trial.from = from;
       return true;
     }
     if (free) room = &trial;
@@ -179,7 +182,7 @@ bool Gate::has_room(Identity& identity, const Prefix& prefix, std::int64_t now_n
     if (now_ns - room->began_ns < kTrial_ns || mark == rejected.end()) return false;
     *mark = {room->prefix, now_ns};
   }
-  *room = {prefix, now_ns, now_ns};
+  *room = {prefix, now_ns, now_ns, from};
   return true;
 }
 
@@ -194,6 +197,16 @@ void Gate::proven(const Prefix& prefix, std::int64_t now_ns) {
       if (trial.prefix == prefix) trial = {};
     }
   }
+}
+
+std::uint32_t Gate::unproven_from(const Prefix& prefix) {
+  const std::lock_guard lock(mutex_);
+  for (const Identity& identity : identities_) {
+    for (const Trial& trial : identity.unproven) {
+      if (trial.heard_ns != 0 && trial.prefix == prefix) return trial.from;
+    }
+  }
+  return 0;
 }
 
 std::vector<security::SubjectPrefix> Gate::otherwise(std::int64_t now_ns) {

@@ -54,6 +54,9 @@ class Gate {
   /// Identities under which somebody has announced itself lately whose messages are protected otherwise.
   std::vector<security::SubjectPrefix> otherwise(std::int64_t now_ns);
 
+  /// IPv4 address, network order, from which one that has not proved who it is was heard last; 0: unknown.
+  std::uint32_t unproven_from(const Prefix& prefix);
+
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
   /// Who sent the last one that was refused; 0: nobody.
   std::uint32_t refused_from() const noexcept { return refused_from_.load(std::memory_order_relaxed); }
@@ -67,6 +70,7 @@ class Gate {
     Prefix prefix{};
     std::int64_t began_ns = 0;
     std::int64_t heard_ns = 0;  ///< last; 0: free
+    std::uint32_t from = 0;     ///< IPv4 address, network order
   };
   struct Identity {
     security::SubjectPrefix subject{};
@@ -80,9 +84,9 @@ class Gate {
   bool has_left(const Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
   void take_leave(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
   enum class Verdict { kAdmitted, kLeft, kOtherwise, kRefused };
-  Verdict judge(std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
+  Verdict judge(std::span<const std::byte> datagram, std::uint32_t from, std::int64_t now_ns) noexcept;
   Identity* identity_of(std::span<const std::byte> datagram) noexcept;
-  bool has_room(Identity& identity, const Prefix& prefix, std::int64_t now_ns) noexcept;
+  bool has_room(Identity& identity, const Prefix& prefix, std::uint32_t from, std::int64_t now_ns) noexcept;
 
   MessageProtection own_;
   std::vector<Identity> identities_;            ///< in order of their subjects

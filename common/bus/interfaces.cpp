@@ -39,13 +39,16 @@ bool leads_nowhere(int fd, const ifaddrs& interface) {
 }
 
 std::string text_of(const sockaddr* address) {
-  std::array<char, INET_ADDRSTRLEN> text{};
-  (void)inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, text.data(),
-                  text.size());
-  return text.data();
+  return dotted(reinterpret_cast<const sockaddr_in*>(address)->sin_addr.s_addr);
 }
 
 }  // namespace
+
+std::string dotted(std::uint32_t address) {
+  std::array<char, INET_ADDRSTRLEN> text{};
+  (void)inet_ntop(AF_INET, &address, text.data(), text.size());
+  return text.data();
+}
 
 std::vector<std::string> inner_addresses() {
   std::vector<std::string> inner;

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/bus/network_watch.h"
 
-#include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <iterator>
 #include <utility>
+
+#include "common/bus/interfaces.h"
 
 namespace telekerf {
 namespace {
@@ -31,12 +31,10 @@ Addresses look() {
     const bool counts =
         at->ifa_addr != nullptr && at->ifa_addr->sa_family == AF_INET && (at->ifa_flags & IFF_LOOPBACK) == 0;
     if (!counts) continue;
-    std::array<char, INET_ADDRSTRLEN> text{};
-    const auto* const address = reinterpret_cast<const sockaddr_in*>(at->ifa_addr);
-    if (inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) == nullptr) continue;
-    addresses.all.insert(text.data());
+    const std::string text = bus::dotted(reinterpret_cast<const sockaddr_in*>(at->ifa_addr)->sin_addr.s_addr);
+    addresses.all.insert(text);
     constexpr unsigned kLink = IFF_UP | IFF_RUNNING;
-    if ((at->ifa_flags & kLink) == kLink) addresses.linked.insert(text.data());
+    if ((at->ifa_flags & kLink) == kLink) addresses.linked.insert(text);
   }
   freeifaddrs(first);
   return addresses;

@@ -236,12 +236,16 @@ void Bus::Participant::discovered(const Discovered& participant) {
   if (reunion_ && gone) {
     reunion_->gone(key, participant.lapsed);
   } else if (reunion_) {
-    const auto* const identity = protection_.identity(key);
-    if (identity != nullptr && identity->cell == settings_.cell)
+    if (is_of_this_cell(key))
       reunion_->found(key, {participant.discovery_locators.unicast.begin(),
                             participant.discovery_locators.unicast.end()});
   }
   changed_.notify_all();
+}
+
+bool Bus::Participant::is_of_this_cell(const Key& key) const {
+  const auto* const identity = protection_.identity(key);
+  return identity != nullptr && identity->cell == settings_.cell;
 }
 
 /// In the reunion's thread.
@@ -269,12 +273,15 @@ void Bus::Participant::authenticated(const rtps::GUID_t& guid, bool proven) {
   const Key key = key_of(guid);
   if (proven && protection_.on()) protection_.gate()->proven(key, monotonic_ns());
   if (proven && reunion_) reunion_->proved(key);
+  if (!proven && reunion_ && is_of_this_cell(key)) reunion_->refused(key);
   const std::lock_guard lock(mutex_);
   if (proven) {
     authenticated_.insert(key);
     strangers_.erase(key);  // it may have been slow
   } else {
     authenticated_.erase(key);
+    const std::uint32_t from = protection_.on() ? protection_.gate()->unproven_from(key) : 0;
+    if (from != 0 && addresses_.size() < kMostAddresses) addresses_.try_emplace(key, bus::dotted(from));
   }
 }
 

@@ -84,6 +84,7 @@ class Bus::Participant : private middleware::Discovery {
   void destroy();
   void wait_for_objections();
   void addresses_changed(bool lost);
+  bool is_of_this_cell(const Key& key) const;  ///< by the name that it gives, not yet proved
   void meet_again(const std::vector<bus::Unproven::Waiting>& strange);
   /// Both sites are seen.
   bool whole() const;

@@ -72,8 +72,21 @@ void send_datagram(std::span<const std::byte> datagram, const std::vector<Locato
 void Unproven::found(const Key& key, Places places, Time now) {
   if (proved_.contains(key) || waiting_.size() >= kMost) return;
   const auto patience = lapsed_.contains(key) ? kKnownBefore : kNew;
-  const auto [entry, fresh] = waiting_.try_emplace(key, Entry{{}, now + patience, patience});
-  entry->second.places = std::move(places);
+  Entry& entry = waiting_.try_emplace(key, Entry{{}, now + patience, patience, {}}).first->second;
+  entry.places = std::move(places);
+  entry.refused.reset();
+}
+
+void Unproven::refused(const Key& key, Time now) {
+  auto known = waiting_.find(key);
+  if (known == waiting_.end()) {
+    found(key, {}, now);
+    known = waiting_.find(key);
+    if (known == waiting_.end()) return;
+  } else if (!known->second.refused) {
+    return;
+  }
+  known->second.refused = now;
 }
 
 void Unproven::proved(const Key& key) {
@@ -89,6 +102,9 @@ void Unproven::gone(const Key& key, bool lapsed) {
 }
 
 std::vector<Unproven::Waiting> Unproven::due(Time now) {
+  std::erase_if(waiting_, [&](const auto& waiting) {
+    return waiting.second.refused && now - *waiting.second.refused > kForgotten;
+  });
   std::vector<Waiting> list;
   for (auto& [key, entry] : waiting_) {
     if (now < entry.next) continue;
@@ -106,6 +122,14 @@ void Reunion::found(const Unproven::Key& key, Unproven::Places places) {
   {
     const std::lock_guard lock(mutex_);
     unproven_.found(key, std::move(places), std::chrono::steady_clock::now());
+  }
+  changed_.notify_one();
+}
+
+void Reunion::refused(const Unproven::Key& key) {
+  {
+    const std::lock_guard lock(mutex_);
+    unproven_.refused(key, std::chrono::steady_clock::now());
   }
   changed_.notify_one();
 }

@@ -18,6 +18,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
 #include <vector>
@@ -51,7 +52,12 @@ class Unproven {
   static constexpr std::chrono::milliseconds kAgain{
       12000};  ///< longer than the other one is deaf, and a handshake
 
+  static constexpr std::chrono::milliseconds kForgotten{30000};
+
   void found(const Key& key, Places places, Time now);
+  /// A handshake with it has failed, which is all that Fast DDS 3 says of one before its proof. Whoever is
+  /// known by that alone is forgotten when no other fails for kForgotten.
+  void refused(const Key& key, Time now);
   void proved(const Key& key);
   /// `lapsed`: its lease has ended; it has not said farewell.
   void gone(const Key& key, bool lapsed);
@@ -64,6 +70,7 @@ class Unproven {
     Places places;
     Time next;
     std::chrono::milliseconds patience{};
+    std::optional<Time> refused;  ///< last, where only that is known of it
   };
   std::map<Key, Entry> waiting_;
   std::set<Key> proved_;
@@ -77,6 +84,7 @@ class Reunion {
   explicit Reunion(Again again);
 
   void found(const Unproven::Key& key, Unproven::Places places);
+  void refused(const Unproven::Key& key);
   void proved(const Unproven::Key& key);
   void gone(const Unproven::Key& key, bool lapsed);
   void clear();  ///< this participant is made anew

@@ -79,10 +79,12 @@ TEST_F(SecuredCell, KeysThatDoNotFitAreToldWithTheRemedy) {
   const Store ours, others;
   Program slave("telekerf-slave", secured(ours, {}));
   Program master("telekerf-master", secured(others, {}));
-  for (const Program* const each : {&slave, &master})
+  for (const Program* const each : {&slave, &master}) {
     EXPECT_TRUE(
-        each->says("and does not prove it: both sides need keys of the same ./telekerf keys", seconds(30)))
+        each->says("and does not prove it: both sides need keys of the same ./telekerf keys", seconds(60)))
         << each->output();
+    EXPECT_EQ(each->output().find("an unknown address"), std::string::npos) << each->output();
+  }
 }
 
 TEST_F(SecuredCell, WhoSpeaksAnotherProtectionIsToldWhichOneTheCellHas) {

@@ -106,7 +106,11 @@ TEST(Gate, OfEachIdentityOnlyAFewAreUnderWayUntilTheyProveIt) {
   EXPECT_EQ(admitted, static_cast<int>(bus::Gate::kUnproven));
   EXPECT_TRUE(announces(0, 1000));
   prefix[11] = 0;
+  EXPECT_EQ(gate.unproven_from(prefix), 1u);
+  EXPECT_TRUE(gate.admits(announcement(prefix), 2, 1000));
+  EXPECT_EQ(gate.unproven_from(prefix), 2u) << "where it was heard last";
   gate.proven(prefix, 1000);
+  EXPECT_EQ(gate.unproven_from(prefix), 0u);
   EXPECT_TRUE(announces(50, 1000)) << "its place is free";
   EXPECT_TRUE(announces(0, 1000));
   EXPECT_FALSE(announces(51, 1000));
@@ -266,6 +270,32 @@ TEST(Unproven, SaysFarewellOnceInAWhileUntilTheOtherHasProvedWhoItIs) {
   waiting.proved(key);
   waiting.found(key, {}, next);
   EXPECT_TRUE(waiting.empty());
+}
+
+TEST(Unproven, AHandshakeThatFailsIsAllThatIsKnownAndIsForgotten) {
+  Waiting waiting;
+  const Waiting::Key key{1, 2, 3};
+  const Waiting::Time begin{};
+  waiting.refused(key, begin);
+  EXPECT_TRUE(waiting.due(begin + Waiting::kNew - 1ms).empty()) << "the next one may do";
+  waiting.refused(key, begin + 5s);
+  const auto due = waiting.due(begin + Waiting::kNew);
+  ASSERT_EQ(due.size(), 1u);
+  EXPECT_TRUE(due.front().places.empty());
+  (void)waiting.due(begin + 5s + Waiting::kForgotten);
+  EXPECT_FALSE(waiting.empty());
+  (void)waiting.due(begin + 5s + Waiting::kForgotten + 1ms);
+  EXPECT_TRUE(waiting.empty());
+}
+
+TEST(Unproven, OneThatWasFoundIsNotForgottenAfterAHandshakeThatFails) {
+  Waiting waiting;
+  const Waiting::Key key{1, 2, 3};
+  const Waiting::Time begin{};
+  waiting.refused(key, begin);
+  waiting.found(key, Waiting::Places(1), begin);
+  waiting.refused(key, begin);
+  EXPECT_EQ(waiting.due(begin + 2 * Waiting::kForgotten).at(0).places.size(), 1u);
 }
 
 TEST(Unproven, WhoWasKnownBeforeIsToldSoonerAndWhoHasSaidFarewellIsNot) {
