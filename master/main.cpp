@@ -144,7 +144,7 @@ int run(Flags& flags) {
     if (node.tick() % kTelemetryTicks == 0)
       values.store(node.tick(), master_values(out, task ? task->guide.beta : 1.0, node.link().clocks(),
                                               node.link().newest_rtt_s(), station.stream()));
-    link.step(slave);
+    link.step(now_ns, node.slave_silent_s(now_ns), slave);
     const bool goes_on = rivals.goes_on(obeyed_by(slave, node.slave_gone(now_ns), settings.epoch));
     const bool done = flags.duration_s > 0.0 && (engaged_s >= flags.duration_s || waited_s >= flags.wait_s);
     return goes_on && !done && !station.machine().failed() && station.obstacle() == nullptr;

@@ -14,6 +14,9 @@ namespace {
 /// not be known so fast, and is told from the sensor's noise the better.
 constexpr double kHand_rad_per_s = 400.0;
 
+constexpr const char* kClockWrong =
+    "the slave is let go: it answered before it was asked, so one of the two clocks is wrong; engage anew";
+
 MasterSettings with_bandwidth(MasterSettings settings, const control::LoopBandwidths& bandwidths) {
   settings.constraint.period_s = 1.0 / settings.control_hz;
   settings.constraint.bandwidth_rad_s = bandwidths.law_rad_per_s;
@@ -72,11 +75,17 @@ bool MasterNode::receive(std::span<const Received<StateBlock>> states) noexcept 
   return clocks_right;
 }
 
-bool MasterNode::slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept {
-  return states_.heard() && !slave_gone(now_ns) && guide != nullptr &&
-         states_.header().contour_id == guide->contour_id && states_.header().stop == 0 &&
-         // Nobody knows yet whose states will be heard; an engagement that holds is nobody else's to end.
-         !(modes_.mode() == MasterMode::kEngaged ? spent(engage_) : states_.contested(now_ns));
+const char* MasterNode::hindrance(std::int64_t now_ns, const GuidePath* guide) const noexcept {
+  if (!states_.heard() || slave_gone(now_ns))
+    return stood_still_ ? "the slave is let go: the master's process stood still meanwhile; engage anew"
+                        : "the slave is let go: it is not heard any more; engage anew when it is there";
+  if (guide == nullptr || states_.header().contour_id != guide->contour_id)
+    return "the slave is let go: it does not work on this side's contour; engage anew when it does";
+  if (states_.header().stop != 0) return "the slave is let go: it is stopped; engage anew when that is cleared";
+  // Nobody knows yet whose states will be heard; an engagement that holds is nobody else's to end.
+  if (modes_.mode() == MasterMode::kEngaged ? spent(engage_) : states_.contested(now_ns))
+    return "the slave is let go: it was stopped, started anew or without commands meanwhile; engage anew";
+  return nullptr;
 }
 
 bool MasterNode::spent(std::uint32_t engage) const noexcept {
@@ -118,17 +127,22 @@ MasterOutputs MasterNode::step(std::int64_t now_ns, const MasterInputs& inputs) 
   const KinematicState tool = observe(inputs.joints);
   if (joints_.posed()) hand_n_ += hand_share_ * (joints_.reaction_force_n() - hand_n_);
   out.hand_n = hand_n_;
-  out.clock_wrong = !receive(inputs.states);
+  stood_still_ = stepped_ns_ != 0 && static_cast<double>(now_ns - stepped_ns_) * 1e-9 >= settings_.stale_s;
+  stepped_ns_ = now_ns;
+  const bool clock_wrong = !receive(inputs.states);
   out.stop = inputs.stop.in_force(states_.heard() ? states_.header().stop : 0);
+  const char* const hindrance = clock_wrong ? kClockWrong : this->hindrance(now_ns, inputs.guide);
   const Situation situation{.guide = inputs.guide,
                             .tool_m = tool.position_m,
                             .stopped = out.stop != 0,
                             .engage = inputs.engage,
-                            .slave_ready = !out.clock_wrong && slave_ready(now_ns, inputs.guide)};
+                            .slave_ready = hindrance == nullptr};
   const bool was_engaged = modes_.mode() == MasterMode::kEngaged;
   if (modes_.step(situation)) constraint_.enter();
   out.engage_spent = modes_.engage_spent();
   if (modes_.mode() == MasterMode::kEngaged && !was_engaged) begin_engagement();
+  const bool lost = was_engaged && modes_.mode() == MasterMode::kGuiding && inputs.engage;
+  if (clock_wrong || lost) out.let_go = hindrance;
   const bool felt = dead_man_.step(inputs.button, hand_n_.head<2>().norm());
   const bool button = inputs.pedal ? inputs.button : felt;
   button_seen_ = button_seen_ || !button;

@@ -55,7 +55,7 @@ struct MasterOutputs {
   std::optional<CommandBlock> command;
   MasterMode mode = MasterMode::kIdle;
   bool engage_spent = false;   ///< the operator has to engage anew
-  bool clock_wrong = false;    ///< the slave's answer has stamps that cannot be: it is let go
+  const char* let_go = nullptr;  ///< why the slave is, or will not be taken hold of, a literal
   std::uint32_t stop = 0;      ///< number of the emergency stop that is obeyed; 0: none
   Vec3 tool_m = Vec3::Zero();  ///< measured, master's workpiece frame
   Vec3 velocity_m_per_s = Vec3::Zero();
@@ -86,6 +86,10 @@ class MasterNode {
   bool slave_gone(std::int64_t now_ns) const noexcept {
     return states_.heard() && states_.silent_s(now_ns) >= settings_.stale_s;
   }
+  /// Since its newest state.
+  double slave_silent_s(std::int64_t now_ns) const noexcept {
+    return states_.heard() ? states_.silent_s(now_ns) : 0.0;
+  }
   /// The newest that the slave has told; null: nothing yet.
   const StateHeader* slave() const noexcept { return states_.heard() ? &states_.header() : nullptr; }
   const Observed& observed() const noexcept { return stream_->observed(); }
@@ -102,7 +106,8 @@ class MasterNode {
   KinematicState observe(const robot::JointReading& joints) noexcept;
   /// False: stamps that cannot be are among them.
   bool receive(std::span<const Received<StateBlock>> states) noexcept;
-  bool slave_ready(std::int64_t now_ns, const GuidePath* guide) const noexcept;
+  /// Why the slave is not to be led, or not any more, as a sentence of letting it go; null: nothing hinders it.
+  const char* hindrance(std::int64_t now_ns, const GuidePath* guide) const noexcept;
   /// The slave does not follow this engagement (any more).
   bool spent(std::uint32_t engage) const noexcept;
   void begin_engagement() noexcept;
@@ -123,7 +128,9 @@ class MasterNode {
   double dt_s_;
   Vec3 hand_n_ = Vec3::Zero();
   Tick tick_ = 0;
-  bool located_ = false;  ///< the robot has told where it stands
+  std::int64_t stepped_ns_ = 0;  ///< the step before; 0: none
+  bool stood_still_ = false;     ///< between that and this one, for so long that the slave seems gone
+  bool located_ = false;         ///< the robot has told where it stands
 
   Modes modes_;
   ConstraintController constraint_;

@@ -17,8 +17,6 @@ bool wants_release(const StateHeader* slave) noexcept {
   return slave != nullptr && (slave->guards & kButtonGuard) != 0;
 }
 
-constexpr const char* kClockWrong =
-    "the slave is let go: it answered before it was asked, so one of the two clocks is wrong; engage anew";
 constexpr std::size_t kMostContours = 64;
 
 }  // namespace
@@ -154,9 +152,10 @@ StationOutputs Station::step(std::int64_t now_ns, GuidedContour* task,
   static_cast<MasterOutputs&>(out) = node_.step(now_ns, inputs);
   engaged_ = out.mode == MasterMode::kEngaged;
   if (out.engage_spent) requests_.spend_engage();
-  out.let_go = requests_.wait(now_ns, {.led = engaged_, .guiding = out.mode == MasterMode::kGuiding,
-                                       .slave_gone = node_.slave_gone(now_ns), .most_s = settings_.beam_age_s});
-  if (out.clock_wrong) out.let_go = kClockWrong;
+  const char* const over =
+      requests_.wait(now_ns, {.led = engaged_, .guiding = out.mode == MasterMode::kGuiding,
+                              .slave_gone = node_.slave_gone(now_ns), .most_s = settings_.beam_age_s});
+  if (out.let_go == nullptr) out.let_go = over;
   guided_ = out.mode == MasterMode::kGuiding || out.mode == MasterMode::kEngaged;
   if (inputs.joints.valid) machine_.watch(out.tool_m);
   machine_.write(out.currents_a);

@@ -43,7 +43,6 @@ struct EventVerdict {
 };
 
 struct StationOutputs : MasterOutputs {
-  const char* let_go = nullptr;  ///< why the slave is, or will not be taken hold of, a literal
   static constexpr std::size_t kMostVerdicts = 16;
   std::array<EventVerdict, kMostVerdicts> verdicts;
   std::size_t verdict_count = 0;

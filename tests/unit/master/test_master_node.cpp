@@ -160,9 +160,26 @@ TEST_F(MasterStation, ApproachesGuidesAndEngagesOnlyWithALivingSlaveOnTheSameCon
   run(0.5, true, true);
   EXPECT_EQ(out_.mode, MasterMode::kEngaged);
   EXPECT_TRUE(last_.engaged);
+  EXPECT_EQ(let_go_, nullptr);
+  wish_ = false;
   run(1.0, true, false);
   EXPECT_EQ(out_.mode, MasterMode::kGuiding) << "the slave fell silent";
+  ASSERT_NE(let_go_, nullptr);
+  EXPECT_NE(std::string(let_go_).find("not heard any more; engage anew"), std::string::npos) << let_go_;
   EXPECT_FALSE(last_.engaged);
+}
+
+TEST_F(MasterStation, AProcessThatStoodStillSaysThatItDid) {
+  task_ = station_.prepare(circle(0.01));
+  run(4.0, true, true);
+  ASSERT_EQ(out_.mode, MasterMode::kEngaged);
+  now_ns_ += 1000 * kMs;
+  wish_ = false;
+  run(0.001, true, false);  // the states of meanwhile have not been read yet
+  run(0.1, true, true);
+  EXPECT_EQ(out_.mode, MasterMode::kGuiding);
+  ASSERT_NE(let_go_, nullptr);
+  EXPECT_NE(std::string(let_go_).find("the master's process stood still"), std::string::npos) << let_go_;
 }
 
 TEST_F(MasterStation, AnEngagementWaitsUntilItIsKnownWhoseSlaveIsHeard) {
