@@ -224,12 +224,12 @@ TEST_F(NetemLink, WhatWaitsLeavesAtTheRateOfTheProfileThatTakesOver) {
 
 TEST_F(NetemLink, AddsLittleToAVethPair) {
   start_link("ideal");
-  // In short windows by turns: what else the machine does hits both, and a quiet window shows the link's own
-  // cost.
+  // In short windows by turns, more of them where none was quiet: what else the machine does hits both, and a quiet
+  // window shows the link's own cost.
   double least = 1e9;
   std::vector<double> veth_ms;
   std::vector<double> link_ms;
-  for (int window = 0; window < 20; ++window) {
+  for (int window = 0; window < 20 || (least > 0.2 && window < 100); ++window) {
     const auto veth = round_trips(kOverVeth, 100, milliseconds(1000));
     const auto link = round_trips(kOverLink, 100, milliseconds(1000));
     least = std::min(least, at(link, 0.5) - at(veth, 0.5));
