@@ -9,6 +9,7 @@
 #include <future>
 #include <string>
 
+#include "common/bus/middleware.h"
 #include "tests/unit/bus/cell.h"
 #include "tests/unit/bus/samples.h"
 #include "tests/unit/security/store.h"
@@ -86,6 +87,10 @@ TEST(Cyclone, AForeignMasterThatComesLateIsHeardAndWhoIsNoneIsNot) {
 TEST(Cyclone, APeerWithKeysReadsAndIsRefusedAsACommander) {
   if (!std::filesystem::exists(TELEKERF_CYCLONE_PLUGINS "/libdds_security_auth.so"))
     GTEST_SKIP() << "Cyclone DDS has no security plugins here";
+#ifdef TELEKERF_FASTDDS_3
+  GTEST_SKIP() << "Cyclone DDS 0.10.5 and Fast DDS 3.1 prove to each other who they are, and then do not exchange the "
+                  "keys of their discovery";
+#endif
   const security::Store store;
   const auto secured = [&](const std::string& role) {
     BusSettings made = settings(role, Site::kSlave);
