@@ -60,7 +60,7 @@ RobotSupervisor::InitialPose RobotSupervisor::wait_until_ready() {
   while (!reading.valid) {
     if (std::chrono::steady_clock::now() > until) {
       throw hardware_error(
-          fmt::format("drive = {}: no reading for {} s; is it switched on, homed and connected?",
+          fmt::format("drive = {}: no reading for {} s; is it switched on, homed and connected, and does it answer within 10 ms?",
                       settings_.drive, kPatience.count()));
     }
     drive_.robot->write(Vec3::Zero());
@@ -119,7 +119,7 @@ std::string RobotSupervisor::failure() const {
   }
   return fmt::format(
       "drive = {}: no reading for {:g} s (drive_stale_s), so the laser is off and the currents are zero; "
-      "is the drive still running and connected?",
+      "is the drive still running and connected, and does it answer within 10 ms?",
       settings_.drive, settings_.drive_stale_s);
 }
 

@@ -29,7 +29,10 @@ constexpr std::chrono::milliseconds kGone{500};
 }  // namespace
 
 UdpRobot::UdpRobot(const UdpAddress& address, double period_s)
-    : socket_(context_), drive_(open_udp(socket_, address, "drive")), seal_(address.key) {
+    : socket_(context_),
+      drive_(open_udp(socket_, address, "drive")),
+      seal_(address.key),
+      most_steps_(static_cast<std::uint64_t>(std::max(4L, std::lround(kOldest_s / period_s)))) {
   outgoing_.period_ns = static_cast<std::uint32_t>(std::lround(period_s * 1e9));
 }
 
@@ -67,7 +70,7 @@ JointReading UdpRobot::read() noexcept {
 }
 
 bool UdpRobot::is_late(std::uint64_t steps) noexcept {
-  const bool late = steps > *std::min_element(lags_.begin(), lags_.end());
+  const bool late = steps > most_steps_ || steps > *std::min_element(lags_.begin(), lags_.end());
   lags_[next_lag_] = steps;
   next_lag_ = (next_lag_ + 1) % lags_.size();
   return late;

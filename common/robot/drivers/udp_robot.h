@@ -50,13 +50,16 @@ using SealedReading = DatagramSeal::Sealed<UdpReading>;
 /// Controller's side. Neither call blocks: a datagram that is not there yet makes read() invalid.
 class UdpRobot final : public Robot {
  public:
+  static constexpr double kOldest_s = 0.01;
+
   /// `period_s`: between two writes, at most 0.1 s. Throws StartupError if the address cannot be resolved or
   /// opened.
   UdpRobot(const UdpAddress& address, double period_s);
 
   /// Newest answer that has arrived; invalid if none has come since the last call, or if it answers older
   /// currents than usual: where a drive that was kept waiting works off what has piled up, its first answers
-  /// are milliseconds old, and the observer would take them for a throw of the tool.
+  /// are milliseconds old, and the observer would take them for a throw of the tool. Nor is an answer to
+  /// currents of more than kOldest_s ago (of at least four steps) one: no loop holds with it.
   JointReading read() noexcept override;
   void write(const Vec3& currents_a) noexcept override;
   Capabilities capabilities() const override;
@@ -69,7 +72,7 @@ class UdpRobot final : public Robot {
 
  private:
   /// Of an answer to the currents `steps` before the newest: whether one of the last eight was newer than
-  /// that. A way that has become longer for good is soon the usual one.
+  /// that, or it is too old at all. A way that has become longer for good is soon the usual one.
   bool is_late(std::uint64_t steps) noexcept;
 
   boost::asio::io_context context_;
@@ -79,6 +82,7 @@ class UdpRobot final : public Robot {
   SealedCurrents sealed_;
   UdpCurrents& outgoing_ = sealed_.datagram;
   std::uint64_t newest_ = 0;
+  std::uint64_t most_steps_;
   std::array<std::uint64_t, 8> lags_{};  ///< of the last answers, steps
   std::size_t next_lag_ = 0;
   std::uint64_t dropped_ = 0;

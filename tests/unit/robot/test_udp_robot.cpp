@@ -282,6 +282,33 @@ TEST(UdpRobot, AnAnswerLaterThanUsualIsNone) {
   EXPECT_FALSE(read_after({sequence - 1}).valid);
 }
 
+TEST(UdpRobot, AnAnswerThatIsTooOldForAnyLoopIsNoneHoweverUsual) {
+  for (const double period_s : {1e-3, 5e-3}) {
+    HandDrive drive;
+    UdpRobot robot({"127.0.0.1", drive.port()}, period_s);
+    std::uint64_t sequence = 0;
+    const auto taken_at = [&](std::uint64_t lag) {
+      int taken = 0;
+      for (int i = 0; i < 20; ++i) {
+        robot.write(Vec3::Zero());
+        sequence = drive.take();
+        if (sequence <= lag) continue;
+        drive.answer(sequence - lag);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        taken += robot.read().valid ? 1 : 0;
+      }
+      return taken;
+    };
+    for (int i = 0; i < 20; ++i) {
+      robot.write(Vec3::Zero());
+      sequence = drive.take();
+    }
+    const std::uint64_t most = period_s < 2e-3 ? 10 : 4;
+    EXPECT_GT(taken_at(most), 10) << period_s;
+    EXPECT_EQ(taken_at(most + 1), 0) << period_s;
+  }
+}
+
 TEST(UdpRobot, ADriveObeysOneControllerUntilThatHasGone) {
   const RobotModel model = load_robot("slave-keops");
   SimulatedRobot plant(model, 3, model.workspace.centre_m);
