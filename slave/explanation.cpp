@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/explanation.h"
 
+#include <fmt/format.h>
+
 #include <string_view>
 
 #include "common/protocol/sentences.h"
@@ -8,9 +10,12 @@
 namespace telekerf::slave {
 
 std::string beam_explanation(std::uint32_t forbidden, bool wanted, bool lit) {
+  constexpr int kNamed = 2;  // the first of them: what comes after is mostly their consequence
   if (lit) return "beam on";
   std::string reasons;
-  const auto add = [&reasons](std::string_view reason) {
+  int count = 0;
+  const auto add = [&](std::string_view reason) {
+    if (++count > kNamed) return;
     if (!reasons.empty()) reasons += ", and ";
     reasons += reason;
   };
@@ -19,6 +24,8 @@ std::string beam_explanation(std::uint32_t forbidden, bool wanted, bool lit) {
   }
   if (!wanted) add("nobody asks for it: no button, or the master does not pass it on");
   if (reasons.empty()) reasons = "its power is none";
+  if (count > kNamed)
+    reasons += fmt::format(" ({} reason{} more)", count - kNamed, count == kNamed + 1 ? "" : "s");
   return "beam off: " + reasons;
 }
 

@@ -17,6 +17,11 @@ TEST(Explanation, NamesEachGuardThatForbidsAndNoOther) {
   EXPECT_EQ(beam_explanation(laser::guard_bit("stop") | laser::guard_bit("dose"), true, false),
             "beam off: the emergency stop is latched, and this place has got all the energy that it may "
             "(dose_max_j)");
+  const std::uint32_t first_two = laser::guard_bit("stop") | laser::guard_bit("fault");
+  EXPECT_EQ(beam_explanation(first_two | laser::guard_bit("dose"), true, false),
+            "beam off: the emergency stop is latched, and a fault is latched (1 reason more)");
+  EXPECT_EQ(beam_explanation(first_two | laser::guard_bit("dose"), false, false),
+            "beam off: the emergency stop is latched, and a fault is latched (2 reasons more)");
   EXPECT_TRUE(says(beam_explanation(0, false, false), "beam off: nobody asks for it"));
   EXPECT_EQ(beam_explanation(0, true, true), "beam on");
   EXPECT_EQ(beam_explanation(0, true, false), "beam off: its power is none");
