@@ -115,6 +115,8 @@ class ContourSubscriber {
   void begin(ContourMessage message) {
     try {
       adopt(message);
+      // After a restart it may be another one than before, which an operator had not taken yet.
+      if (answers_) write_line(stdout, fmt::format("{}: works on {}", role_, title_of(message)));
     } catch (const StartupError& refusal) {
       refuse(message, refusal.what());
       waiting_ = std::move(message);

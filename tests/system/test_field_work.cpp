@@ -32,6 +32,10 @@ TEST_F(Field, TheSamePictureAgainChangesNothingAndAnotherOneWaitsForTheOperator)
   const auto slave = start("telekerf-slave");
   const auto master = start("telekerf-master", {"--engage"});
   ASSERT_TRUE(slave->says("beam on", seconds(30))) << slave->output();
+  for (const auto* const side : {slave.get(), master.get()}) {
+    EXPECT_NE(side->output().find(": works on contour "), std::string::npos) << side->output();
+    EXPECT_NE(side->output().find("(circle.png, "), std::string::npos) << side->output();
+  }
   const std::string before = master->output();
   vision->kill();
   vision = start("telekerf-vision", {"--image", "circle"});
