@@ -132,6 +132,15 @@ void set_answer_time(ReaderQos& qos, const Duration_t& wanted) {
 #endif
 }
 
+/// Fast DDS 3 reads this computer's addresses once for all participants, and anew when one is given a QoS.
+inline void look_at_networks(dds::DomainParticipant& participant) {
+#ifdef TELEKERF_FASTDDS_3
+  (void)participant.set_qos(participant.get_qos());
+#else
+  (void)participant;
+#endif
+}
+
 /// Another participant was seen, has changed, or is gone.
 class Discovery : public dds::DomainParticipantListener {
  public:

@@ -172,6 +172,7 @@ void Bus::Participant::addresses_changed(bool lost) {
   if (!lost && whole() && !leads_out) return;
   const std::lock_guard lock(endpoints_mutex_);
   for (Endpoint* const endpoint : endpoints_) endpoint->close();
+  if (participant_ != nullptr) middleware::look_at_networks(*participant_);
   destroy();
   {
     const std::lock_guard neighbours(mutex_);
