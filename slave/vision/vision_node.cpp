@@ -76,7 +76,7 @@ tl::expected<ContourMessage, std::string> VisionNode::contour_in(const Frame& fr
   if (message && message->further.size() + 1 < loaded->contours.size()) {
     remarks_ += fmt::format(
         "{}of {} contours the smallest {} are left out: a message holds {} further lines and {} points of "
-        "them",
+        "them (--layers or --colours of a drawing, --smallest-mm of a picture choose what is cut)",
         remarks_.empty() ? "" : "; ", loaded->contours.size(),
         loaded->contours.size() - 1 - message->further.size(), kMaxContourLines, kMaxContourPoints);
   }

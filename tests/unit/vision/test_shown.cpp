@@ -54,6 +54,55 @@ TEST(Shown, WhatAStyleSheetHidesIsLeftOutWithItsReason) {
   }
 }
 
+TEST(Shown, ABranchOfASwitchThatIsNotChosenIsNamed) {
+  const std::string other = "<g><circle r='9'/><g><line x2='9' stroke='red'/></g></g>";
+  const std::string text = "<text y='9'>not chosen either</text>";
+  for (const std::string& body : {
+           "<switch>" + kSeen + other + text + "</switch>",
+           "<switch><g systemLanguage='de, fr-CA'>" + other + "</g>" + kSeen + text + "</switch>",
+           "<switch><g requiredExtensions='urn:x'>" + other + "</g><g systemLanguage='fr,EN-gb'>" + kSeen +
+               "</g></switch>",
+           "<switch><title>one of two</title>" + kSeen + other + "</switch>",
+           "<g systemLanguage='kitchen'>" + other + "</g>" + kSeen,
+           "<g requiredExtensions='urn:x'>" + other + text + "</g>" + kSeen,
+           "<switch><foreignObject requiredExtensions='urn:x'/>" + kSeen + other + "</switch>",
+       }) {
+    const auto d = read(body);
+    ASSERT_TRUE(d) << body << ": " << d.error();
+    EXPECT_NEAR(length_mm(*d), 30.0, 1e-6) << body;
+    ASSERT_EQ(d->left_out.size(), 2u) << body;
+    EXPECT_TRUE(d->unsupported.empty()) << body << d->unsupported.sentence();
+    for (const LeftOut& line : d->left_out)
+      EXPECT_NE(line.why.find("another language or program"), std::string::npos) << line.why;
+  }
+}
+
+TEST(Shown, DamageInABranchThatIsNotChosenIsCountedAndDoesNoHarm) {
+  for (const char* damaged : {"<g transform='oops'><circle r='9'/></g>", "<use href='other.svg#a'/>",
+                              "<g><line x2='9' stroke='red' transform='rotate()'/></g>"}) {
+    const auto d = read("<switch>" + kSeen + damaged + "</switch>");
+    ASSERT_TRUE(d) << damaged << ": " << d.error();
+    EXPECT_NEAR(length_mm(*d), 30.0, 1e-6) << damaged;
+    EXPECT_EQ(d->unsupported.sentence(), "1 damaged and not shown") << damaged;
+    EXPECT_FALSE(read("<switch>" + std::string(damaged) + kSeen + "</switch>")) << damaged;
+  }
+}
+
+TEST(Shown, AnAreaWithoutAnySizeShowsNothing) {
+  const std::string two = "<circle r='9'/><g><circle r='2'/></g>";
+  for (const std::string& body : {
+           "<svg width='0' height='9'>" + two + "</svg>",
+           "<svg width='9' height='0' overflow='visible'>" + two + "</svg>",
+           "<symbol id='s'>" + two + "</symbol><use href='#s' width='0'/>",
+       }) {
+    const auto d = read(body + kSeen);
+    ASSERT_TRUE(d) << body << ": " << d.error();
+    EXPECT_NEAR(length_mm(*d), 30.0, 1e-6) << body;
+    ASSERT_EQ(d->left_out.size(), 2u) << body;
+    EXPECT_EQ(d->left_out[0].why, "in an area without any size") << body;
+  }
+}
+
 TEST(Shown, WhatAttributesHideIsLeftOut) {
   for (const char* hidden :
        {"<circle r='9' display='none'/>", "<g visibility='hidden'><circle r='9'/></g>",

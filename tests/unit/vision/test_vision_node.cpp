@@ -84,7 +84,8 @@ TEST(VisionNode, SaysHowManyLinesOfADrawingNoMessageHolds) {
   EXPECT_EQ(remark_on(1000), "");
   EXPECT_EQ(remark_on(1003),
             "plate.svg: of 1004 contours the smallest 3 are left out: a message holds 1000 further lines and "
-            "100000 points of them");
+            "100000 points of them (--layers or --colours of a drawing, --smallest-mm of a picture choose what "
+            "is cut)");
 }
 
 TEST(VisionNode, ALiveContourIsPublishedOnceWhenFramesAgree) {

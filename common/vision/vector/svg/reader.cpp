@@ -126,9 +126,11 @@ void SvgReader::element(const Element& e, const Inherited& around) {
   if (++visited_ > limits_.max_points)
     return out_.fail(fmt::format("the drawing has more than {} elements", limits_.max_points));
   const std::string_view name = svg_name(e);
-  if (draws_nothing(name, e)) return;
+  if (draws_nothing(name)) return;
   const Properties own = cascade_.of(e);
   self.look = look_of(own, around.look);
+  self.look.passed_over = self.look.passed_over || !is_met(e);
+  self.look.displayed = self.look.displayed && !self.look.passed_over;
   if (const auto trouble = trouble_of(own); !trouble.empty() && self.look.displayed)
     return out_.fail(trouble);
   if (!transform(own, self.here)) return;
@@ -191,13 +193,12 @@ bool SvgReader::transform(const Properties& own, Affine& here) {
   return !out_.failed();
 }
 
-bool SvgReader::draws_nothing(std::string_view name, const Element& e) const {
+bool SvgReader::draws_nothing(std::string_view name) const {
   constexpr std::array<std::string_view, 22> kSilent{
       "defs",   "style",          "clipPath",       "mask",         "symbol",           "pattern",
       "marker", "linearGradient", "radialGradient", "filter",       "metadata",         "title",
       "desc",   "script",         "view",           "animate",      "animateTransform", "animateMotion",
       "set",    "font",           "font-face",      "color-profile"};
-  (void)e;
   return name.empty() || std::find(kSilent.begin(), kSilent.end(), name) != kSilent.end();
 }
 
@@ -210,13 +211,13 @@ void SvgReader::shape(std::string_view name, const Element& e, const Properties&
     if (why.empty() && in_mask_ && (!paint.white || paint.stroke))
       return out_.fail("a mask is not followed; apply it in the drawing program");
   }
-  out_.left_out_why = why;
+  const std::string around = std::exchange(out_.left_out_why, why);
   out_.pen.colour = paint.colour;
   out_.fills = in_hole_ || (paint.fill && !(paint.white && paint.stroke));
   const std::size_t first = out_.count();
   const bool drawable = draw_shape(name, e, own, coordinates(e, own), self.here, out_);
   if (!drawable && why.empty()) out_.unsupported.add(name);
-  out_.left_out_why.clear();
+  out_.left_out_why = around;
   out_.fills = false;
   if (in_hole_ && self.look.clips_even_odd && out_.count() > first + 1)
     return out_.fail("clip-rule: evenodd of several parts is not followed; apply it in the drawing program");
@@ -252,12 +253,15 @@ void SvgReader::leave_out_background(std::size_t first, const Painted& paint) {
   }
 }
 
-/// The first child that asks for no extension and for no other language.
+/// Its first child that draws and whose conditions are met; what the others draw is left out by name.
 void SvgReader::first_choice(const Element& e, const Inherited& self) {
+  Inherited at_hand = self;
   for (auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const char* language = child->Attribute("systemLanguage");
-    if (language != nullptr && std::string_view(language).find("en") == std::string_view::npos) continue;
-    if (child->Attribute("requiredExtensions") == nullptr) return element(*child, self);
+    const bool shown = is_met(*child) && !at_hand.look.passed_over;
+    const std::string before = std::exchange(out_.left_out_why, shown ? out_.left_out_why : "not chosen");
+    element(*child, at_hand);
+    out_.left_out_why = before;
+    at_hand.look.passed_over = at_hand.look.passed_over || (shown && !draws_nothing(svg_name(*child)));
   }
 }
 
@@ -316,6 +320,10 @@ void SvgReader::viewport(const Element& e, const Properties& own, const Inherite
   const std::size_t first = out_.count();
   children(e, within);
   viewport_ = around;
+  // Of a page whose size is not known nothing is a part.
+  const bool nowhere = !(size.minCoeff() > 0.0) && around.minCoeff() > 0.0;
+  for (std::size_t k = first; nowhere && k < out_.count(); ++k)
+    if (out_.is_kept(k)) out_.leave_out(k, "in an area without any size");
   if (!clips(own) || !(size.minCoeff() > 0.0)) return;
   geometry::Polyline frame{{}, true};
   for (const Vec2& corner : {Vec2(0, 0), Vec2(size.x(), 0), Vec2(size.x(), size.y()), Vec2(0, size.y())})

@@ -44,7 +44,7 @@ class SvgReader {
   void first_choice(const Element& e, const Inherited& self);
   void use(const Element& e, const Properties& own, const Inherited& self);
   void viewport(const Element& e, const Properties& own, const Inherited& self, const Vec2& size);
-  bool draws_nothing(std::string_view name, const Element& e) const;
+  bool draws_nothing(std::string_view name) const;
   /// False: it fails.
   bool transform(const Properties& own, Affine& here);
   void leave_out_background(std::size_t first, const Painted& painted);

@@ -166,7 +166,9 @@ Painted painted(const Look& look, bool area, const IsDefined& is_defined) {
   out.stroke = stroke.paints && look.stroke_opacity > 0.0 && share_of(flat(look.stroke_width), 1.0) > 0.0;
   out.white = out.fill && is_white(fill.colour);
   out.colour = out.stroke ? stroke.colour : fill.colour;
-  if (!look.displayed) {
+  if (look.passed_over) {
+    out.why_hidden = "for another language or program (switch)";
+  } else if (!look.displayed) {
     out.why_hidden = "hidden (display: none)";
   } else if (!look.visible) {
     out.why_hidden = "hidden (visibility)";

@@ -20,8 +20,9 @@ struct Look {
   double fill_opacity = 1.0;
   double stroke_opacity = 1.0;
   bool visible = true;
-  bool displayed = true;  ///< it and all around it
-  bool opaque = true;     ///< likewise, even if only a little
+  bool displayed = true;     ///< it and all around it
+  bool passed_over = false;  ///< its conditions are not met, or another branch of a switch is shown
+  bool opaque = true;        ///< likewise, even if only a little
   bool markers = false;
   bool clips_even_odd = false;  ///< as part of a clip-path: overlaps are holes
 };

@@ -100,4 +100,16 @@ std::string_view svg_name(const tinyxml2::XMLElement& e) {
   return prefix == "svg:" || (prefix.empty() && !all_prefixed) ? name : std::string_view();
 }
 
+bool is_met(const tinyxml2::XMLElement& e) {
+  if (e.Attribute("requiredExtensions") != nullptr) return false;
+  const char* languages = e.Attribute("systemLanguage");
+  if (languages == nullptr) return true;
+  std::string list = ",";
+  for (; *languages != 0; ++languages) {
+    if (*languages != ' ') list += static_cast<char>(*languages | 0x20);  // lower case; a comma stays one
+  }
+  list += ',';
+  return list.find(",en,") != std::string::npos || list.find(",en-") != std::string::npos;
+}
+
 }  // namespace telekerf::vision

@@ -26,4 +26,8 @@ std::string_view local_name(std::string_view name);
 /// declaration an element without a prefix is SVG.
 std::string_view svg_name(const tinyxml2::XMLElement& e);
 
+/// Whether the conditions of an element are met: it may ask for extensions, of which none is known, or for
+/// one of several languages, of which English is.
+bool is_met(const tinyxml2::XMLElement& e);
+
 }  // namespace telekerf::vision
