@@ -203,7 +203,12 @@ class ScriptFlags : public Script {
       std::ofstream(stub)
           << "#!/bin/sh\ncase \" $* \" in *' --describe-settings '* | *' --print-config '* | *' "
              "--help '*) exec '" TELEKERF_BIN_DIR "/telekerf-"
-          << name << "' \"$@\" ;; esac\nprintf '%s\\n' \"$@\" >" << name << ".txt\n";
+          << name << "' \"$@\" ;; esac\nprintf '%s\\n' \"$@\" >" << name << ".part\nmv " << name << ".part " << name
+          << ".txt\n";
+      // Whoever's end ends the others waits until they have written, too.
+      if (name == "machine" || name == "master")
+        std::ofstream(stub, std::ios::app)
+            << "for n in $(seq 20); do [ -e vision.txt ] && break; sleep 0.1; done\nsleep 0.3\n";
       fs::permissions(stub, fs::perms::owner_all);
     }
   }
