@@ -82,6 +82,8 @@ def the_record_is_played(page):
     shot = page.js("return telekerf.player.stage.mark.length / 2")
     lit = sum(float(row["laser_w"]) > 0 for row in slave)
     assert lit > 500 and 50 < shot <= lit, (lit, shot)
+    before = "return getComputedStyle(document.getElementById('sentence'), '::before').content"
+    assert "The cell, now" in page.js(before), "what the cell says now reads like the record"
     page.driver.save_screenshot(os.path.join(folder, "playback.png"))
     page.js("telekerf.player.seek(4000)")
     for name, row in (("step-on", 4001), ("step-on", 4002), ("step-back", 4001)):
@@ -108,6 +110,7 @@ def the_record_is_played(page):
     page.size(1280, 800)
     page.click("play-end")
     assert not page.js("return document.body.classList.contains('playing')")
+    assert page.js(before) == "none"
     assert page.js("return document.querySelector('#plots figcaption').textContent").startswith("Speed, mm/s")
 
 
