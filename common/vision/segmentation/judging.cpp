@@ -35,6 +35,11 @@ const char* why_no_thing(const Scene& scene, const cv::Mat& mask) {
   constexpr double kUnseparated = 0.11;
   constexpr double kClear = 22.0;  // Rating::weak, units of L*a*b*
   constexpr double kClearer = 60.0;
+  // What ends at the picture's border has less of an outline of its own: that must be clearer than the texture beside it.
+  constexpr double kEndsThere = 0.05;  // of the outline
+  constexpr double kOverTexture = 2.0;
+  constexpr double kRest = 0.6;  // a large part of the picture that is as like the rest of it as this...
+  constexpr double kJoined = 0.07;  // ...and of whose outline as much separates nothing
   const double alike = likeness_to_ring(scene, mask);
   if (alike > kSame) return "round what is pointed at lies more of the same: it looks like a pattern";
   for (const auto& outline : outlines_of_mask(mask, 12.0)) {
@@ -44,7 +49,12 @@ const char* why_no_thing(const Scene& scene, const cv::Mat& mask) {
     if (rating.area > kMost && rating.round < kMostRagged && alike > kMostAlike)
       return "what is pointed at fills most of the picture and has no even outline: it looks like the "
              "background";
+    if (rating.touching > kEndsThere && rating.weak < kOverTexture * rating.texture)
+      return "what is pointed at runs on to the picture's border, and elsewhere its outline is no clearer than the "
+             "texture beside it";
     const double merged = unseparated(scene, mask, outline);
+    if (rating.area > kMost && alike > kRest && merged > kJoined)
+      return "what is pointed at fills most of the picture and is like the rest of it: it looks like the background";
     if (rating.round < kRagged || (rating.round < kWinding && crookedness(outline) > kCrooked) ||
         rating.blind > kBlind || (merged > kUnseparated && rating.weak < kClear + kClearer * merged))
       return "what is pointed at has no outline that can be told from its surroundings";
